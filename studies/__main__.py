@@ -6,13 +6,14 @@ Run: python -m studies papers, stability or coupling, at the root of the project
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from inertia_module.cli.shared import (
+from inertia_module.cli import (
     Answer,
     OutputFolder,
     command,
@@ -115,8 +116,6 @@ def coupling(
 
     In out/coupling without -o.
     """
-    from dataclasses import asdict
-
     from .coupling import MAP, PARTS, coupling_map, print_rows, urban_runs, write_part
 
     folder = folder_for(output, "coupling")
@@ -125,20 +124,20 @@ def coupling(
     # the cycle is not quick
     chosen = (only,) if only else (MAP,) if quick else PARTS
     fmu_path = current_fmu()
-    found: dict[str, Sequence[Any]] = {}
-    written: dict[str, Path] = {}
+    told: dict[str, Any] = {}
+    shown: list[partial[None]] = []
+    files: dict[str, Path] = {}
     for name in chosen:
         with progress_bar(f"measuring: {name}") as progress:
-            rows = (
+            rows: Sequence[Any] = (
                 coupling_map(fmu_path, quick, progress)
                 if name == MAP
                 else urban_runs(fmu_path, scene, progress)
             )
-        found[name] = list(rows)
-        written |= write_part(folder, name, rows)
-
-    told = {"rows": {name: [asdict(row) for row in rows] for name, rows in found.items()}}
-    return Answer(told, [partial(print_rows, name, rows) for name, rows in found.items()], written)
+        told[name] = [asdict(row) for row in rows]
+        shown.append(partial(print_rows, name, rows))
+        files |= write_part(folder, name, rows)
+    return Answer({"rows": told}, shown, files)
 
 
 if __name__ == "__main__":

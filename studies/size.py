@@ -33,24 +33,22 @@ FLOORS: tuple[tuple[tuple[str, tuple[str, ...], int], ...], ...] = (
     (("fidelity", ("fidelity",), 700), ("jobs", ("jobs",), 2500)),
     (
         ("figures", ("figures",), 750),
-        ("export, page, cli, common", ("export", "page", "cli", "common"), 1650),
+        ("export, page, cli, common", ("export", "page", "cli.py", "common"), 1650),
     ),
 )
 PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7947,
-    "compiling": 767,
-    "contract": 933,
-    "harness": 2267,
-    "bridge": 906,
-    "scene": 2066,
-    "fidelity": 843,
-    "export, page, cli, common": 1910,
-    "package": 23912,
-    "studies": 7191,
-    "tests": 18764,
+    "kernel": 7944,
+    "compiling": 692,
+    "harness": 2262,
+    "bridge": 893,
+    "fidelity": 834,
+    "export, page, cli, common": 1809,
+    "package": 23494,
+    "studies": 7105,
+    "tests": 17612,
 }
 
 
@@ -85,13 +83,10 @@ def statements(text: str) -> int:
 
 def room(name: str, places: Iterable[Path], budget: int) -> Room:
     """Count the Python files that are, or are below, some places."""
-    files = [
-        path for place in places for path in ([place] if place.is_file() else sorted(place.rglob("*.py")))
-    ]
+    files = (path for place in places for path in ([place] if place.is_file() else place.rglob("*.py")))
     texts = [path.read_text(encoding="utf-8") for path in files]
-    return Room(
-        name, len(texts), sum(text.count("\n") for text in texts), sum(map(statements, texts)), budget
-    )
+    lines = sum(text.count("\n") for text in texts)
+    return Room(name, len(texts), lines, sum(map(statements, texts)), budget)
 
 
 def house() -> list[Room]:
@@ -135,17 +130,8 @@ def picture(houses: Mapping[str, Mapping[str, int]]) -> Figure:
     return figure
 
 
-def lines_before() -> dict[str, int]:
-    """Lines of each room in the house that BEFORE keeps."""
-    with BEFORE.open(encoding="utf-8", newline="") as rows:
-        return {row["room"]: int(row["lines"]) for row in csv.DictReader(rows)}
-
-
 def main(
     draw: Annotated[Path | None, typer.Option("--picture", metavar="FILE", help="Draw it too.")] = None,
-    keep: Annotated[
-        Path | None, typer.Option("--keep", metavar="FILE.csv", help="Write it as a table.")
-    ] = None,
 ) -> None:
     """Print folder, files, lines, statements and budget of each room."""
     from inertia_module.harness.results import write_figure
@@ -158,9 +144,10 @@ def main(
             f"{found.name:28}{found.files:7}{found.lines:8}{found.statements:12}{found.budget:8}{over}"
         )
     if draw is not None:
-        parts = {"before": lines_before(), "now": {found.name: found.lines for found in rooms}}
-        budgets = {found.name: found.budget for found in rooms}
-        write_figure(draw, picture({**parts, "as it shall be": budgets}))
+        with BEFORE.open(encoding="utf-8", newline="") as rows:
+            before = {row["room"]: int(row["lines"]) for row in csv.DictReader(rows)}
+        now, budgets = ({one.name: getattr(one, size) for one in rooms} for size in ("lines", "budget"))
+        write_figure(draw, picture({"before": before, "now": now, "as it shall be": budgets}))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.levels import PEER, Attempt, Level, Row, all_levels, attempt_all
 from inertia_module.fidelity.trials import kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
-from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE, RIGID
+from inertia_module.kernel.codes import AVERAGED, DRIVING, ELASTIC, EVENT, FREE, KINEMATIC, RIGID
 from inertia_module.kernel.layout import imbalance_in_fixed_frame
 from inertia_module.memory import Module
 from inertia_module.scene.schema import at_fidelity, is_elastic
@@ -377,7 +377,8 @@ def measure(
     def run_level(level: Level, step: float) -> Trajectory:
         return KernelRun(case, level.values, step).trajectory()
 
-    chosen = list(all_levels(is_elastic(case.parameters))) if levels is None else levels
+    prescribed = Level(KINEMATIC, EVENT, "prescribed ratio")
+    chosen = [prescribed, *all_levels(is_elastic(case.parameters))] if levels is None else levels
     lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
     attempts: list[Attempt] = [
         (level.row(step), compared(run_level, level, step)) for step in lengths for level in chosen

@@ -73,7 +73,7 @@ SELECTION = {
     "driven_shaft/": "test_driven_shaft.py",
     "^shaft|rosenbrock": """
         test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
-        test_elastic.py::test_the_twist_of_an_overdamped_shaft_follows_tolerance
+        test_elastic.py::test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance[0.1-400.0-overdamped]
         test_elastic.py::test_a_stiff_step_is_of_its_order_in_all_that_is_followed
     """,
     "kinematic": f"""
@@ -119,7 +119,9 @@ SELECTION = {
         {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py
         {MEANS}
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
-        test_rates.py::test_rates_of_the_outputs test_freewheels.py test_jumps.py
+        test_rates.py::test_rates_of_the_outputs test_freewheels.py
+        test_reference.py::test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem
+        test_tunable.py::test_jump_of_the_prescribed_ratio_is_an_impulse
         test_motions.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step
         test_motions.py::test_means_are_the_momentum_they_give
         test_motions.py::test_energies_balance_and_freewheels_only_push[bevel-speed-kinematic-ideal]
@@ -130,7 +132,6 @@ SELECTION = {
 # file of the kernel, and a place in it that is there once: {what stands there|what is planted}
 CHANGES = r"""
 equations/satellites.py: turn1 = omega1 {+|-} across * rate_q
-equations/satellites.py: turn_q = across * omega1 {+|-} along * rate_q
 equations/satellites.py: power += speed * {square|speed}
 events/stages.py: rates.lost[WINDAGE] = {|0.5 * }m.windage
 links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
@@ -138,14 +139,12 @@ inertia.py: b1 = mass * (y * z2 {-|+} z * y2)
 inertia.py: b1 {-|+}= d.body_b * sin_a
 bodies.py: sine * (across * cosine {-|+} own * spin)
 bodies.py: d.J1 += {0.5|1.0} * (own - across)
-bodies.py: own * spin * spin {+|-} across * sine * sine
 bodies.py: alpha1 {-|+} across * rate_q * omega1
 layout.py: {+|-} coriolis * y1
 layout.py: across2 = tangential2 {+|-} 2.0 * radial1
 derive.py: 1.0 + 2.0 * s * {cosine|sine} + s * s
 derive.py: d.harmonic = 2.0 + {2.0|0.0} * d.s
 derive.py: return (fixed + moving * offset {*|+} offset)
-derive.py: (fixed + moving * offset {*|+} offset) / largest
 derive.py: omega_out {<|<=} omega2
 derive.py: max({0.1|10.0} * p.tolerance
 sine.py: HALF_PI_2 = {6|7}.077
@@ -168,8 +167,6 @@ step.py: PRECISE) if operation == STEP_PRECISELY else {d|w}.tolerance
 fixed_steps/link_step.py: centre * centre {+|-} weight * push
 fixed_steps/link_step.py: (rise {-|+} change * per_root * slip)
 fixed_steps/link_step.py: mean1 {+|-}= answer1 * turned
-fixed_steps/link_step.py: (less2 {-|+} more1)
-fixed_steps/link_step.py: slip * (change * per_root {-|+} end_root)
 fixed_steps/link_step.py: w.lost_by_load = {|0.5 * }friction * turned
 fixed_steps/satellite_step.py: {k * |}(journals + spun +
 fixed_steps/satellite_step.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
@@ -178,7 +175,6 @@ fixed_steps/hub_step.py: damping -= {0.5|0.75} * d.stiffness
 fixed_steps/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
 fixed_steps/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
 fixed_steps/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
-impulse.py: drive * (x.omega1 {+|-} 0.5 * jump)
 impulse.py: else 0.0) - {|0.5 * }omega2) / change
 impulse.py: (omega4 {+|-} 0.5 * change4)
 impulse.py: output = mesh {-|+} d.J2 * change
@@ -205,14 +201,11 @@ events/stages.py: m.q = x.q + h {*|/} q
 tableau.py: slope = dense[6] * rest {-|+} y
 events/error.py: sum5 {+|-}= found5 * found5
 tableau.py: 0.20136540080403034, 0.0447{1|2}
-tableau.py: 71 / 1920, {-|}17253 / 339200
 events/search.py: if value {<|>} -zero:\n                sigma
 events/kinematic.py: * d.machine.output * d.machine.omega{2|1}
 shaft.py: square / (half {+|-} math.sqrt
 events/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
-events/rosenbrock.py: -0.6610691{8|9}25249471
 events/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
-events/rosenbrock.py: -2.367925{1|2}022685204
 events/search.py: value_low *= {0.5|1.0} if
 averaged/rates.py: - speed * torque {-|+} omega3 * torque1
 averaged/rates.py: share_rate = rate * (share {-|+} s * share1)
@@ -236,7 +229,6 @@ averaged/run.py: y.housing_torque = torque + d.b2 * x.omega2 {-|+} mesh
 averaged/run.py: 1.0 {+|-} share * share / 12.0
 averaged/run.py: {4.0|2.0} * centre
 equations/motion.py: passed = k / (1.0 {-|+} flow * d.mesh_loss)
-equations/motion.py: passed * k * (own1 * by_q {-|+} b * slipping)
 equations/motion.py: passed * k * (own1 * by_q {-|+} b * slipping
 equations/motion.py: mesh + by_alpha1 * alpha1 {+|-} by_rate2
 equations/motion.py: m.margin = journals + m.spun {+|-} d.mesh_loss
@@ -263,7 +255,6 @@ equations/choice.py: return -push if speed {<=|<} 0.0
 equations/choice.py: -x.slip_sign * inertia * (m.alpha1 {-|+} m.alpha2)
 equations/states.py: return slip == 0.0 or sign * slip {>|<} 0.0
 events/kinematic.py: m.q = x.q + d.k * (1.0 {-|+} d.ratio)
-events/error.py: HELD_SUMS = ({OF_DRIVE, |}OF_HOUSING
 events/search.py: elif sigma {==|!=} high:\n            return -1.0
 events/search.py: if value {<|>} -zero:\n            fallen
 equations/motion.py: rest {+|-}= m.weight_q

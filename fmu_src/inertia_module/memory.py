@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
-import struct
-import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
 
 from .common.errors import Refused, did_you_mean, must_be
@@ -25,9 +23,11 @@ MOST_MAPS = 64
 # what the kernel's build_map writes and is to find again
 _OF_MAP = ("map_ready", "map_key", "map_lock", "map_inertia", "map_evaluations", "forward", "backward")
 
-_lock = threading.Lock()
-# records of derived constants by the parameters the map depends on, the oldest first
-_maps: dict[tuple[float, ...], Any] = {}
+
+@lru_cache(MOST_MAPS)
+def _map_of(key: tuple[float, ...]) -> list[Any]:
+    """Constants with the map of parameters, those of MAP_KEY: none yet, or one record, to be replaced."""
+    return []
 
 
 def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[Callable[..., int] | None, str]:
@@ -132,23 +132,23 @@ class ModelInstance:
             Refused: a tuned parameter out of its range, alone or with others; nothing is changed.
         """
         changed = [name for name, number in numbers.items() if self.started and number != self[name]]
-        tuned = [name for name in changed if self._record(name) is self.parameters]
+        tuned = [name for name in changed if self.record(name) is self.parameters]
         for name in tuned:
             self.model.by_name[name].number(numbers[name])
         before = {name: self[name] for name in numbers}
         self._write(numbers)
         status = self.call(codes.TUNE, 0.0) if tuned else codes.OK
         if status != codes.OK:
-            reason = self.model.explain(status, self.parameters, self.inputs, 0.0)
+            reason = self.explain(status, 0.0)
             self._write(before)
             self.call(codes.CHECK, 0.0)
             raise Refused(reason)
 
     def _write(self, numbers: Mapping[str, float]) -> None:
         for name, number in numbers.items():
-            setattr(self._record(name), name, number)
+            setattr(self.record(name), name, number)
 
-    def _record(self, name: str) -> Any:
+    def record(self, name: str) -> Any:
         """The record that holds a variable."""
         return self._records[RECORD_OF[self.model.by_name[name].causality]]
 
@@ -215,16 +215,27 @@ class ModelInstance:
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
-            raise Refused(self.model.explain(status, self.parameters, self.inputs, step_size))
+            raise Refused(self.explain(status, step_size))
 
     def warnings(self) -> list[str]:
         """Warnings of what cannot be built though its parameters are accepted: a sentence each."""
         found = self.call(codes.WARN, 0.0) if self.model.warnings else 0
-        return self.model.warn(found, self.parameters, self.inputs)
+        return [self._filled(text, 0.0) for number, text in self.model.warnings.items() if found & number]
+
+    def explain(self, status: int, step_size: float) -> str:
+        """Sentence for a status of the kernel, not OK, after a communication step, s."""
+        return self._filled(self.model.messages[status], step_size)
+
+    def _filled(self, text: str, step_size: float) -> str:
+        """A sentence with the values in their places."""
+        values = {"step": f"{step_size:.16g}"}
+        for record, names in ((self.parameters, self.model.records[0]), (self.inputs, self.model.records[2])):
+            values |= {name: f"{getattr(record, name):.16g}" for name in names}
+        return text.format_map(values)
 
     def __getitem__(self, name: str) -> float:
         """Value of any variable by its name."""
-        value: float = getattr(self._record(name), name)
+        value: float = getattr(self.record(name), name)
         return value
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
@@ -233,8 +244,10 @@ class ModelInstance:
 
     def save(self) -> bytes:
         """Serialise the state bit for bit: kind of model, started or not, build, records."""
-        head = self.model.name.encode() + struct.pack("<?", self.started) + self.model.source_hash.encode()
-        return head + b"".join(bytes(record) for record in self._records[:5])
+        return self._head(self.started) + b"".join(bytes(record) for record in self._records[:5])
+
+    def _head(self, started: bool) -> bytes:
+        return f"{self.model.name}{int(started)}{self.model.source_hash}".encode()
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
         """Take over a state of save.
@@ -245,16 +258,15 @@ class ModelInstance:
         Raises:
             Refused: it is not one, is damaged or of another build; nothing is changed.
         """
-        kind, build = self.model.name.encode(), self.model.source_hash.encode()
-        start = len(kind) + 1 + len(build)
+        start = len(self._head(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
             raise Refused(
                 f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
             )
-        if not saved.startswith(kind) or saved[len(kind) + 1 : start] != build:
+        started = saved.startswith(self._head(True))
+        if not started and not saved.startswith(self._head(False)):
             raise Refused(NO_STATE)
-        started = saved[len(kind)] != 0
         parts = {}
         for name, record in zip("pduxy", self._records, strict=False):
             parts[name] = type(record).from_buffer_copy(saved, start)
@@ -298,17 +310,12 @@ class Module(ModelInstance):
         if self.parameters.fidelity != codes.AVERAGED:
             super()._begin()
             return
-        key = tuple(getattr(self.parameters, name) for name in MAP_KEY)
-        with _lock:
-            kept = _maps.get(key)
-        for name in _OF_MAP if kept is not None else ():
-            setattr(self.derived, name, getattr(kept, name))
+        kept = _map_of(tuple(getattr(self.parameters, name) for name in MAP_KEY))
+        for known in kept[:]:
+            for name in _OF_MAP:
+                setattr(self.derived, name, getattr(known, name))
         super()._begin()
-        with _lock:
-            _maps.pop(key, None)
-            _maps[key] = type(self.derived).from_buffer_copy(self.derived)
-            while len(_maps) > MOST_MAPS:
-                del _maps[next(iter(_maps))]
+        kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
 
 
 class DrivenShaft(ModelInstance):

@@ -13,10 +13,10 @@ import time
 from functools import partial
 from pathlib import Path
 
-from inertia_module.compiling.linking import compiler
+from inertia_module.compiling.linking import COMPILER
 from inertia_module.fidelity.trials import kernel_time
 from inertia_module.memory import Module
-from studies.benchmarks.figures import R1
+from studies.benchmarks.figures import R1, in_turns
 
 SOURCE = Path(__file__).with_suffix(".c")
 FLAGS = [
@@ -45,7 +45,7 @@ class ByHand:
 
     def __init__(self, folder):
         path = Path(folder) / "by_hand.so"
-        command = [*compiler(), "cc", *FLAGS, "-shared", "-fPIC", str(SOURCE), "-o", str(path), "-lm"]
+        command = [*COMPILER, "cc", *FLAGS, "-shared", "-fPIC", str(SOURCE), "-o", str(path), "-lm"]
         subprocess.run(command, check=True)
         self.library = ctypes.CDLL(str(path))
         derived = Module("plain").start(**R1).derived
@@ -66,22 +66,20 @@ class ByHand:
         return state.omega3, state.switches, state.evaluations, taken
 
 
-class ByKernel:
-    """Run of the case by the compiled kernel."""
-
-    def run(self, tolerance, steps):
-        module = Module("compiled").start(tolerance=tolerance, **R1)
-        begin = module.save()
-        for _ in range(steps):
-            module.advance(1.0 / steps)
-        result = (module[name] for name in ("omega_out", "contact_switches", "rhs_evaluations"))
-        given = [(R1["omega1"], R1["load_torque"], 0.0)] * steps
-        return *result, kernel_time(module, begin, given, 1.0 / steps, repeats=1)
+def by_kernel(tolerance, steps):
+    """ByHand.run by the compiled kernel."""
+    module = Module("compiled").start(tolerance=tolerance, **R1)
+    begin = module.save()
+    for _ in range(steps):
+        module.advance(1.0 / steps)
+    result = module.read(("omega_out", "contact_switches", "rhs_evaluations"))
+    given = [(R1["omega1"], R1["load_torque"], 0.0)] * steps
+    return *result, kernel_time(module, begin, given, 1.0 / steps, repeats=1)
 
 
-def agree(by_hand, exact):
-    """Compare the C with the kernel where both are tight. Raises if they disagree."""
-    found, wanted = by_hand.run(1e-12, 1), exact.run(1e-13, 1000)
+def agree(by_hand):
+    """Compare the C with the kernel where both are tight: its output speed. Raises if they disagree."""
+    found, wanted = by_hand(1e-12, 1), by_kernel(1e-13, 1000)
     if found[1] != wanted[1] or not abs(found[0] / wanted[0] - 1.0) < 1e-9:
         raise RuntimeError(
             f"by_hand.c: {found[0]} rad/s after {found[1]:.0f} switches; the kernel: {wanted[:2]}"
@@ -99,15 +97,16 @@ def figures():
     """Figures of both at the loosest tolerance whose error is below WANTED, timed in turns."""
     found = []
     with tempfile.TemporaryDirectory() as folder:
-        ways = {"kernel, compiled": (ByKernel(), TOLERANCES), "C by hand": (ByHand(folder), BEARABLE)}
-        exact = agree(ways["C by hand"][0], ways["kernel, compiled"][0])
+        ways = {"kernel, compiled": (by_kernel, TOLERANCES), "C by hand": (ByHand(folder).run, BEARABLE)}
+        exact = agree(ways["C by hand"][0])
         for name, steps in STEPS.items():
-            runs = {way: partial(made.run, steps=steps) for way, (made, _) in ways.items()}
-            settings = {way: loosest(runs[way], ways[way][1], exact) for way in ways}
-            rounds = [{way: run(settings[way][0]) for way, run in runs.items()} for _ in range(ROUNDS)]
-            for way in ways:
-                seconds = statistics.median(results[way][3] for results in rounds)
-                found += run_figures(f"{way}, {name}", *settings[way], seconds, rounds[0][way][2])
+            runs, settings = {}, {}
+            for way, (run, tolerances) in ways.items():
+                settings[way] = loosest(partial(run, steps=steps), tolerances, exact)
+                runs[way] = partial(run, settings[way][0], steps)
+            for way, results in in_turns(runs, ROUNDS).items():
+                seconds = statistics.median(result[3] for result in results)
+                found += run_figures(f"{way}, {name}", *settings[way], seconds, results[0][2])
     return found
 
 

@@ -1,8 +1,6 @@
-"""Tools that the benchmarks share: clocks, the scene, and a table of measured figures, docs/performance.csv."""
+"""Tools that the benchmarks share: runs in turns, the scene, and a table of measured figures, docs/performance.csv."""
 
 import csv
-import statistics
-import time
 from pathlib import Path
 
 from inertia_module.harness.results import write_rows
@@ -17,14 +15,10 @@ PLANAR = {
 }
 
 
-def median_time(action, repeats=7):
-    """Median wall time of some calls, s."""
-    times = []
-    for _ in range(repeats):
-        begin = time.perf_counter()
-        action()
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times)
+def in_turns(ways, rounds):
+    """Results of calls, by name, made one after the other in each round: a list by name."""
+    found = [{name: call() for name, call in ways.items()} for _ in range(rounds)]
+    return {name: [results[name] for results in found] for name in ways}
 
 
 def keep_parts(parts):

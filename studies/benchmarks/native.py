@@ -7,15 +7,16 @@ A C host steps them in a loop (studies/benchmarks/native/loop.c), next to the le
 import statistics
 import subprocess
 import time
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from inertia_module.compiling.linking import compiler
+from inertia_module.compiling.linking import COMPILER
 from inertia_module.fmu.linking import header_folder
-from studies.benchmarks.figures import R1
+from studies.benchmarks.figures import R1, in_turns
 
 HERE = Path(__file__).parent / "native"
 ROUNDS = 5
@@ -45,18 +46,18 @@ class Timed(NamedTuple):
 
 
 def compile_c(source, target, *options):
-    command = [*compiler(), "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
+    command = [*COMPILER, "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
     files = ["-isystem", str(header_folder()), "-o", str(target), str(source)]
     subprocess.run([*command, *files, *options], check=True)
 
 
 def unpacked(path):
-    """A native FMU of ours as a Library."""
+    """An FMU as a Library."""
     description = read_model_description(str(path))
-    folder = extract(str(path))
+    folder, identifier = extract(str(path)), description.coSimulation.modelIdentifier
     references = {v.name: v.valueReference for v in description.modelVariables}
-    library = f"{folder}/binaries/linux64/{description.modelName}.so"
-    return Library(library, description.guid, references, folder, description.modelName)
+    library = f"{folder}/binaries/linux64/{identifier}.so"
+    return Library(library, description.guid, references, folder, identifier)
 
 
 def empty_fmu(workshop):
@@ -106,16 +107,21 @@ CASES = {
 
 def c_loop(loop, module, shaft, empty):
     """Measure the time of a step, ns, and the worst step, us, of each case."""
-    costs = {name: [] for name in ("empty native FMU", *CASES, "DrivenShaft")}
-    for _ in range(ROUNDS):
-        costs["empty native FMU"].append(timed(loop, empty, {"u": 1.0, "v": 2.0}, ("y", "z"), repeats=3))
-        for name, (values, whole) in CASES.items():
-            costs[name].append(timed(loop, module, values, OUTPUTS, repeats=3, **whole))
-        costs["DrivenShaft"].append(timed(loop, shaft, SHAFT, ("omega_out", "shaft_torque_mean"), repeats=3))
+    cost = partial(timed, loop, repeats=3)
+    ways = {"empty native FMU": partial(cost, empty, {"u": 1.0, "v": 2.0}, ("y", "z"))}
+    for name, (values, whole) in CASES.items():
+        ways[name] = partial(cost, module, values, OUTPUTS, **whole)
+    ways["DrivenShaft"] = partial(cost, shaft, SHAFT, ("omega_out", "shaft_torque_mean"))
     return {
         name: (statistics.median(run.step for run in runs), min(run.worst for run in runs) / 1e3)
-        for name, runs in costs.items()
+        for name, runs in in_turns(ways, ROUNDS).items()
     }
+
+
+def through_fmpy(cases, quantity):
+    """Rows of a step and two reads through fmpy, in turns: library, values and outputs by name."""
+    runs = in_turns({name: partial(fmpy_loop, *case) for name, case in cases.items()}, ROUNDS)
+    return [(name, quantity, statistics.median(times), "us") for name, times in runs.items()]
 
 
 def fmpy_loop(library, values, outputs, steps=20000):
@@ -150,12 +156,8 @@ def figures(workshop, module_path, shaft_path):
     found = []
     for name, (step, worst) in c_loop(loop, module, shaft, empty).items():
         found += [(name, "time of a step", step, "ns"), (name, "worst step", worst, "us")]
-    pairs = [
-        (fmpy_loop(empty, {"u": 1.0}, ("y", "z")), fmpy_loop(module, STANDSTILL, OUTPUTS))
-        for _ in range(ROUNDS)
-    ]
-    for name, times in zip(
-        ("empty native FMU", "module at a standstill"), zip(*pairs, strict=True), strict=True
-    ):
-        found.append((name, "time of a step and two reads through fmpy", statistics.median(times), "us"))
-    return found
+    cases = {
+        "empty native FMU": (empty, {"u": 1.0}, ("y", "z")),
+        "module at a standstill": (module, STANDSTILL, OUTPUTS),
+    }
+    return found + through_fmpy(cases, "time of a step and two reads through fmpy")

@@ -10,18 +10,18 @@ import sys
 import tempfile
 from pathlib import Path
 
-from fmpy import extract, read_model_description
 from pythonfmu import FmuBuilder
 from rich.progress import track
 
+from inertia_module.fidelity.trials import median_time
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
 from inertia_module.harness.fmu import Fmu
 from inertia_module.memory import Module
 from studies.benchmarks import averaged, by_hand, native
-from studies.benchmarks.figures import R1, TABLE, keep_parts, median_time
+from studies.benchmarks.figures import R1, TABLE, keep_parts
 
 HERE = Path(__file__).parent
-WANTED = 1e-6
+
 TOLERANCES = [10.0**-n for n in range(4, 11)]
 REPEATS = 7
 START = """
@@ -35,42 +35,38 @@ os._exit(0)  # pythonfmu 0.7 writes to freed memory at the exit of the process
 """
 
 
-def plain_run(tolerance):
-    """One simulated second of R1 by the kernel in plain Python: (wall time, output speed, evaluations)."""
-    module = Module("plain").start(tolerance=tolerance, **R1)
-    begin = module.save()
-    module.advance(1.0)
-    result = module["omega_out"], module["rhs_evaluations"]
+def timed(plant, steps, *time):
+    """One simulated second by a module or FMU at its start: (output speed, evaluations, wall time)."""
+    begin, result = plant.save(), [0.0, 0.0]
 
     def again():
-        module.restore(begin)
-        module.advance(1.0)
+        plant.restore(begin, *time)
+        for _ in range(steps):
+            plant.advance(1.0 / steps)
+            result[:] = plant.read(("omega_out", "rhs_evaluations"))
 
-    return median_time(again), *result
+    again()
+    return *result, median_time(again)
+
+
+def plain_run(tolerance):
+    """Run of R1 by the kernel in plain Python."""
+    return timed(Module("plain").start(tolerance=tolerance, **R1), 1)
 
 
 def fmu_run(path, steps):
-    """Run of the case in an FMU, as a function of the tolerance."""
+    """Run of R1 in an FMU, as a function of the tolerance."""
 
     def run(tolerance):
         with Fmu(path, inputs=R1, tolerance=tolerance) as fmu:
-            begin, result = fmu.save(), [0.0, 0.0]
-
-            def again():
-                fmu.restore(begin, 0.0)
-                for _ in range(steps):
-                    fmu.advance(1.0 / steps)
-                    result[:] = fmu.read(("omega_out", "rhs_evaluations"))
-
-            again()
-            return median_time(again), *result
+            return timed(fmu, steps, 0.0)
 
     return run
 
 
 def ways(module, python):
-    """Figures of R1 at the loosest tolerance whose error in omega_out at 1 s is below WANTED."""
-    exact = by_hand.ByKernel().run(1e-13, 1000)[0]
+    """Figures of R1 at the loosest tolerance whose error in omega_out at 1 s is small enough."""
+    exact = by_hand.by_kernel(1e-13, 1000)[0]
     runs = {
         "kernel, plain Python, one step of 1 s": plain_run,
         "native FMU in an fmpy loop, one step of 1 s": fmu_run(module, 1),
@@ -80,34 +76,20 @@ def ways(module, python):
     }
     found = by_hand.figures()
     for name, run in track(runs.items(), "measuring"):
-        for tolerance in TOLERANCES:
-            seconds, speed, evaluations = run(tolerance)
-            error = abs(speed / exact - 1.0)
-            if error <= WANTED:
-                found += by_hand.run_figures(name, tolerance, error, seconds, evaluations)
-                break
+        tolerance, error = by_hand.loosest(run, TOLERANCES, exact)
+        _, evaluations, seconds = run(tolerance)
+        found += by_hand.run_figures(name, tolerance, error, seconds, evaluations)
     return found
 
 
 def shell(ours, workshop):
     """Cost of an empty step and two reads of the Python FMU and of the least that pythonfmu makes, in turns."""
     trivial = FmuBuilder.build_FMU(HERE / "trivial_slave.py", dest=workshop)
-    libraries = {}
-    for name, path in (("InertiaModulePy", ours), ("trivial pythonfmu FMU", trivial)):
-        description = read_model_description(str(path))
-        outputs = [v.name for v in description.modelVariables if v.causality == "output"][:2]
-        references = {v.name: v.valueReference for v in description.modelVariables}
-        identifier = description.coSimulation.modelIdentifier
-        library = native.Library("", description.guid, references, extract(str(path)), identifier)
-        libraries[name] = library, outputs
-    rounds = [
-        [native.fmpy_loop(library, {}, outputs) for library, outputs in libraries.values()] for _ in range(5)
-    ]
-    times = map(statistics.median, zip(*rounds, strict=True))
-    return [
-        (name, "time of a step and two reads", time, "us")
-        for name, time in zip(libraries, times, strict=True)
-    ]
+    cases = {
+        "InertiaModulePy": (native.unpacked(ours), {}, native.OUTPUTS),
+        "trivial pythonfmu FMU": (native.unpacked(trivial), {}, ("y", "z")),
+    }
+    return native.through_fmpy(cases, "time of a step and two reads")
 
 
 def instantiation(path):

@@ -26,8 +26,7 @@ from .engine import Row
 from .karetin import DYNAMIC, GENERAL, MOVING, OFFSET, PAPER, STOP, Geometry, exact, period, turned_x
 from .lysenko import EXAMPLE as M
 from .lysenko import EXAMPLE_SPEED as W
-from .stelmashchuk import KAPPA2, Criteria, response
-from .stepping import PHASES, law_of_motion, phase_starts
+from .stelmashchuk import KAPPA2, PHASES, Criteria, law_of_motion, phase_starts, response
 
 BROKEN, DOTTED, CHAIN = (0, (4, 2)), (0, (1, 1)), (0, (8, 3, 2, 3))
 SMALL: dict[str, Any] = {"fontsize": 8, "frameon": False}

@@ -30,10 +30,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from inertia_module.memory import DrivenShaft
+from inertia_module.scene.shaft import stepping_speed
 
 from .engine import Equation, Forms, compared, largest, tables
-from .stepping import HALF, PHASES, TWO_PI, law_of_motion, phase_of, phase_starts
 
+TWO_PI = 2.0 * np.pi
+# kappa_1 and kappa_3 of the paper: the lengths of phases I and III
+HALF = 0.5
+PHASES = ("I", "II", "III", "IV")
 # phase IV has no end: it is watched for this many units of kappa
 WATCHED = 2.0
 # the dwell of the paper's figures is not given: peaks are looked for over these
@@ -43,6 +47,39 @@ STIFFNESSES = (4.4, 8.0, 100.0)
 DAMPINGS = (5.0, 2.0, 1.0, 0.5, 0.1)
 # phases in which the driving wheel changes its speed, and in which it does not
 DRIVEN, COASTING = [0, 2], [1, 3]
+
+
+# --- the law of motion of the driving wheel ---
+
+
+def phase_starts(kappa2: float) -> Any:
+    """Starts of phases I to IV, in kappa, shape (4,)."""
+    return np.array([0.0, HALF, HALF + kappa2, HALF + kappa2 + HALF])
+
+
+def phase_of(kappa: Any, kappa2: float) -> Any:
+    """Number of the phase, 0 to 3, at each kappa (a boundary counts to the later phase)."""
+    return np.searchsorted(phase_starts(kappa2)[1:], np.asarray(kappa, dtype=np.float64), side="right")
+
+
+def law_of_motion(kappa: Any, kappa2: float) -> tuple[Any, Any, Any]:
+    """Angle of the driving wheel and its derivatives in kappa, (a_k, a_k', a_k''), as invariants.
+
+    Phase I: a = kappa - sin(2 pi kappa) / (2 pi); II: 0.5 + 2 kappa; III: mirrors I; IV: rest, kappa
+    counted from the beginning of the phase. Before kappa = 0 the wheel rests as well. a_k'' is the
+    sinusoid S_k the paper compares with, 2 pi at its peaks.
+    """
+    time, starts, phase = np.asarray(kappa, dtype=np.float64), phase_starts(kappa2), phase_of(kappa, kappa2)
+    # each phase adds what it has run through, so that no phase has to be picked
+    up = np.clip(time, 0.0, starts[1])
+    steady = np.clip(time - starts[1], 0.0, kappa2)
+    down = np.clip(time - starts[2], 0.0, HALF)
+    angle = up - np.sin(TWO_PI * up) / TWO_PI + 2.0 * steady + down + np.sin(TWO_PI * down) / TWO_PI
+    wave = (phase == 0) * np.sin(TWO_PI * up) - (phase == 2) * np.sin(TWO_PI * down)
+    return angle, stepping_speed(time, kappa2), TWO_PI * wave
+
+
+# --- the driven mass ---
 
 
 class Criteria(NamedTuple):

@@ -19,7 +19,6 @@ from .cases import (
     A2,
     A3,
     A4,
-    CAUSES,
     CLOSED,
     HOUSING,
     INTEGRALS,
@@ -117,7 +116,6 @@ class Reference:
         self.mode: Mode = (OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
         if any(wheel.there and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
             raise Unavailable("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
-        self._start = self.energy()
         self.give(drive_torque, load_torque)
 
     def _fastest(self) -> float:
@@ -370,12 +368,6 @@ class Reference:
     def integrals(self) -> dict[str, float]:
         """Works and losses, J, and impulses of the torques, N.m.s, since the start (see INTEGRALS)."""
         return dict(zip(INTEGRALS, map(float, self.state[SUMS:]), strict=True))
-
-    def residual(self) -> float:
-        """Work in, less work out, losses and what more is stored: the error of the integration, J."""
-        found = self.integrals()
-        lost = math.fsum(found[cause] for cause in CAUSES)
-        return found["energy_in"] - found["energy_out"] - lost - (self.energy() - self._start)
 
     def torques(self) -> Array:
         """(M1, M2, Tc, Th) now, N.m."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
+
+from pydantic import TypeAdapter
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
@@ -33,7 +35,7 @@ TORQUES = ("load_torque", "input_torque", "mesh_torque", "output_torque", "housi
 # not the shaft's: a balancer gives energy, and of a shaft too stiff to be followed it is a difference
 LOST = tuple(name for name in LOSSES if name != "energy_lost_shaft")
 
-Parameters = dict[str, float]
+Parameters = dict[str, int | float]
 Make = Callable[[], Module]
 
 
@@ -106,16 +108,12 @@ class Motion:
     @classmethod
     def of(cls, values: dict[str, Any]) -> Self:
         """The motion that as_dict has written."""
-        return cls(values["parameters"], tuple(Segment(**part) for part in values["segments"]))
+        return TypeAdapter(cls).validate_python(values)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers that can be printed and pasted, without those at their defaults."""
-        default = {field.name: field.default for field in fields(Segment)}
-        kept = [
-            {name: value for name, value in asdict(part).items() if value != default[name]}
-            for part in self.segments
-        ]
-        return {"parameters": self.parameters, "segments": kept}
+        plain: dict[str, Any] = TypeAdapter(Motion).dump_python(self, mode="json", exclude_defaults=True)
+        return plain
 
     def __getitem__(self, name: str) -> float:
         """Value of a parameter."""
@@ -215,6 +213,14 @@ class Run:
     steps: int = 0
     refused: str = ""
     broken: str = ""
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Largest residual and breaches relative to their scales: energy, speed, torque, their power."""
+        power = self.speed * self.torque
+        scales = dict.fromkeys(("residual", "regained"), self.energy)
+        scales |= {"reversal": self.speed, "pull": self.torque, "slipping": power}
+        return {name: relative(getattr(self, name), scale) for name, scale in scales.items()}
 
     def look(self, module: Module) -> None:
         """Take note of what shows at a communication point."""

@@ -71,6 +71,14 @@ COMPARED = ("input_speed", "omega2", "omega_hub", "omega_out", "energy_stored")
 FACTOR = 4.0  # whose powers are exact
 AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
 AS_TORQUE = ("housing_drag", "output_drag", "gravity")
+# parts of Run.shares by what is told of them
+REGAINED = "lost energy regained"
+BREACHES = {
+    "0 <= omega2 <= omega3": "reversal",
+    "Th, Tc >= 0": "pull",
+    "torque or slip is 0": "slipping",
+    REGAINED: "regained",
+}
 # without losses virtual work is Lagrange's equations: so kept outcomes call it
 REFERENCE, VIRTUAL_WORK, STEPS = "Lagrange's equations", "virtual work", "long and short steps"
 # parameters that make the difference
@@ -112,13 +120,8 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
         name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
     beyond = relative(max(energy - rounding, 0.0), found.energy)
     figures[name] = Figure(beyond, energy_bound(accuracy))
-    if motion.level.fidelity in (RIGID, ELASTIC):
-        figures["0 <= omega2 <= omega3"] = Figure(relative(found.reversal, found.speed), BREACH)
-        figures["Th, Tc >= 0"] = Figure(relative(found.pull, found.torque), BREACH)
-        power = relative(found.slipping, found.speed * found.torque)
-        figures["torque or slip is 0"] = Figure(power, BREACH)
-    figures["lost energy regained"] = Figure(relative(found.regained, found.energy), BREACH)
-    return figures
+    breaches = BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else {REGAINED: BREACHES[REGAINED]}
+    return figures | {told: Figure(found.shares[part], BREACH) for told, part in breaches.items()}
 
 
 def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
@@ -526,19 +529,17 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
         for name in dict.fromkeys(name for one in here for name in one.finding.figures):
-            figures = [(one.finding.figures[name], one.number) for one in here if name in one.finding.figures]
-            told = [(figure, number) for figure, number in figures if figure.bound < SENSITIVE]
-            explained = sum(figure.explained for figure, _ in told)
-            failed = sum(not figure.holds for figure, _ in told)
+            figures = {one.number: one.finding.figures[name] for one in here if name in one.finding.figures}
+            told = {number: figure for number, figure in figures.items() if figure.bound < SENSITIVE}
+            explained = sum(figure.explained for figure in told.values())
+            failed = sum(not figure.holds for figure in told.values())
             where: tuple[Any, ...] = "", "", ""
             if told:
-                worst, number = max(told, key=lambda one: one[0].value / max(one[0].bound, 1e-300))
+                number, worst = max(told.items(), key=lambda one: one[1].value / max(one[1].bound, 1e-300))
                 where = f"{worst.value:.0e}", f"{worst.bound:.0e}", number
-            counts = len(figures), explained, len(figures) - len(told), failed
-            rows.append((level, name, *counts, *where))
-        long = [one.number for one in here if one.finding.long]
-        refused = [one.number for one in here if one.finding.refused]
-        for name, numbers in ((SHORT, long), (TAKEN, refused)):
+            rows.append((level, name, len(figures), explained, len(figures) - len(told), failed, *where))
+        for name, part in ((SHORT, "long"), (TAKEN, "refused")):
+            numbers = [one.number for one in here if getattr(one.finding, part)]
             rows.append((level, name, len(here), 0, 0, len(numbers), "", "", numbers[0] if numbers else ""))
     return rows
 
@@ -550,12 +551,12 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         if one.reproducer:
             kinds.setdefault((one.level, one.finding.causes[0]), []).append(one)
     told = []
-    for (level, what), (first, *others) in kinds.items():
-        failed = [(name, first.finding.figures[name]) for name in first.finding.failed]
-        sentences = [f"{name}: {figure.value:.1e}, bound {figure.bound:.0e}" for name, figure in failed]
-        sentence = "; ".join(sentences) or first.finding.refused
+    for (level, what), found in kinds.items():
+        first, figures = found[0], found[0].finding.figures.items()
+        missed = [f"{name}: {one.value:.1e}, bound {one.bound:.0e}" for name, one in figures if not one.holds]
+        sentence = "; ".join(missed) or first.finding.refused
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
-        told.append({"level": level, "what": what, "count": 1 + len(others), **where})
+        told.append({"level": level, "what": what, "count": len(found), **where})
     return told
 
 

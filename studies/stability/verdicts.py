@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Picture
@@ -27,14 +27,13 @@ from inertia_module.common.errors import did_you_mean
 from inertia_module.common.terminal import terminal
 from inertia_module.contract.variables import LARGEST_STEP
 from inertia_module.harness import results
-from inertia_module.harness.results import TableError
 from inertia_module.harness.simulate import Progress
 from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency, swing_frequency
 from .extremes import MECHANISMS, Case, axes
-from .motion import LEVELS, Figure, Figures, Make, Motion, Run, Segment, distance, relative, run
+from .motion import LEVELS, Figure, Figures, Make, Motion, Run, Segment, distance, run
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12
@@ -44,8 +43,13 @@ ENERGY_TOLERANCES = 100.0
 RESULT_ACCURACIES = 3.0
 # no relative error is allowed to be larger, whatever accuracy is asked for: a looser bound would say nothing
 LARGEST_ERROR = 0.1
-# breach of a freewheel, of the largest torque or speed
+# breach of a freewheel, of the largest torque or speed; of what in Run.shares
 BREACH = 1e-9
+BREACHES = {
+    "speed against a freewheel": "reversal",
+    "torque against a freewheel": "pull",
+    "lost energy regained": "regained",
+}
 # right-hand sides for each communication step, for each radian of the highest harmonic (by events: they grow
 # slowly with the digits asked for, at eighth order) and for each internal step of timestepping
 STEP_WORK = 100.0
@@ -85,18 +89,18 @@ def result_bound(accuracy: float, sensitivity: float) -> float:
     return min(LARGEST_ERROR, RESULT_ACCURACIES * (accuracy + sensitivity) + ROUNDING)
 
 
-def work_bound(case: Case, phase: float, steps: int, fixed_steps: int) -> float:
-    """Right-hand sides allowed for a phase (rad), communication steps and internal steps of timestepping."""
+def work_bound(case: Case, found: Run) -> float:
+    """Right-hand sides allowed for the phase, communication steps and internal steps of a run."""
     motion = case.motion
     if case.level.method == TIMESTEPPING:
-        return STEP_WORK * steps + FIXED_STEP_WORK * fixed_steps
+        return STEP_WORK * found.steps + FIXED_STEP_WORK * found.fixed_steps
     # what the shaft, freewheels that wind up and weights can swing through costs too
     swinging = swing_frequency(motion.__getitem__)
     if case.level.fidelity == ELASTIC:
         swinging += shaft_frequency(motion.__getitem__)
-    phase += swinging * sum(part.duration for part in motion.segments)
+    phase = found.phase + swinging * sum(part.duration for part in motion.segments)
     digits = float(motion["tolerance"] ** (-1.0 / WORK_ORDER))
-    return STEP_WORK * steps + PHASE_WORK * digits * (1.0 + phase)
+    return STEP_WORK * found.steps + PHASE_WORK * digits * (1.0 + phase)
 
 
 @dataclass(frozen=True)
@@ -169,6 +173,13 @@ class Cell:
         size = "" if self.power is None else f"1e{self.power:+03d}"
         return SEPARATOR.join(part for part in (self.outcome, size, self.reason) if part)
 
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """The cell that was written so."""
+        outcome, *rest = text.split(SEPARATOR)
+        power = int(rest.pop(0)[2:]) if rest and rest[0].startswith("1e") else None
+        return cls(outcome, power, SEPARATOR.join(rest))
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -222,25 +233,16 @@ def cause(message: str) -> str:
 def measure(trial: Trial, short: Run) -> Figures:
     """All figures of a trial that ran through, by name."""
     case, long, tight = trial.case, trial.long, trial.tight
-    result = result_bound(case.accuracy, trial.sensitivity)
+    result, energy = result_bound(case.accuracy, trial.sensitivity), energy_bound(case.accuracy)
     runs = {"": long, ", short steps": short}
-    figures = {}
-    for suffix, found in runs.items():
-        residual = relative(found.residual, found.energy)
-        figures[f"energy residual{suffix}"] = Figure(residual, energy_bound(case.accuracy))
+    figures = {f"energy residual{told}": Figure(one.shares["residual"], energy) for told, one in runs.items()}
     figures["long against short steps"] = Figure(distance(long, short), result)
-    for name, part, scale in (
-        ("speed against a freewheel", "reversal", "speed"),
-        ("torque against a freewheel", "pull", "torque"),
-        ("lost energy regained", "regained", "energy"),
-    ):
-        worst = max(relative(getattr(run, part), getattr(run, scale)) for run in runs.values())
-        figures[name] = Figure(worst, BREACH)
-    for suffix, found in runs.items():
-        allowed = work_bound(case, found.phase, found.steps, found.fixed_steps)
-        figures[f"work{suffix}"] = Figure(found.evaluations, allowed)
+    for name, part in BREACHES.items():
+        figures[name] = Figure(max(long.shares[part], short.shares[part]), BREACH)
+    for told, one in runs.items():
+        figures[f"work{told}"] = Figure(one.evaluations, work_bound(case, one))
     if tight is not None:
-        figures |= {f"error{suffix}": Figure(distance(tight, one), result) for suffix, one in runs.items()}
+        figures |= {f"error{told}": Figure(distance(tight, one), result) for told, one in runs.items()}
     return figures
 
 
@@ -287,10 +289,10 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
 
 def run_study(chosen: Sequence[Case], report: Progress = lambda done: None) -> list[Verdict]:
     """Verdicts on these cases, in their order; report is told how much is done (0 to 1)."""
-    verdicts = []
-    for number, case in enumerate(chosen, 1):
+    verdicts: list[Verdict] = []
+    for case in chosen:
         verdicts.append(judge(try_case(case)))
-        report(number / len(chosen))
+        report(len(verdicts) / len(chosen))
     return verdicts
 
 
@@ -318,60 +320,54 @@ def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
 
 def write_rows(path: Path, rows: Iterable[Row]) -> Path:
     """Write the rows as CSV, whole or not at all."""
-    cells = (
-        [row.axis, row.value, row.layout, *(row.cells.get(level.name, "") for level in LEVELS)]
-        for row in rows
+    lines = (
+        [row.axis, row.value, row.layout, *(row.cells.get(name, "") for name in HEADINGS[3:])] for row in rows
     )
-    return results.write_rows(path, HEADINGS, cells)
+    return results.write_rows(path, HEADINGS, lines)
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Rows that write_rows has written.
-
-    Raises:
-        TableError: other headings, or a cell that is no verdict.
-    """
-    headings, *lines = csv.reader(path.read_text().splitlines())
-    if tuple(headings) != HEADINGS:
-        raise TableError(f"{path} must have the headings {', '.join(HEADINGS)}")
-    rows = []
-    for number, (axis, value, layout, *texts) in enumerate(lines, 2):
-        cells = {}
-        for level, text in zip(LEVELS, texts, strict=True):
-            outcome, *rest = text.split(SEPARATOR)
-            if text and outcome not in OUTCOMES:
-                raise TableError(
-                    f"line {number}: a verdict must be one of {', '.join(OUTCOMES)}, is {text!r}"
-                )
-            power = int(rest.pop(0)[2:]) if rest and rest[0].startswith("1e") else None
-            if text:
-                cells[level.name] = Cell(outcome, power, SEPARATOR.join(rest))
-        rows.append(Row(axis, value, layout, cells))
-    return rows
+    """Rows that write_rows has written."""
+    _, *lines = csv.reader(path.read_text().splitlines())
+    names = HEADINGS[3:]
+    return [
+        Row(
+            axis,
+            value,
+            layout,
+            {name: Cell.of(text) for name, text in zip(names, texts, strict=True) if text},
+        )
+        for axis, value, layout, *texts in lines
+    ]
 
 
 def write_cases(path: Path, verdicts: Sequence[Verdict]) -> Path:
     """Write a row for each case with every figure and its bound, as CSV, whole or not at all."""
-    names = list(dict.fromkeys(name for verdict in verdicts for name in verdict.figures))
-    rows, heads = [], [*HEADINGS[:3], "level", "verdict", "reason"]
+    rows = []
     for record in (verdict.as_record() for verdict in verdicts):
-        figures = record.pop("figures")
-        parts = (figures.get(name, {}).get(part, "") for name in names for part in ("value", "bound"))
-        rows.append([*record.values(), *parts])
-    return results.write_rows(
-        path, [*heads, *(head for name in names for head in (name, f"{name}, bound"))], rows
-    )
+        for name, figure in record.pop("figures").items():
+            record |= {name: figure["value"], f"{name}, bound": figure["bound"]}
+        rows.append(record)
+    heads = list(dict.fromkeys(head for row in rows for head in row))
+    return results.write_rows(path, heads, ([row.get(head, "") for head in heads] for row in rows))
+
+
+def by_axis(rows: Iterable[Row]) -> dict[str, list[Row]]:
+    """Rows of each axis."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row.axis, []).append(row)
+    return found
 
 
 def counts(rows: Sequence[Row]) -> dict[str, tuple[Counter[str], str]]:
     """For each level with a verdict: how many there are of each, and the largest error as a power of ten."""
     found = {}
-    for level in LEVELS:
-        cells = [row.cells[level.name] for row in rows if level.name in row.cells]
-        powers = [cell.power for cell in cells if cell.power is not None]
-        if cells:
+    for name in HEADINGS[3:]:
+        if cells := [row.cells[name] for row in rows if name in row.cells]:
+            powers = [cell.power for cell in cells if cell.power is not None]
             largest = f"1e{max(powers):+03d}" if powers else "-"
-            found[level.name] = Counter(cell.outcome for cell in cells), largest
+            found[name] = Counter(cell.outcome for cell in cells), largest
     return found
 
 
@@ -394,18 +390,15 @@ def reasons(rows: Iterable[Row]) -> list[str]:
 def print_rows(rows: Sequence[Row]) -> None:
     """Print a line for each axis and level of fidelity, below them what is not exact, and the counts."""
     from rich import box
-    from rich.table import Table
+    from rich.table import Column, Table
 
     console = terminal()
-    for axis in dict.fromkeys(row.axis for row in rows):
-        here = [row for row in rows if row.axis == axis]
+    for axis, here in by_axis(rows).items():
         counted = counts(here)
         outcomes = [name for name in OUTCOMES if any(count[name] for count, _ in counted.values())]
-        table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-        table.add_column("level of fidelity", no_wrap=True)
-        for name in outcomes:
-            table.add_column(name, justify="right", no_wrap=True)
-        table.add_column("error up to", justify="right")
+        columns = (Column(name, justify="right", no_wrap=True) for name in (*outcomes, "error up to"))
+        first = Column("level of fidelity", no_wrap=True)
+        table = Table(first, *columns, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
         for level, (count, largest) in counted.items():
             table.add_row(level, *(str(count[name]) for name in outcomes), largest)
         console.print(f"\n{axis}", style="bold")
@@ -486,16 +479,14 @@ def summary(rows: Sequence[Row]) -> Picture:
     Args:
         rows: of rows_of or read_rows.
     """
-    names = list(dict.fromkeys(row.axis for row in rows))
+    names = by_axis(rows)
     picture = Picture(figsize=(8.5, 1.0 + 0.24 * len(names)), dpi=120, layout="constrained")
-    drawn = []
-    for axis in names:
-        counted = counts([row for row in rows if row.axis == axis])
-        drawn.append(
-            {level: (count, f"{count[EXACT]} of {count.total()}") for level, (count, _) in counted.items()}
-        )
+    drawn = [
+        {level: (count, f"{count[EXACT]} of {count.total()}") for level, (count, _) in counts(here).items()}
+        for here in names.values()
+    ]
     sheet = picture.subplots()
-    _draw(sheet, drawn, [level.name for level in LEVELS], len(names), fontsize=6.5)
-    sheet.set_yticks(range(len(names)), names)
+    _draw(sheet, drawn, HEADINGS[3:], len(names), fontsize=6.5)
+    sheet.set_yticks(range(len(names)), list(names))
     sheet.tick_params(labelsize=8)
     return _with_legend(picture)

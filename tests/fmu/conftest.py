@@ -113,8 +113,10 @@ class Instance:
         self.time = 0.0
 
     def set(self, **values):
-        for name, value in values.items():
-            getattr(self.fmu, f"set{self.calls[name]}")([self.references[name]], [value])
+        """Set variables, those of a type in one call."""
+        for kind in dict.fromkeys(self.calls[name] for name in values):
+            given = {name: value for name, value in values.items() if self.calls[name] == kind}
+            getattr(self.fmu, f"set{kind}")([self.references[name] for name in given], list(given.values()))
 
     def get(self, name):
         return getattr(self.fmu, f"get{self.calls[name]}")([self.references[name]])[0]

@@ -2,10 +2,9 @@
 
 import ctypes
 import math
-import os
-import subprocess
-import sys
+from functools import partial
 from operator import attrgetter
+from unittest.mock import Mock
 
 import pytest
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
@@ -14,12 +13,13 @@ from inertia_module.fmu import builder, python_fmu
 from inertia_module.fmu.slave import HEAD_SIZE
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.loading import callbacks_of, messages_of_others
-from inertia_module.memory import Module
+from inertia_module.memory import NO_STATE, Module
+from tests.system.programs import process
 
 from .conftest import R1
 
 FLAVOURS = ("InertiaModulePy",)
-FOLDERS = ["Jürgen Müller", "日本", "100%", "a%41b", "module #3", "100%25", "ends in %"]
+FOLDERS = ["Jürgen Müller 日本 #3", "a%41b 100%25 100% off", "ends in %"]
 # pythonfmu 0.7 writes to freed memory at the exit of the process: leave without one
 DRIVE = """
 import os, sys
@@ -40,39 +40,26 @@ os._exit(0)
 def drive(path, blocked=(), **environment):
     """Lines that a process prints that runs the FMU, some modules not installed; a crash fails the test."""
     code = DRIVE.format(path=str(path), blocked=list(blocked))
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | environment
-    )
-    return done.stdout.splitlines()
+    return process("-c", code, **environment).stdout.splitlines()
 
 
-def test_it_runs_the_compiled_kernel_it_brings_along_on_a_host_with_no_compiler(fmu_path, tmp_path):
-    message, _ = drive(fmu_path, ("numba", "llvmlite", "ziglang"), INERTIA_MODULE_CACHE=str(tmp_path / "no"))
-    assert message == "the kernel is compiled"
+def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_to(fmu_path, tmp_path):
+    """On a host with no compiler, in a folder of any name, with the same bits."""
+    none = str(tmp_path / "no")
+    expected = drive(fmu_path, ("numba", "llvmlite", "ziglang"), INERTIA_MODULE_CACHE=none)
+    assert expected[0] == "the kernel is compiled"
     assert not (tmp_path / "no").exists()
+    plain = drive(fmu_path, INERTIA_MODULE_KERNEL="plain")
+    assert plain == ["the kernel is plain Python, as asked for", expected[1]]
+    assert float.fromhex(expected[1]) > 0.0
+    for name in FOLDERS:
+        (tmp_path / name).mkdir()
+        assert drive(fmu_path, TMPDIR=str(tmp_path / name)) == expected, name
 
 
-def test_it_runs_as_plain_python_when_asked_to_with_the_same_bits(fmu_path):
-    plain_message, plain_result = drive(fmu_path, INERTIA_MODULE_KERNEL="plain")
-    assert plain_message == "the kernel is plain Python, as asked for"
-    assert plain_result == drive(fmu_path)[1]
-
-
-def test_it_refuses_an_unknown_kernel(fmu_path):
+def test_an_unknown_kernel_and_a_folder_that_pythonfmu_cannot_read_are_refused(fmu_path, tmp_path):
     (said,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
     assert "kernel must be auto, compiled or plain, is 'fast'" in said
-
-
-def test_it_runs_in_a_folder_of_any_name(fmu_path, tmp_path):
-    found = {}
-    for name in ("plain", *FOLDERS):
-        (tmp_path / name).mkdir()
-        found[name] = drive(fmu_path, TMPDIR=str(tmp_path / name))
-    assert float.fromhex(found["plain"][1]) > 0.0
-    assert found == dict.fromkeys(found, found["plain"])
-
-
-def test_a_folder_that_pythonfmu_cannot_read_is_refused_by_a_sentence(fmu_path, tmp_path):
     (tmp_path / "50%20off").mkdir()
     (said,) = drive(fmu_path, TMPDIR=str(tmp_path / "50%20off"))
     assert "the resource location must be the URI of this FMU's resources" in said
@@ -88,16 +75,13 @@ def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_pat
         "        kept = fmu.save() if _ else b''\n"
         "print(len(kept) > 1000)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(fmu_path)], capture_output=True, text=True, check=False
-    )
-    assert done.stdout == "True\n", done.stderr
+    assert process("-c", program, fmu_path).stdout == "True\n"
 
 
 def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_path):
     files = python_fmu.bundled_files()
     source = files["contract/variables.py"].decode()
-    assert '"link2_inertia", "kg.m2", 0.005' in source.replace("\n", " ").replace("  ", "")
+    assert '"inertia J2 of link 2", 0.005' in source
     files["contract/variables.py"] = source.replace("0.005", "0.0075", 1).encode()
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: files)
     path = tmp_path / "InertiaModulePy.fmu"
@@ -109,28 +93,22 @@ def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_pat
         assert ours["omega_out"] != other["omega_out"]
 
 
-class Host:
-    """A host that gives the location of the resources as a test wants it."""
-
-    def __init__(self, description, folder):
-        self.messages = []
-        self.fmu = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=str(folder),
-            modelIdentifier=description.modelName,
-            instanceName="host",
-        )
-
-    def on_message(self, status, message):
-        self.messages.append(message)
-
-    def instantiate(self, location):
-        callbacks = callbacks_of(self)
-        arguments = (b"host", 1, self.fmu.guid.encode(), location, ctypes.byref(callbacks), 0, 1)
-        component = self.fmu.fmi2Instantiate(*arguments)
-        if component:
-            self.fmu.fmi2FreeInstance(component)
-        return bool(component)
+def said_at(location, description, folder):
+    """What the FMU says to a host that gives a location of the resources; None if it makes an instance."""
+    fmu = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=str(folder),
+        modelIdentifier=description.modelName,
+        instanceName="host",
+    )
+    listener = Mock()
+    arguments = (b"host", 1, fmu.guid.encode(), location, ctypes.byref(callbacks_of(listener)), 0, 1)
+    component = fmu.fmi2Instantiate(*arguments)
+    if component:
+        fmu.fmi2FreeInstance(component)
+        return None
+    (((_, said), _),) = listener.on_message.call_args_list
+    return said
 
 
 @pytest.fixture(params=["plain", "Jürgen 100%"])
@@ -153,18 +131,15 @@ def moved(request, unpacked, tmp_path):
     ids=["uri", "no authority", "localhost", "not encoded", "path"],
 )
 def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, moved, form):
-    host = Host(description, moved)
-    assert host.instantiate(form(moved / "resources").encode()), host.messages
+    assert said_at(form(moved / "resources").encode(), description, moved) is None
 
 
 @pytest.mark.parametrize(
     "location", [None, b"", b"file:///no/such/folder", b"http://example.org/%zz", b"%", b"file:" * 2000]
 )
 def test_a_location_that_is_none_is_refused_by_a_sentence(description, unpacked, location):
-    host = Host(description, unpacked)
-    assert not host.instantiate(location)
-    assert len(host.messages) == 1
-    assert host.messages[0].startswith("the resource location must be the URI of")
+    said = said_at(location, description, unpacked)
+    assert said.startswith("the resource location must be the URI of")
 
 
 def test_the_log_is_what_was_asked_for(fmu_path):
@@ -201,21 +176,15 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
         assert not instance.is_discarded(0.1), name
 
 
-@pytest.mark.parametrize("byte, value", [(0, 5), (0, 255), (17, 200), (20, 255)])
-def test_a_forged_head_of_a_state_is_refused_and_nothing_is_lost(instance, byte, value):
-    instance.start(omega1=100.0)
-    state = bytearray(instance.saved())
-    state[byte] = value
-    assert "state" in instance.refusal(lambda: instance.restore(bytes(state)))
-    assert not instance.is_discarded(0.1)
-
-
-def test_a_state_from_before_the_start_does_not_step(instances):
+def test_a_state_with_a_forged_head_or_from_before_the_start_is_refused_and_nothing_is_lost(instances):
     fresh, running = instances(), instances().start(omega1=100.0)
-    early = bytearray(fresh.saved())
-    early[0] = 2  # as if it were initialised
-    assert "is one saved before the start" in running.refusal(lambda: running.restore(bytes(early)))
-    assert not running.is_discarded(0.1)
+    for state, byte, value, words in (
+        *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
+        (fresh.saved(), 0, 2, "is one saved before the start"),  # as if it were initialised
+    ):
+        changed = bytes([*state[:byte], value, *state[byte + 1 :]])
+        assert running.refusal(partial(running.restore, changed)).endswith(words)
+        assert not running.is_discarded(0.1)
 
 
 def test_a_state_of_initialization_mode_is_calculated_anew_where_it_is_restored(instance):

@@ -11,14 +11,8 @@ import pytest
 
 from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.compiling import CompilationUnavailable
-from inertia_module.compiling.linking import (
-    WARNINGS,
-    import_library,
-    object_file,
-    run_tool,
-    windows_arguments,
-)
-from inertia_module.compiling.targets import LINUX64, WIN64
+from inertia_module.compiling.linking import WARNINGS, object_file, run_tool
+from inertia_module.compiling.targets import LINUX64
 from inertia_module.fmu import builder, native_fmu
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
 from inertia_module.fmu.tables import generated
@@ -92,11 +86,11 @@ class Workshop:
         for name, text in generated(self.fmu.model, self.guid, self.fmu.fmi).items():
             (folder / name).write_text(text)
 
-    def kernel(self, target):
-        """Object file of the kernel for a target."""
-        path = self.folder / f"kernel-{target.label}.o"
-        path.write_bytes(object_file(self.fmu.model, target))
-        return path
+    def kernel(self):
+        """Object file of the kernel."""
+        path = self.folder / "kernel.o"
+        path.write_bytes(object_file(self.fmu.model, LINUX64))
+        return str(path)
 
     def flags(self):
         """What every compilation takes: language, warnings as errors, headers, name of the kernel."""
@@ -125,36 +119,18 @@ class Workshop:
         compiler = system_compiler(flags)
         if compiler is None:
             pytest.skip(f"no C compiler of the system makes programs that run with {' '.join(flags) or '-'}")
-        files = [*self.all_sources(*names), str(self.kernel(LINUX64))]
+        files = [*self.all_sources(*names), self.kernel()]
         command = [compiler, *self.flags(), *flags, *files, "-o", program, "-lm", *libraries]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr[-3000:]
         return self.folder / program
 
-    def build_for(self, target, program, *names, flags=()):
-        """A program for a target, by the C compiler that comes with ziglang."""
-        files = [*self.all_sources(*names), str(self.kernel(target)), *target.libraries]
-        return self._cross(target, program, *flags, *files)
-
-    def build_beside_library(self, target, program, library, *names):
-        """A program for a target that finds the library of the FMU beside itself."""
-        files = [str(SOURCES / name) for name in names]
-        return self._cross(
-            target, program, *files, "tables.c", library, "-Wl,-rpath,$ORIGIN", *target.libraries
-        )
-
-    def _cross(self, target, program, *arguments):
-        given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all"]
-        run_tool("cc", [*given, *arguments, "-o", program], self.folder)
+    def cross(self, target, program, *arguments):
+        """A program for a target, by the C compiler that comes with ziglang; C files are of the tests."""
+        words = [str(SOURCES / word) if word.endswith(".c") else word for word in arguments]
+        given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all", "tables.c", *words]
+        run_tool("cc", [*given, *target.libraries, "-o", program], self.folder)
         return self.folder / program
-
-    def build_windows_program(self, program, *names):
-        """A program for Windows that begins at `begin` and needs nothing but Windows itself."""
-        functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
-        system = import_library(WIN64, self.folder, "kernel32.dll", functions)
-        own = windows_arguments(WIN64, self.folder)
-        files = [*(str(SOURCES / name) for name in names), str(WITH_KERNEL / "windows.c"), "tables.c"]
-        return self._cross(WIN64, program, "-Wl,-e,begin", *files, *own, system)
 
 
 @pytest.fixture(scope="session")
@@ -168,7 +144,7 @@ def workshops(tmp_path_factory):
         if identifier not in made:
             try:
                 made[identifier] = Workshop(identifier, tmp_path_factory.mktemp(identifier))
-                made[identifier].kernel(LINUX64)
+                made[identifier].kernel()
             except CompilationUnavailable as reason:
                 pytest.skip(str(reason))
         return made[identifier]
@@ -178,7 +154,7 @@ def workshops(tmp_path_factory):
 
 @pytest.fixture(scope="session", params=FMUS)
 def workshop(request, workshops):
-    """The workshops of both native FMUs in turn."""
+    """The workshops of the native FMUs in turn."""
     return workshops(request.param)
 
 

@@ -9,9 +9,8 @@ from inertia_module.compiling import linking
 from inertia_module.compiling.targets import LINUX64, WIN64
 from inertia_module.fmu.linking import header_folder
 
-from . import binaries
+from ..fmu.test_binaries import glibc_versions, read, required_by
 from .conftest import SOURCES, run, system_compiler
-from .test_binaries import required_by
 
 
 @pytest.fixture(scope="session")
@@ -51,8 +50,8 @@ def test_a_host_without_a_python_that_serves_is_told_so(binary_folder, tmp_path,
 
 
 def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
-    linux = binaries.read_elf(binary_folder / "linux64" / "InertiaModulePy.so")
-    windows = binaries.read_pe(binary_folder / "win64" / "InertiaModulePy.dll")
+    linux = read(binary_folder / "linux64" / "InertiaModulePy.so")
+    windows = read(binary_folder / "win64" / "InertiaModulePy.dll")
     assert required_by(2) <= linux.offers
     assert required_by(2) <= windows.offers
     assert linux.needs <= {"libc.so.6", "libdl.so.2"}
@@ -61,7 +60,7 @@ def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
 
 def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
     """The Python FMU runs where both libraries of C are at least as new as docs/fmu.md says."""
-    needed = binaries.read_elf(binary_folder / LINUX64.folder / "pythonfmu-export.so").versions
+    needed = glibc_versions(read(binary_folder / LINUX64.folder / "pythonfmu-export.so"))
     text = (SOURCES.parents[1] / "docs" / "fmu.md").read_text()
     for family in ("GLIBC_", "GLIBCXX_"):
         numbers = [name.removeprefix(family) for name in needed if name.startswith(family)]

@@ -6,8 +6,6 @@ import subprocess
 
 import pytest
 
-from inertia_module.compiling.targets import LINUX64
-
 from .conftest import OF_FMI_3, SANITIZERS, run, system_compiler
 
 # a million calls a seed where the environment asks for them, else what a test has the time for
@@ -91,9 +89,8 @@ def test_steps_and_values_ask_for_no_memory_and_an_instance_is_small(workshop):
 
 
 def test_eight_threads_give_the_bits_of_one(workshop):
-    program = workshop.build_for(
-        LINUX64, "threads", "threads.c", "host.c", "snapshot.c", flags=("-O2", "-lpthread")
-    )
+    files = ("threads.c", "host.c", "snapshot.c")
+    program = workshop.build("threads", *files, flags=("-O2",), libraries=("-lpthread",))
     assert run([program, 8, 250]) == "8 threads, 250 instances each: the bits of one thread\n"
 
 

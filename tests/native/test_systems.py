@@ -6,11 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.compiling.targets import LINUX_ARM
+from inertia_module.compiling.linking import import_library, windows_arguments
+from inertia_module.compiling.targets import LINUX_ARM, WIN64
 from inertia_module.contract.variables import REAL
+from inertia_module.fmu.native_fmu import library_path
 
 from ..fmu.conftest import ELASTIC, R1, Instance
-from .conftest import FMUS, run
+from .conftest import FMUS, WITH_KERNEL, run
 
 # the C program that runs the scenes knows FMI 2.0
 OF_FMI_2 = [name for name, fmu in FMUS.items() if fmu.fmi == 2]
@@ -41,7 +43,7 @@ SCENES = {
 }
 
 
-def header(identifier, library=""):
+def header(identifier, library):
     """C source of the scenes of an FMU, and of the path of its library."""
     lines = [
         "struct setting {\n    const char *name;\n    double value;\n};",
@@ -108,18 +110,6 @@ def deviations(identifier, opened, text):
     return found
 
 
-@pytest.mark.parametrize("identifier", OF_FMI_2)
-def test_windows_computes_the_same(identifier, workshops, opened, windows, record_testsuite_property):
-    workshop = workshops(identifier)
-    library = opened(identifier)[1] / "binaries" / "win64" / f"{identifier}.dll"
-    (workshop.folder / library.name).write_bytes(library.read_bytes())
-    (workshop.folder / "scenes.h").write_text(header(identifier, library.name))
-    program = workshop.build_windows_program("scenes.exe", "scenes.c")
-    found = deviations(identifier, opened, windows(program))
-    record_testsuite_property(f"deviations of {identifier} on Windows", found)
-    assert max(found.values()) < RELATIVE, found
-
-
 @pytest.fixture(scope="session")
 def arm():
     """Runs a program for Linux on 64-bit ARM, with the C library of that system."""
@@ -132,13 +122,31 @@ def arm():
     return lambda program: run([emulator, "-L", system, program])
 
 
+def for_arm(workshop, library):
+    """The program of the scenes for ARM; it finds the library beside itself."""
+    return workshop.cross(LINUX_ARM, "scenes-arm", "scenes.c", library, "-Wl,-rpath,$ORIGIN")
+
+
+def for_windows(workshop, _):
+    """That for Windows, which begins at `begin` and needs nothing but Windows itself."""
+    functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
+    system = import_library(WIN64, workshop.folder, "kernel32.dll", functions)
+    files = ("scenes.c", str(WITH_KERNEL / "windows.c"))
+    own = windows_arguments(WIN64, workshop.folder)
+    return workshop.cross(WIN64, "scenes.exe", "-Wl,-e,begin", *files, *own, system)
+
+
+@pytest.mark.parametrize(
+    "system, target, made", [("arm", LINUX_ARM, for_arm), ("windows", WIN64, for_windows)]
+)
 @pytest.mark.parametrize("identifier", OF_FMI_2)
-def test_arm_computes_the_same(identifier, workshops, opened, arm, record_testsuite_property):
-    workshop = workshops(identifier)
-    library = opened(identifier)[1] / "binaries" / "aarch64-linux" / f"{identifier}.so"
+def test_another_system_computes_the_same(
+    identifier, system, target, made, workshops, opened, request, record_testsuite_property
+):
+    runs, workshop = request.getfixturevalue(system), workshops(identifier)
+    library = opened(identifier)[1] / library_path(FMUS[identifier], target)
     (workshop.folder / library.name).write_bytes(library.read_bytes())
-    (workshop.folder / "scenes.h").write_text(header(identifier))
-    program = workshop.build_beside_library(LINUX_ARM, "scenes-arm", library.name, "scenes.c")
-    found = deviations(identifier, opened, arm(program))
-    record_testsuite_property(f"deviations of {identifier} on ARM", found)
+    (workshop.folder / "scenes.h").write_text(header(identifier, library.name))
+    found = deviations(identifier, opened, runs(made(workshop, library.name)))
+    record_testsuite_property(f"deviations of {identifier} on {system}", found)
     assert max(found.values()) < RELATIVE, found

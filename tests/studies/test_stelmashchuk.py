@@ -1,4 +1,7 @@
-"""Stelmashchuk's closed form against his equation 3, his words on the drive, and the FMU's driven shaft."""
+"""Stelmashchuk's closed form against his equation 3, and his words on the drive.
+
+The FMU's driven shaft is held to it in tests/unit/test_paper_scenes.py.
+"""
 
 import math
 
@@ -7,11 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertia_module.memory import DrivenShaft
 from studies.papers import stelmashchuk
-from studies.papers import stepping as law
-from studies.papers.stelmashchuk import Criteria, constants, free_oscillation, response
-from studies.papers.stepping import TWO_PI
+from studies.papers.stelmashchuk import (
+    TWO_PI,
+    Criteria,
+    constants,
+    free_oscillation,
+    law_of_motion,
+    phase_of,
+    phase_starts,
+    response,
+)
 
 # (nu, Pi): under-, critically and overdamped, near to critical and to resonance, soft and stiff
 REGIMES = [
@@ -56,7 +65,7 @@ def law_in_words(kappa, kappa2):
 @balancers
 @regimes
 def test_closed_form_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
-    edges = law.phase_starts(0.6)[1:]
+    edges = phase_starts(0.6)[1:]
     before, after = (
         response(times, Criteria(nu, Pi), 0.6, beta) for times in (np.nextafter(edges, 0.0), edges)
     )
@@ -70,7 +79,7 @@ def test_closed_form_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
     # with a dwell and without
     kappa = np.linspace(0.0, 3.0, 301)
     for kappa2 in (0.8, 0.0):
-        motion, driving = response(kappa, Criteria(nu, Pi), kappa2, beta), law.law_of_motion(kappa, kappa2)
+        motion, driving = response(kappa, Criteria(nu, Pi), kappa2, beta), law_of_motion(kappa, kappa2)
         left = motion.acceleration + 2 * Pi * motion.velocity + nu**2 * motion.twist
         assert left == pytest.approx(beta * driving[2], abs=1e-12 * (1 + Pi + nu * 1e-2))
         assert motion.angle - motion.twist == pytest.approx(driving[0], abs=1e-15)
@@ -95,69 +104,13 @@ def test_before_the_start_everything_rests_and_the_shape_of_the_times_is_kept():
 
 @given(st.floats(0.0, 3.0), st.floats(0.0, 2.0))
 def test_law_of_motion_is_the_one_of_the_phases(kappa, kappa2):
-    found = [float(values) for values in law.law_of_motion(kappa, kappa2)]
+    found = [float(values) for values in law_of_motion(kappa, kappa2)]
     assert found == pytest.approx(law_in_words(kappa, kappa2), abs=1e-13)
     # a boundary counts to the later phase
-    assert law.phase_of([-1.0, 0.0, 0.5, 1.2, 1.5, 2.0, 9.0], 1.0).tolist() == [0, 0, 1, 1, 2, 3, 3]
+    assert phase_of([-1.0, 0.0, 0.5, 1.2, 1.5, 2.0, 9.0], 1.0).tolist() == [0, 0, 1, 1, 2, 3, 3]
 
 
-# --- the FMU's driven shaft ---
-
-# rise, dwell, fall, and three quarters of a unit at rest; s; rad that a = 1 stands for; kg m2
-END, T, PHI, J4 = 2.75, 0.2, 0.5, 0.3
-CASES = {
-    "underdamped": Criteria(8.0, 0.5),
-    "hardly damped": Criteria(8.0, 1e-4),
-    "resonance": Criteria(2.0 * np.pi, 0.2),
-    "critical": Criteria(8.0, 8.0),
-    "overdamped": Criteria(8.0, 30.0),
-    "stiff": Criteria(100.0, 0.5),
-}
-
-
-def shaft_errors(criteria, beta, steps):
-    """Largest errors of twist, speed and acceleration of the driven mass over the run, as invariants.
-
-    nu^2 = c T^2/J4, 2 Pi = f T/J4, no relative damping. The speed of the hub is sent at the communication
-    points and goes on linearly between them, so the error falls with the square of the step.
-    """
-    shaft = DrivenShaft("compiled").start(
-        driven_inertia=J4,
-        shaft_stiffness=criteria.nu**2 * J4 / T**2,
-        shaft_damping=0.0,
-        driven_friction=2.0 * criteria.Pi * J4 / T,
-        balancer=beta,
-        input_hold=1,
-    )
-    kappa = np.linspace(0.0, END, steps + 1)
-    found = []
-    for speed in law.law_of_motion(kappa[:-1], 1.0)[1] * PHI / T:
-        shaft.set(hub_speed=float(speed))
-        shaft.advance(END * T / steps)
-        found.append(
-            (shaft["twist"] / PHI, shaft["omega_out"] * T / PHI, shaft["driven_acceleration"] * T**2 / PHI)
-        )
-    exact = response(kappa[1:], criteria, 1.0, beta)
-    right = np.column_stack((-exact.twist, exact.velocity, exact.acceleration))
-    scale = np.abs(right).max(axis=0)
-    return np.abs(np.array(found) - right).max(axis=0) / np.where(scale > 0.0, scale, 1.0)
-
-
-@pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("beta", [0.0, 1.0])
-def test_driven_shaft_meets_the_closed_form_with_the_square_of_the_step(name, beta):
-    coarse, fine = (shaft_errors(CASES[name], beta, steps) for steps in (2000, 8000))
-    # the balancer pushes with the slope of the step before: its acceleration is right to first order
-    order = np.log(coarse / fine) / np.log(4.0)
-    assert order[:2] == pytest.approx(2.0, abs=0.1)
-    assert order[2] == pytest.approx(2.0 if beta == 0.0 else 1.0, abs=0.1)
-    assert fine[:2].max() < 1e-4
-    assert fine[2] < (1e-4 if beta == 0.0 else 2e-2)
-
-
-def test_balancer_without_friction_leaves_no_twist():
-    """a = a_k, the paper's ideal: what is left is the line the hub's speed is taken for."""
-    assert np.abs(shaft_errors(Criteria(8.0, 0.0), 1.0, 8000)[1]) < 1e-5
+# --- a figure of claims, by the FMU's driven shaft ---
 
 
 @pytest.mark.parametrize("load", [1.0, 0.1])

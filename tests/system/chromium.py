@@ -7,8 +7,9 @@ import matplotlib
 import numpy as np
 
 ROOT = Path(__file__).parents[2]
-OUT, REFERENCE = ROOT / "out" / "page", ROOT / "examples" / "reference.toml"
+REFERENCE = ROOT / "examples" / "reference.toml"
 PHONE, DESK = {"width": 360, "height": 740}, {"width": 1440, "height": 900}
+SMALL = {"width": 640, "height": 480}  # soon drawn without a graphics card
 # no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
@@ -97,8 +98,3 @@ class Opened:
     def simulate(self, options):
         """Arrays by name from the page's own simulate, or the sentence it refuses with."""
         return self.page.evaluate(SIMULATE, options)
-
-    def keep_picture(self, name):
-        """Leave a screenshot in out/page."""
-        OUT.mkdir(parents=True, exist_ok=True)
-        self.page.screenshot(path=OUT / f"{name}.png")

@@ -9,11 +9,10 @@ import time
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from inertia_module.cli import app
 from inertia_module.page.html import TEMPLATE
-from tests.system.chromium import DESK, FLAGS, REFERENCE, Opened
+from tests.system.chromium import FLAGS, REFERENCE, SMALL, Opened
+from tests.system.programs import left
 
 
 @pytest.fixture(scope="session")
@@ -30,7 +29,7 @@ def browser():
 
 
 @pytest.fixture(scope="session")
-def written(built, tmp_path_factory):
+def written(fmu, tmp_path_factory):
     """A function from a scene file to its page, by `inertia-module view`."""
     if not TEMPLATE.exists():
         pytest.skip("the page is not built: `make page` builds it")
@@ -39,10 +38,7 @@ def written(built, tmp_path_factory):
     def write(scene):
         path = folder / f"{Path(scene).stem}.html"
         if not path.exists():
-            done = CliRunner().invoke(
-                app, ["view", str(scene), "-o", str(path), "--fmu", str(built / "InertiaModule.fmu")]
-            )
-            assert done.exit_code == 0, done.output
+            left("view", scene, "-o", path, "--fmu", fmu)
         return path
 
     return write
@@ -53,21 +49,21 @@ def opened(browser, written):
     """A function that opens the page of a scene file, with options of Playwright's new_page."""
     with contextlib.ExitStack() as pages:
         yield lambda scene, **options: Opened(
-            pages.enter_context(browser.new_page(**options)), written(scene)
+            pages.enter_context(browser.new_page(**{"viewport": SMALL, **options})), written(scene)
         )
 
 
 @pytest.fixture(scope="session")
 def still(browser, written):
     """The page of scene R1, not moving: opened once, for what it computes."""
-    with browser.new_page(viewport=DESK, reduced_motion="reduce") as page:
+    with browser.new_page(viewport=SMALL, reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
 
 
 @pytest.fixture
 def page(still):
     """The page of scene R1, loaded anew: at rest, with nothing changed."""
-    still.page.set_viewport_size(DESK)
+    still.page.set_viewport_size(SMALL)
     still.errors.clear()
     return still.at("")
 

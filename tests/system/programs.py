@@ -1,4 +1,4 @@
-"""Programs that the documentation shows, run as they stand."""
+"""Commands, and programs that the documentation shows, run as they stand."""
 
 import contextlib
 import importlib.metadata
@@ -11,9 +11,40 @@ import sys
 from pathlib import Path
 
 import pytest
-from hosts import HOSTS
+from typer.testing import CliRunner
+
+from inertia_module.cli import app
 
 DOCS = Path(__file__).parents[2] / "docs"
+BESIDE_ECOS = "tbb"  # on Linux, whose libtbb.so.12 it looks for among the libraries of the system
+
+
+def command(*arguments, folder=None):
+    """Run a command in this process, in a folder."""
+    with contextlib.chdir(folder or Path.cwd()):
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def left(*arguments):
+    """What a command says, which must have done its work."""
+    done = command(*arguments)
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+def process(*arguments, statuses=(0,), folder=None, **environment):
+    """Run Python with these arguments, to one of these statuses; its output is text."""
+    done = subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        cwd=folder,
+        env=os.environ | environment,
+        check=False,
+    )
+    assert done.returncode in statuses, done.stdout + done.stderr
+    return done
 
 
 def programs(page):
@@ -22,27 +53,24 @@ def programs(page):
 
 
 def printed(source, folder):
-    """The number that a program prints last, run in a process of its own: readers may crash."""
-    environment = dict(os.environ)
-    with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # what Ecos needs of it on Linux
-        libraries = [
-            file.locate().resolve() for file in importlib.metadata.files("tbb") if "libtbb.so" in file.name
-        ]
-        environment["LD_LIBRARY_PATH"] = os.pathsep.join({str(path.parent) for path in libraries})
-    done = subprocess.run(
-        [sys.executable, "-c", source],
-        capture_output=True,
-        text=True,
-        cwd=folder,
-        env=environment,
-        check=False,
-    )
-    # Ecos now and then crashes as it closes, after its number is out
-    assert done.returncode in (0, -signal.SIGSEGV), done.stdout + done.stderr
-    return float(done.stdout.splitlines()[-1])
+    """The numbers that a program prints in its last line, run in a process of its own: hosts may crash.
+
+    Raises:
+        AssertionError: it fails; with what it says.
+    """
+    environment = {}
+    with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+        libraries = [file for file in importlib.metadata.files(BESIDE_ECOS) if "libtbb.so" in file.name]
+        folders = {str(file.locate().resolve().parent) for file in libraries}
+        environment["LD_LIBRARY_PATH"] = os.pathsep.join(folders)
+    # Ecos now and then crashes as it closes, after its numbers are out
+    done = process("-c", source, statuses=(0, -signal.SIGSEGV), folder=folder, **environment)
+    return [float(number) for number in done.stdout.splitlines()[-1].split()]
 
 
 def needs(package):
-    missing = HOSTS["ecos"].missing if package == "ecospy" else []
-    if importlib.util.find_spec(package) is None or missing:
+    """Skip a test of what is not installed."""
+    beside = {BESIDE_ECOS} if package == "ecospy" and sys.platform == "linux" else set()
+    found = {name for name in beside if [*importlib.metadata.distributions(name=name)]}
+    if importlib.util.find_spec(package) is None or found != beside:
         pytest.skip(f"{package} is not installed; the extra inertia-module[hosts] has what pip can install")

@@ -18,7 +18,6 @@ from inertia_module.contract.variables import (
     with_causality,
 )
 from inertia_module.harness.fmu import Fmu, FmuError
-from tests.system.programs import programs
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
@@ -33,11 +32,6 @@ PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "outpu
 SPEEDS, TORQUES, HUB = ((name, "load_torque") for name in ("omega1", "drive_torque", "hub_speed"))
 BY_TORQUE = {"drive": "torque", "input_inertia": 0.3}
 KEYWORDS = {"step": STEP, "start": START, "tolerance": 1e-9}
-
-
-@pytest.fixture(scope="module")
-def native(built):
-    return built / "InertiaModule.fmu"
 
 
 def run(system, inputs, start):
@@ -71,8 +65,8 @@ MOTIONS = [
 def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolerance(
     built, name, parameters, share, motion
 ):
-    path, native = built / f"{name}.fmu", name != "InertiaModulePy"
-    steps = 100 if native else 40
+    path, is_native = built / f"{name}.fmu", name != "InertiaModulePy"
+    steps = 100 if is_native else 40
     time = STEP * np.arange(steps)
     # inputs that jump and change sign of slope
     inputs = np.stack([100.0 + 20.0 * np.sin(9.0 * time), 10.0 + 5.0 * (time > 0.5 * time[-1])])
@@ -92,7 +86,7 @@ def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolera
     given = {**KEYWORDS, "inputs": names, "outputs": outputs, "start": start}
     with bridge.fmu_system(path, parameters, state="whole", **given) as plant:
         assert (run(plant.system, inputs, plant.start) == expected).all()
-        if native:
+        if is_native:
             assert (run(plant.system, inputs, 0.0) == expected).all()
     if motion:
         with bridge.fmu_system(path, parameters, **given) as plant:
@@ -139,19 +133,19 @@ def test_same_state_and_input_give_the_same_whatever_came_before(built, name, pa
 # --- with the tools of control ---
 
 
-def test_pi_controller_closes_the_loop_by_interconnect_as_in_a_loop_by_hand(native):
+def test_pi_controller_closes_the_loop_by_interconnect_as_in_a_loop_by_hand(fmu):
     steps, start = 300, {"omega1": 60.0, "load_torque": 10.0}
     controller = loops.pi_speed_controller(STEP, 3.0, 2.0, (0.0, 300.0))
     integral, by_hand = np.zeros(1), []
-    with Fmu(native, {}, start, 1e-9) as fmu:
+    with Fmu(fmu, {}, start, 1e-9) as module:
         for _ in range(steps):
-            by_hand.append(fmu["omega_out"])
+            by_hand.append(module["omega_out"])
             seen = [20.0, by_hand[-1]]
-            fmu.set(omega1=float(controller.output(0.0, integral, seen)[0]), load_torque=10.0)
-            fmu.advance(STEP)
+            module.set(omega1=float(controller.output(0.0, integral, seen)[0]), load_torque=10.0)
+            module.advance(STEP)
             integral = controller.dynamics(0.0, integral, seen)
     with bridge.fmu_system(
-        native, step=STEP, start=start, tolerance=1e-9, state="whole", outputs=["omega_out"], name="module"
+        fmu, step=STEP, start=start, tolerance=1e-9, state="whole", outputs=["omega_out"], name="module"
     ) as plant:
         system = ct.interconnect(
             [controller, plant.system], inputs=["reference", "load_torque"], outputs=["omega_out"]
@@ -161,13 +155,11 @@ def test_pi_controller_closes_the_loop_by_interconnect_as_in_a_loop_by_hand(nati
     assert (found[0] == by_hand).all()
 
 
-def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(native):
+def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(fmu):
     continuous = bridge.averaged_system()
     speed = bridge.operating_point(continuous, 100.0, 10.0)
     exact = ct.sample_system(ct.linearize(continuous, [speed], [100.0, 10.0]), STEP, "zoh")
-    with bridge.fmu_system(
-        native, {"fidelity": "averaged"}, step=STEP, start=START, tolerance=1e-10
-    ) as plant:
+    with bridge.fmu_system(fmu, {"fidelity": "averaged"}, step=STEP, start=START, tolerance=1e-10) as plant:
         guess = [20.0, 100.0, *plant.start[2:]]
         point = ct.find_operating_point(plant.system, guess, [100.0, 10.0])
         linear = ct.linearize(plant.system, point.states, point.inputs, eps=1e-3)
@@ -184,13 +176,13 @@ BOTH = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 
 @pytest.mark.parametrize("excited, amplitude", [("load_torque", 2.0), ("omega1", 1.0)])
-def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(native, excited, amplitude):
+def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, excited, amplitude):
     """Up to a tenth of the pulse rate: gain within 5 %, phase within 5 degrees."""
     omega1, load = 200.0, 100.0
     speed = bridge.operating_point(bridge.averaged_system(PLANAR), omega1, load, 60.0)
     point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": [0.2, 1.0, 4.4]}
     measured = bridge.measured_response(
-        native, {**PLANAR, "omega_out_start": speed}, **point, amplitude=amplitude, outputs=BOTH,
+        fmu, {**PLANAR, "omega_out_start": speed}, **point, amplitude=amplitude, outputs=BOTH,
         step=1e-3, settling=8.0, record=10.0,
     )  # fmt: skip
     assert measured.pulse_rate == pytest.approx(44.0, abs=1.0)
@@ -209,19 +201,19 @@ def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(native
 # --- what follows from the motion ---
 
 
-def test_the_table_tells_which_variables_follow_from_the_motion(native):
+def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
     """A restart from the motion has all but sums since the start and what turns with link 1."""
     inputs = {"omega1": 100.0, "load_torque": 10.0}
     names = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
-    with Fmu(native, {}, inputs, 1e-11) as fmu:
+    with Fmu(fmu, {}, inputs, 1e-11) as module:
         for _ in range(123):
-            fmu.advance(STEP)
-        motion = {f"{name}_start": fmu[name] for name in ("drive_angle", "omega2", "omega_out")}
-        fmu.advance(STEP)
-        expected = dict(zip(names, fmu.read(names), strict=False))
-    with Fmu(native, motion, inputs, 1e-11) as fmu:
-        fmu.advance(STEP)
-        found = dict(zip(names, fmu.read(names), strict=False))
+            module.advance(STEP)
+        motion = {f"{name}_start": module[name] for name in ("drive_angle", "omega2", "omega_out")}
+        module.advance(STEP)
+        expected = dict(zip(names, module.read(names), strict=False))
+    with Fmu(fmu, motion, inputs, 1e-11) as module:
+        module.advance(STEP)
+        found = dict(zip(names, module.read(names), strict=False))
     differ = {name for name in names if found[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
     follows = {name: BY_NAME[name].follows for name in names}
     changed = {name for name in names if follows[name] in (SINCE_START, LINK1_ANGLE)}
@@ -246,62 +238,50 @@ def measured(path, **change):
     return bridge.measured_response(path, **{**START, **good, **change})
 
 
-@pytest.mark.parametrize(
-    "parameters, arguments, message",
-    [
-        (ELASTIC, {}, "with state = 'motion' fidelity must be one of .*, is elastic"),
-        ({"input_hold": "linear"}, {}, "with state = 'motion' input_hold must be constant, is linear"),
-        ({}, {"outputs": ["energy_in"]}, "energy_in state must be 'whole', is 'motion': it is a sum since"),
-        ({}, {"outputs": ["imbalance_acceleration_y"]}, "depends on the angle of link 1"),
-        (
-            {"fidelity": "averaged"},
-            {"outputs": ["imbalance_acceleration"]},
-            "depends on the angle of the drive",
-        ),
-        ({}, {"outputs": ["omega5"]}, "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
-        ({}, {"inputs": ["omega2"]}, r"input omega2 must be one of the FMU .did you mean"),
-        (BY_TORQUE, {}, "with drive = torque an input must be drive_torque, is omega1"),
-        ({}, {"inputs": TORQUES}, "with drive = speed an input must be omega1, is drive_torque"),
-    ],
-)
-def test_what_cannot_be_a_system_is_refused_with_a_way_out(native, parameters, arguments, message):
-    with pytest.raises(FmuError, match=message):
-        bridge.fmu_system(native, parameters, step=STEP, **arguments)
+NO_SYSTEM = [
+    ({"step": 0}, "step must be a positive number of seconds, is 0"),
+    ({"state": "all"}, "state must be 'motion' or 'whole', is 'all'"),
+    ({"parameters": ELASTIC}, "with state = 'motion' fidelity must be one of .*, is elastic"),
+    ({"parameters": {"input_hold": "linear"}}, "'motion' input_hold must be constant, is linear"),
+    ({"outputs": ["energy_in"]}, "energy_in state must be 'whole', is 'motion': it is a sum since"),
+    ({"outputs": ["imbalance_acceleration_y"]}, "depends on the angle of link 1"),
+    (
+        {"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]},
+        "depends on the angle of the drive",
+    ),
+    ({"outputs": ["omega5"]}, "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
+    ({"inputs": ["omega2"]}, r"input omega2 must be one of the FMU .did you mean"),
+    ({"parameters": BY_TORQUE}, "with drive = torque an input must be drive_torque, is omega1"),
+    ({"inputs": TORQUES}, "with drive = speed an input must be omega1, is drive_torque"),
+]
+NO_MEASUREMENT = [
+    ({"excited": "omega2"}, "excited must be omega1 or load_torque, is 'omega2'"),
+    ({"step": 0.5}, r"frequency must be above 0 and at most .*, is 1$"),
+    ({"parameters": BY_TORQUE}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
+    ({"amplitude": 0.0}, "amplitude must be a positive number, is 0"),
+]
 
 
 @pytest.mark.parametrize(
-    "make, change, message",
+    "make, given, message",
     [
-        (bridge.fmu_system, {"step": 0}, "step must be a positive number of seconds, is 0"),
-        (bridge.fmu_system, {"state": "all"}, "state must be 'motion' or 'whole', is 'all'"),
-        (measured, {"excited": "omega2"}, "excited must be omega1 or load_torque, is 'omega2'"),
-        (measured, {"step": 0.5}, r"frequency must be above 0 and at most .*, is 1$"),
-        (measured, {"parameters": BY_TORQUE}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
-        (measured, {"amplitude": 0.0}, "amplitude must be a positive number, is 0"),
+        *((bridge.fmu_system, *case) for case in NO_SYSTEM),
+        *((measured, *case) for case in NO_MEASUREMENT),
     ],
 )
-def test_bad_arguments_are_refused(native, make, change, message):
+def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make, given, message):
     with pytest.raises(ValueError, match=message):
-        make(native, **{"step": 1e-3, **change})
+        make(fmu, **{"step": 1e-3, **given})
 
 
-# --- the page and the study ---
+# --- the study ---
 
 
-def test_python_of_the_page_runs(built, tmp_path, monkeypatch):
-    (tmp_path / "build").symlink_to(built)
-    monkeypatch.chdir(tmp_path)
-    (code,), names = programs("control.md"), {}
-    exec(compile(code, "control.md", "exec"), names)
-    speed = names["run"].outputs[0]
-    assert speed[-50:] == pytest.approx(np.full(50, 20.0), abs=1.0)
-
-
-def test_margins_of_the_speed_control_are_those_of_the_full_model(native):
+def test_margins_of_the_speed_control_are_those_of_the_full_model(fmu):
     study = runpy.run_path(str(EXAMPLE))
     operating = 60.6858
     controllers = {"PI": study["controllers_of"](operating)["PI"]}
-    rows = study["margins"](native, operating, controllers)
+    rows = study["margins"](fmu, operating, controllers)
     assert [kind for _, kind, _, _ in rows] == ["averaged", "rigid", "elastic"]
     for _, _, predicted, measured in rows:
         assert measured.gain == pytest.approx(predicted.gain, rel=0.1)

@@ -1,46 +1,36 @@
 """The command as a user types it: what it leaves, what it refuses before the work, what it prints."""
 
-import contextlib
 import importlib
 import json
 import os
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
-from rich.text import Text
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import __version__
-from inertia_module.cli import app
-from inertia_module.cli.shared import show
+from inertia_module.cli import app, show
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.compiling import CompilationUnavailable, linking
+from inertia_module.compiling import CompilationUnavailable
 from inertia_module.fidelity.levels import Row as Measured
 from inertia_module.fidelity.levels import print_levels
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.results import Result
+from tests.system.programs import command, process
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = str(ROOT / "examples" / "reference.toml")
 
 
-def process(*arguments, folder):
+def own_process(*arguments, folder):
     """A command as a process of its own."""
-    words = [sys.executable, "-m", "inertia_module", *map(str, arguments)]
-    done = subprocess.run(words, capture_output=True, text=True, cwd=folder, check=False)
+    done = process("-m", "inertia_module", *arguments, statuses=(0, 1), folder=folder)
     done.exit_code = done.returncode
     return done
-
-
-def command(*arguments, folder=None):
-    """The same in this process."""
-    with contextlib.chdir(folder or Path.cwd()):
-        return CliRunner().invoke(app, [*map(str, arguments)])
 
 
 @pytest.fixture
@@ -84,11 +74,10 @@ def test_build_leaves_the_fmus_in_build_and_tells_machines(tmp_path):
 def test_build_without_a_compiler_fails_and_names_the_extra(monkeypatch, tmp_path):
     missing = "ziglang is not installed; it comes with the extra inertia-module[fast]"
 
-    def compiler():
+    def tool_versions(*names):
         raise CompilationUnavailable(missing)
 
-    for module in (linking, native_fmu):
-        monkeypatch.setattr(module, "compiler", compiler)
+    monkeypatch.setattr(native_fmu, "tool_versions", tool_versions)
     done = command("build", "-o", tmp_path)
     assert done.exit_code == 1
     assert f"InertiaModule.fmu: {missing}" in done.stderr
@@ -99,9 +88,10 @@ def test_build_without_a_compiler_fails_and_names_the_extra(monkeypatch, tmp_pat
     assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(json.loads(done.stdout)["skipped"])
 
 
-def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
-    done = process("run", scene, "-o", tmp_path / "out", folder=workshop)
+def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(scene, tmp_path):
+    done = own_process("run", scene, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
+    assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
     assert table[0].startswith("time [s]")
     assert len(table) == 102
@@ -112,12 +102,6 @@ def test_run_leaves_table_summary_and_plot(workshop, scene, tmp_path):
     assert told["summary"]["rhs_evaluations"] > 0
     assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")
     assert "omega out final" in done.stdout
-
-
-def test_run_builds_the_fmu_it_needs(scene, tmp_path):
-    done = command("run", scene, "-o", tmp_path / "out", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
-    assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
 
 
 def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
@@ -164,7 +148,7 @@ def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
     [
         ("InertiaModule", command),
         ("InertiaModule3", command),
-        ("InertiaModulePy", process),  # that of a Python FMU is left in a way of its own
+        ("InertiaModulePy", own_process),  # that of a Python FMU is left in a way of its own
         ("DrivenShaft3", command),
     ],
 )
@@ -257,16 +241,21 @@ def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, scene, tmp_path
 
 
 @pytest.mark.parametrize(
-    "run, arguments", [(process, ("check", "nothing.fmu")), (command, ("run", "nothing.toml", "-o", "a/b"))]
+    "run, arguments, words",
+    [
+        (own_process, ("check", "nothing.fmu"), "nothing.fmu"),
+        (command, ("run", "nothing.toml", "-o", "a/b"), "nothing.toml"),
+        (command, ("check", "."), "error: . must be an FMU file, is a folder\n"),
+        (
+            command,
+            ("run", REFERENCE, "--fmu", ".", "-o", "out"),
+            "error: . must be an FMU file, is a folder\n",
+        ),
+    ],
 )
-def test_missing_files_are_named_and_no_folder_is_made_for_nothing(tmp_path, run, arguments):
-    is_one_line(run(*arguments, folder=tmp_path), arguments[1])
+def test_files_that_are_none_are_named_and_no_folder_is_made_for_nothing(tmp_path, run, arguments, words):
+    is_one_line(run(*arguments, folder=tmp_path), words)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("arguments", [["check", "."], ["run", REFERENCE, "--fmu", ".", "-o", "out"]])
-def test_a_folder_in_the_place_of_an_fmu_is_called_one(arguments, tmp_path):
-    assert command(*arguments, folder=tmp_path).stderr == "error: . must be an FMU file, is a folder\n"
 
 
 # --- a place that cannot be written to is found out before the work, not after it ---
@@ -333,12 +322,19 @@ def levels(title, fidelity, setting):
     print_levels(title, [row], ["omega2"])
 
 
+def bar():
+    shown = progress()
+    shown.add_task(AWKWARD)
+    terminal().print(shown.columns[0].render(shown.tasks[0]))
+
+
 PRINTERS = {
     "summary": lambda: show((AWKWARD, {AWKWARD: "1"})),
     "value of a summary": lambda: show(("title", {"heading": AWKWARD})),
     "levels": lambda: levels(AWKWARD, "rigid", "x"),
     "setting": lambda: levels("R1", "peer", AWKWARD),
     "message": lambda: terminal().print(AWKWARD),
+    "title of a bar": bar,
 }
 
 
@@ -347,14 +343,6 @@ def test_brackets_and_colons_are_printed_as_they_are(name, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     PRINTERS[name]()
     assert AWKWARD in capsys.readouterr().out
-
-
-def test_progress_bar_shows_a_title_as_it_is():
-    bar = progress()
-    task = bar.add_task(AWKWARD)
-    title = bar.columns[0].render(bar.tasks[task])
-    assert isinstance(title, Text)
-    assert title.plain == AWKWARD
 
 
 @pytest.mark.parametrize("name", get_command(app).commands)

@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import io
+import json
 import re
 import zipfile
 from collections.abc import Callable
@@ -15,12 +16,14 @@ from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
 from scenes import ELASTIC
 
+from inertia_module.contract.variables import REAL
 from inertia_module.export.systems import Plan, container, export, make_plan
+from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
-from tests.system.programs import needs, printed, programs
+from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
 BY_TORQUE = {"drive": 1.0, "input_inertia": 0.3}
@@ -89,7 +92,7 @@ def program(reader):
 @pytest.mark.parametrize("reader", READERS)
 def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(reader, exported):
     needs(reader)
-    found = printed(program(reader), exported.folder)
+    (found,) = printed(program(reader), exported.folder)
     expected = exported.looped(READERS[reader])["module.omega_out"]
     assert abs(expected) > 1.0  # not at rest, where all agree
     if reader == "fmpy" and exported.name == "turning at the start":
@@ -101,7 +104,7 @@ def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(rea
         for theirs, ours in OSP_FILE.items():
             assert theirs in source
             source = source.replace(theirs, ours)
-        assert printed(source, exported.folder) == pytest.approx(expected, rel=1e-9)
+        assert printed(source, exported.folder) == pytest.approx([expected], rel=1e-9)
 
 
 def test_container_runs_to_the_numbers_of_a_plain_loop(exported):
@@ -189,3 +192,60 @@ def test_scenes_are_exported_with_their_mechanism_drive_and_start():
     assert (values["layout"], values["omega1"], plan.step) == (1.0, 120.0, 5e-4)
     with pytest.raises(SceneError, match="fidelity must be a fidelity by name for an export, is 'auto'"):
         scene_plan(scene.with_fidelity("auto", 0.01))
+
+
+# --- the FMU Manipulation Toolbox, another's: its checker, and its container, a host of FMI 2.0 and 3.0 ---
+
+TOOLBOX = "fmu_manipulation_toolbox"
+
+
+def tool(name, *arguments, folder):
+    """What one of the tools says."""
+    done = process("-m", f"{TOOLBOX}.cli.{name}", *arguments, folder=folder)
+    return done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
+def test_checker_has_nothing_to_say(fmu, built, tmp_path):
+    needs(TOOLBOX)
+    said = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
+    assert "seems to be compliant with FMI-" in said
+    assert "No semantic error" in said
+    assert not [line for line in said.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
+
+
+@pytest.mark.parametrize(
+    "fmi, module, shaft",
+    [
+        (2, "InertiaModule", "DrivenShaft"),
+        (3, "InertiaModule3", "DrivenShaft3"),
+        (3, "InertiaModule", "DrivenShaft3"),
+    ],
+)
+def test_container_gives_the_bits_of_module_and_shaft_side_by_side(built, tmp_path, fmi, module, shaft):
+    needs(TOOLBOX)
+    plan = make_plan("elastic", ELASTIC, INPUTS, STEP, STOP)
+    files = {part.name: part.fmu.file_name for part in plan.parts}
+    (tmp_path / "osp").mkdir()
+    for file, name in zip(files.values(), (module, shaft), strict=True):
+        (tmp_path / "osp" / file).symlink_to(built / f"{name}.fmu")
+    container = {
+        "name": "container.fmu",
+        "fmu": list(files.values()),
+        "link": [[files[a], output, files[b], given] for a, output, b, given in plan.wires],
+        "output": [[files[part], name, f"{part}.{name}"] for part, name in plan.outputs],
+        "start": [
+            [files[part.name], name, value if part.variable(name).kind == REAL else int(value)]
+            for part in plan.parts
+            for name, value in part.values.items()
+        ],
+        "input": [],
+        "step_size": STEP,
+        **dict.fromkeys(("auto_link", "auto_input", "auto_output"), False),
+    }
+    (tmp_path / "osp" / "container.json").write_text(json.dumps(container))
+    options = ("-container", "container.json", "-fmu-directory", ".", "-fmi", fmi)
+    tool("fmucontainer", *options, folder=tmp_path / "osp")
+    found = simulate_fmu(str(tmp_path / "osp" / "container.fmu"), **RUN)[-1]
+    expected = looped(plan, tmp_path)
+    assert {name: found[name] for name in expected} == expected

@@ -5,14 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from inertia_module import jobs
-from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result, read_columns, write_columns
 from inertia_module.jobs.fit import Observer
 from inertia_module.scene import load_scene, run_scene
+from tests.system.programs import command, left
 
 pytest.importorskip("lmfit")
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -191,28 +190,26 @@ def test_a_speed_extrapolated_over_steps_is_not_stopped_within_them(fmu):
 
 def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
     few = Result.from_columns({"time": [0.1], "omega2": [1.0]})
-    with pytest.raises(Refused, match="more measured values than free keys, 2, are 1"):
-        jobs.fit(few, SCENE, FREE, output=tmp_path, fmu=fmu)
-    with pytest.raises(
-        Refused, match=r"must have an influence on omega2, omega_out, none has of .*shaft_damping"
+    idle = ["shaft_damping", "shaft_stiffness"]
+    for measured, free, options, words in (
+        (few, FREE, {}, "more measured values than free keys, 2, are 1"),
+        (MEASURED, idle, {}, r"must have an influence on omega2, omega_out, none has of .*shaft_damping"),
+        (MEASURED, FREE, {"starts": -1}, "starts must be at least 0, is -1"),
     ):
-        jobs.fit(MEASURED, SCENE, ["shaft_damping", "shaft_stiffness"], output=tmp_path, fmu=fmu)
-    with pytest.raises(Refused, match="starts must be at least 0, is -1"):
-        jobs.fit(MEASURED, SCENE, FREE, starts=-1, output=tmp_path, fmu=fmu)
+        with pytest.raises(Refused, match=words):
+            jobs.fit(measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_command_leaves_scene_residuals_numbers_and_picture(fmu, tmp_path):
-    free = ["--free", "imbalance_mass=0.5:2", "--starts", "1"]
-    command = ["fit", str(MEASURED), str(SCENE), "--fmu", str(fmu), "-o", str(tmp_path)]
-    done = CliRunner().invoke(app, [*command, *free, "--column", "omega_out", "--json"])
-    assert done.exit_code == 0, done.output
-    told = json.loads(done.output)
+    words = ["fit", MEASURED, SCENE, "--fmu", fmu, "-o", tmp_path]
+    free = ["--free", "imbalance_mass=0.5:2", "--starts", "1", "--column", "omega_out"]
+    told = json.loads(left(*words, *free, "--json"))
     assert list(told["noise"]) == ["omega_out"]
     assert json.loads((tmp_path / "fit.json").read_text())["parameters"] == told["parameters"]
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     mass = told["parameters"]["mechanism.imbalance_mass"]
     assert mass["value"] == load_scene(tmp_path / "fitted.toml").parameters()["imbalance_mass"]
-    refused = CliRunner().invoke(app, command)
+    refused = command(*words)
     assert refused.exit_code == 1
     assert "error: at least one key must be free" in refused.output

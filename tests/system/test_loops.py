@@ -343,40 +343,25 @@ def test_tolerance_band_by_brute_force():
     assert upper == pytest.approx(10.0 + 2.0 * KMH)
 
 
-@pytest.fixture(scope="module")
-def urban():
-    """The scene of the car in the cycle, and the inertia of its output shaft."""
+def test_car_follows_the_cycle_and_its_momentum_and_power_are_balanced():
     scene = load_scene(example("urban"))
     parameters = {**scene.parameters(), "tolerance": 1e-8}
     outputs = ["omega_out", "output_torque_mean", "energy_in", "energy_out", "energy_residual"]
     plant = Module("compiled").start(**parameters)
-    loop = loops.ClosedLoop(plant, loops.connect(list(scene.systems())), outputs)
-    return loop.run(CYCLE.duration), parameters["output_inertia"]
-
-
-def test_car_stays_within_the_tolerances(urban):
-    table, _ = urban
+    table = loops.ClosedLoop(plant, loops.connect(list(scene.systems())), outputs).run(CYCLE.duration)
     lower, upper = CYCLE.tolerance_band(table.time)
     speed = table["vehicle_speed"]
     assert np.mean((speed < lower) | (speed > upper)) < 0.02
     assert np.sqrt(np.mean((speed - table["reference"]) ** 2)) < 0.6 * KMH
     assert table["omega1"].max() <= 400.0
     assert speed[-1] == 0.0
-
-
-def test_momentum_balance_of_the_car_in_every_step(urban):
-    """Step means lose nothing: J d(omega) = (mean torque - load) dt, as long as the car moves."""
-    table, inertia = urban
-    gained = inertia * np.diff(table["omega_out"])
+    # step means lose nothing: J d(omega) = (mean torque - load) dt, as long as the car moves
+    gained = parameters["output_inertia"] * np.diff(table["omega_out"])
     torque = table["output_torque_mean"][1:] - table["load_torque"][:-1]
     moving = table["omega_out"][1:] > 0.0
     assert moving.mean() > 0.5
     np.testing.assert_allclose(gained[moving], 0.01 * torque[moving], atol=1e-7)
-
-
-def test_power_balance_of_the_car(urban):
-    """What the module hands out is what drag, rolling, slope and brake take: the car ends at rest."""
-    table, _ = urban
+    # what the module hands out is what drag, rolling, slope and brake take: the car ends at rest
     mean_speed = 0.5 * (table["omega_out"][1:] + table["omega_out"][:-1])
     parts = [
         float(np.sum(table[f"{name}_torque"][:-1] * mean_speed * 0.01))

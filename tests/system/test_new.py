@@ -1,17 +1,15 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
-import importlib.util
 import json
+import runpy
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from inertia_module import __version__
-from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
@@ -21,12 +19,9 @@ from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
 from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.keys import keys_of
+from tests.system.programs import command, left, process
 
 ROOT = Path(__file__).parents[2]
-
-
-def command(*arguments):
-    return CliRunner().invoke(app, [*map(str, arguments)])
 
 
 def test_version_is_that_of_the_package_the_changelog_and_the_citation():
@@ -66,7 +61,7 @@ def test_new_copies_an_example_with_what_belongs_to_it_and_tells_the_next_comman
     assert f"{files[0]} must be a new file, is there already" in command("new", name).stderr
 
 
-def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
+def test_new_overwrites_nothing_and_tells_machines_what_it_has_left_and_people_what_comes_before(folder):
     told = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
     assert told.startswith("next: inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
     Path("here/rig.toml").unlink()
@@ -74,15 +69,13 @@ def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
     assert again.exit_code == 1
     assert "rig.csv must be a new file, is there already" in again.stderr
     assert not Path("here/rig.toml").exists()
-    assert json.loads(command("new", "planar", "-o", "other.toml", "--json").stdout) == {
-        "files": ["other.toml"]
-    }
-
-
-def test_new_tells_what_comes_before(folder):
-    install = "next: pip install 'inertia-module[jobs,notebook]' jupyterlab\n"
-    assert install in command("new", "tutorial").stdout
-    assert "next: inertia-module build\n" in command("new", "two_fmus").stdout
+    told = json.loads(left("new", "planar", "-o", "other.toml", "--json"))
+    assert told == {"files": ["other.toml"]}
+    for name, before in (
+        ("tutorial", "pip install 'inertia-module[jobs,notebook]' jupyterlab"),
+        ("two_fmus", "inertia-module build"),
+    ):
+        assert f"next: {before}\n" in command("new", name).stdout
 
 
 def test_all_scenes_programs_and_the_notebook_are_examples():
@@ -94,51 +87,37 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
         example("plenary")
 
 
-def test_keys_are_set_as_in_a_scene_file():
+def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     given = ["imbalance_mass=1.5 kg", "drive.omega1=50 rad/s", "satellites=2", 'run.outputs=["omega2"]']
     scene = load_scene(example("planar"), keys_of(given))
-    assert scene.parameters()["imbalance_mass"] == 1.5
-    assert scene.parameters()["satellites"] == 2
-    assert scene.drive.omega1 == 50.0
-    assert scene.run.outputs == ["omega2"]
-    whole_table = load_scene(example("planar"), {"mechanism": scene.tables["mechanism"]})
-    assert whole_table.mechanism == scene.mechanism
-
-
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
+    found = scene.parameters()
+    assert (found["imbalance_mass"], found["satellites"]) == (1.5, 2)
+    assert (scene.drive.omega1, scene.run.outputs) == (50.0, ["omega2"])
+    assert (
+        load_scene(example("planar"), {"mechanism": scene.tables["mechanism"]}).mechanism == scene.mechanism
+    )
+    for given, sentence in (
         ("imbalance_mass", r"what is set must be given as KEY=VALUE, is 'imbalance_mass'"),
         (
             "imbalance_mas=1",
             r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
         ),
-    ],
-)
-def test_what_cannot_be_set_is_refused_in_a_sentence(given, sentence):
-    with pytest.raises(SceneError, match=sentence):
-        load_scene(example("planar"), keys_of([given]))
-
-
-def test_set_reaches_the_run(built, tmp_path):
-    done = command(
-        *("run", example("planar"), "--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s"),
-        *("--fmu", built / "InertiaModule.fmu", "-o", tmp_path, "--json"),
-    )
-    assert done.exit_code == 0, done.stderr
-    summary = json.loads(done.stdout)["summary"]
+    ):
+        with pytest.raises(SceneError, match=sentence):
+            load_scene(example("planar"), keys_of([given]))
+    options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
+    summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)
     assert summary["omega1_maximum"] == 60.0
 
 
-def test_scene_without_a_loop_runs_without_python_control(built):
+def test_scene_without_a_loop_runs_without_python_control(fmu):
     code = (
         "import sys; from inertia_module import load_scene, run_scene, scene_figure;"
         "scene_figure(run_scene(load_scene(sys.argv[1], {'run.stop_time': '10 ms'}), sys.argv[2]));"
         "print(sorted({'control', 'scipy'} & set(sys.modules)))"
     )
-    command = [sys.executable, "-c", code, example("planar"), built / "InertiaModule.fmu"]
-    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "[]\n"
+    assert process("-c", code, example("planar"), fmu).stdout == "[]\n"
 
 
 def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
@@ -152,9 +131,10 @@ def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
     here = run()
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
     monkeypatch.setattr(load, "ready_made", lambda file: built / file)
-    monkeypatch.setattr(load, "_loaded", {})
+    load.load.cache_clear()
     assert run() == here
     load.load(MODELS["DrivenShaft"])
+    load.load.cache_clear()
     assert {path.stem.partition("-")[0] for path in tmp_path.iterdir()} == set(MODELS)
 
 
@@ -171,9 +151,7 @@ print(module["omega2"])
 
 
 def test_compiled_kernel_loads_where_memory_is_far_apart(compiled):
-    done = subprocess.run([sys.executable, "-c", FAR_APART], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(0.969128517, abs=1e-7)
+    assert float(process("-c", FAR_APART).stdout) == pytest.approx(0.969128517, abs=1e-7)
 
 
 def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypatch, compiled):
@@ -216,40 +194,34 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
         builder.current_fmu(builder.MODULE_FMU, tmp_path)
 
 
-@pytest.fixture
-def forced_into_a_wheel(tmp_path):
-    """What the build of a wheel puts into it from a folder: path, and place in the wheel."""
+def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_complete_wheel_or_none(
+    tmp_path, built
+):
     pytest.importorskip("hatchling")
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
-    hooks = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(hooks)
+    hook = runpy.run_path(str(ROOT / "hatch_build.py"))["ReadyMade"]
 
-    def forced(version="standard"):
+    def forced(folder, version="standard"):
+        """Places in a wheel of what its build puts into it from a folder."""
         data = {"force_include": {}}
-        hooks.ReadyMade(str(tmp_path), {}, None, None, "", "wheel").initialize(version, data)
+        hook(str(folder), {}, None, None, "", "wheel").initialize(version, data)
         return set(data["force_include"].values())
 
-    return forced
-
-
-def test_clone_is_installed_without_what_was_built_in_it(forced_into_a_wheel, tmp_path):
-    (tmp_path / "build").mkdir()
-    (tmp_path / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
-    assert forced_into_a_wheel() == {"inertia_module/examples"}
-    assert forced_into_a_wheel("editable") == set()
-
-
-def test_sdist_makes_a_complete_wheel_or_none(forced_into_a_wheel, tmp_path, built):
-    (tmp_path / "PKG-INFO").touch()
+    clone, sdist = tmp_path / "clone", tmp_path / "sdist"
+    (clone / "build").mkdir(parents=True)
+    (clone / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
+    assert forced(clone) == {"inertia_module/examples"}
+    assert forced(clone, "editable") == set()
+    page = sdist / "fmu_src" / "inertia_module" / "page"
+    page.mkdir(parents=True)
+    (sdist / "PKG-INFO").touch()
     with pytest.raises(
         FileNotFoundError, match=r"make dist builds what a wheel needs: build/InertiaModule.fmu"
     ):
-        forced_into_a_wheel()
-    (tmp_path / "build").symlink_to(built)
-    (tmp_path / "fmu_src" / "inertia_module" / "page").mkdir(parents=True)
-    (tmp_path / "fmu_src" / "inertia_module" / "page" / "template.html").touch()
+        forced(sdist)
+    (sdist / "build").symlink_to(built)
+    (page / "template.html").touch()
     ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir() if path.is_file()}
-    assert forced_into_a_wheel() == ready | {"inertia_module/examples"}
+    assert forced(sdist) == ready | {"inertia_module/examples"}
 
 
 def test_an_empty_name_of_a_cache_folder_counts_as_none(monkeypatch):

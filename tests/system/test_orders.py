@@ -7,10 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from inertia_module import jobs
-from inertia_module.cli import app
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
@@ -18,6 +16,7 @@ from inertia_module.jobs.orders import pulses_a_turn, spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene, read_scene, run_scene
+from tests.system.programs import command, left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -245,12 +244,11 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu):
 def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
     scene = EXAMPLES / "planar.toml"
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
-    options = [*words, "0 s", "--to", "600 ms", "--fmu", str(fmu), "-o", str(tmp_path)]
-    done = CliRunner().invoke(app, ["orders", str(scene), *options])
-    assert done.exit_code == 0, done.output
+    options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
+    said = left("orders", scene, *options, "--to", "600 ms")
     found = jobs.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
     first = found.largest()["input_torque"][0]
-    assert f"order {first.order:.4g}" in done.output
+    assert f"order {first.order:.4g}" in said
     told = json.loads((tmp_path / "summary.json").read_text())
     assert told == json.loads(json.dumps(found.as_dict()))
     assert told["signals"]["input_torque"]["largest"][0]["amplitude"] == first.amplitude
@@ -260,8 +258,8 @@ def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
     rows, _ = read_columns(tmp_path / "waterfall.csv")
     assert sorted(set(rows["time"])) == found.time.tolist()
     assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
-    done = CliRunner().invoke(app, ["orders", str(scene), *options, "--json"])
-    assert json.loads(done.output)["signals"] == told["signals"]
-    refused = CliRunner().invoke(app, ["orders", str(scene), *options[:-4], "--to", "2 m"])
+    told_machines = json.loads(left("orders", scene, *options, "--to", "600 ms", "--json"))
+    assert told_machines["signals"] == told["signals"]
+    refused = command("orders", scene, *options, "--to", "2 m")
     assert refused.exit_code == 1
     assert "error: --to must be a number in s" in refused.output

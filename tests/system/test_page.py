@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from inertia_module.scene import read_scene
-from tests.system.chromium import REFERENCE
+from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
 
 LEGEND = "[...document.querySelectorAll('.panel:first-child .legend output')].map(cell => cell.textContent)"
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")
@@ -71,7 +71,6 @@ def test_slider_changes_the_run_to_what_simulate_gives(page):
 def test_every_scene_of_the_page_is_accepted(page):
     names = page.page.evaluate(SCENES)
     assert len(names) >= 8
-    page.page.set_viewport_size({"width": 640, "height": 480})  # drawn without a graphics card
     for name in names:
         page.page.get_by_label("Scene", exact=True).select_option(name)
         page.page.wait_for_function("name => inertiaModule.state().settings.scene === name", arg=name)
@@ -83,7 +82,6 @@ def test_every_scene_of_the_page_is_accepted(page):
 
 def test_imbalance_is_drawn_where_the_kernel_has_it(page):
     """The picture is built of turned groups, its arrows by the page's own formulas."""
-    page.page.set_viewport_size({"width": 640, "height": 480})
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
     for scene in (askew, "planar", "real-bevel", "elastic"):
         page.at(f"#scene={scene}")
@@ -106,10 +104,11 @@ def test_clock_curves_and_switches_agree(page):
     told = [float(text.replace("−", "-").split()[0]) for text in page.page.evaluate(LEGEND)]
     assert told == pytest.approx(values, abs=0.01)
     # the cursor of the curves stands there, and a press on them goes there
-    over = page.page.locator(".panel:first-child .u-over").bounding_box()
+    curves = page.page.locator(".panel:first-child .u-over")
+    over = curves.bounding_box()
     mark = page.page.locator(".panel:first-child .mark").bounding_box()
     assert mark["x"] + mark["width"] / 2 - over["x"] == pytest.approx(time * over["width"], abs=2)
-    page.page.mouse.click(over["x"] + 0.75 * over["width"], over["y"] + 20)
+    curves.click(position={"x": 0.75 * over["width"], "y": 20})
     assert page.state("time") == pytest.approx(0.75, abs=0.01)
     # steps go from switch to switch, and a pulse is repeated
     scrub(page, "0")
@@ -128,13 +127,13 @@ def test_clock_curves_and_switches_agree(page):
 
 def test_link_restores_the_state_and_names_what_it_says_wrongly(page):
     set_field(page, "load_torque", "4.5")
+    page.settled()  # places of the slider are shares of the run as far as it is
     page.page.get_by_label("cut-away").uncheck()
     page.page.get_by_label("Path of the imbalance").select_option("fixed")
     scrub(page, "2500")
     page.page.wait_for_function(
         "location.hash.includes('t=0.25') && location.hash.includes('load_torque=4.5')"
     )
-    page.settled()
     link, output = page.page.evaluate("location.hash"), page.shown("omega_out")
     page.at(link)
     assert page.state("time") == pytest.approx(0.25)
@@ -231,3 +230,72 @@ def test_converter_chart_is_that_of_the_package(page):
     # what goes in comes out, for nothing is lost
     for point in points[1:15]:
         assert point["input"] == pytest.approx(point["ratio"] * point["output"], abs=0.02 * torques[0])
+
+
+# --- on a phone and a desk, in light and dark, for a screen reader; and how quick it is ---
+
+AXE = ROOT / "page" / "node_modules" / "axe-core" / "axe.min.js"
+# boxes narrower than what is in them, all settings unfolded
+TOO_NARROW = """() => {
+  document.querySelectorAll('details').forEach(group => { group.open = true; });
+  return [...document.querySelectorAll('body *:not(svg *)')].filter(
+    box => getComputedStyle(box).display !== 'inline' && box.scrollWidth > box.clientWidth + 1
+  ).map(box => `${box.tagName} ${box.className}: ${box.textContent.slice(0, 60)}`);
+}"""
+PAPER = "getComputedStyle(document.body).backgroundColor"
+
+
+@pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])
+def sized(still, request):
+    """The page of scene R1 at rest, loaded at a size."""
+    still.page.set_viewport_size(request.param)
+    return still.at("")
+
+
+def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
+    before = sized.page.evaluate(PAPER)
+    sized.press("Light or dark")
+    assert sized.page.evaluate(PAPER) != before
+    for font in FONTS:
+        set_font(sized.page, font)
+        sized.drawn()
+        width = sized.page.viewport_size["width"]
+        assert sized.page.evaluate("document.documentElement.scrollWidth") <= width, font
+        assert sized.page.evaluate(TOO_NARROW) == [], font
+
+
+def test_axe_finds_no_serious_fault(sized):
+    if not AXE.exists():
+        pytest.skip("axe-core is not installed: `make page` installs it")
+    sized.page.evaluate(AXE.read_text())
+    for scheme in ("light", "dark"):
+        sized.page.emulate_media(color_scheme=scheme)
+        sized.drawn()
+        serious = [
+            (fault["id"], node["target"], node["failureSummary"])
+            for fault in sized.page.evaluate("axe.run()")["violations"]
+            if fault["impact"] in ("serious", "critical")
+            for node in fault["nodes"]
+        ]
+        assert serious == [], scheme
+
+
+def test_first_picture_and_frames_are_quick(browser, written):
+    """In time of the processor, for others may be at work on this machine."""
+    with browser.new_page(viewport=DESK, reduced_motion="no-preference") as page:
+        session = page.context.new_cdp_session(page)
+        session.send("Performance.enable", {"timeDomain": "threadTicks"})
+
+        def spent(what):
+            metrics = session.send("Performance.getMetrics")["metrics"]
+            return next(metric["value"] for metric in metrics if metric["name"] == what)
+
+        opened = Opened(page, written(REFERENCE)).settled()
+        assert spent("TaskDuration") < 1.5
+        page.wait_for_timeout(2000)
+        before = spent("ScriptDuration")
+        page.evaluate("window.drawn = 0; (function count() { drawn++; requestAnimationFrame(count); })()")
+        page.wait_for_function("drawn > 20")
+        frame = (spent("ScriptDuration") - before) / page.evaluate("drawn")
+        assert 0 < frame < 8e-3
+        assert opened.state("playing")

@@ -3,27 +3,19 @@
 import re
 import runpy
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 from fmpy import simulate_fmu
 
-from tests.system.programs import needs, printed, programs
+from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_generated_pages_are_up_to_date():
-    done = subprocess.run(
-        [sys.executable, ROOT / "docs" / "make_pages.py", "--check"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    process(ROOT / "docs" / "make_pages.py", "--check")
 
 
 def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypatch):
@@ -56,12 +48,38 @@ def test_links_of_the_readme_lead_somewhere():
     assert all((ROOT / link).exists() for link in links)
 
 
-def test_python_of_the_readme_runs(built, tmp_path, monkeypatch, capsys):
+def prints_its_residual(names, printed):
+    assert "energy residual" in printed
+
+
+def holds_the_speed(names, printed):
+    assert names["run"].outputs[0][-50:] == pytest.approx([20.0] * 50, abs=1.0)
+
+
+def loses_at_most(defect):
+    def check(names, printed):
+        speed, _, lost = map(float, printed.split())
+        assert speed == pytest.approx(200.0, rel=0.2)
+        assert abs(lost) < defect
+
+    return check
+
+
+@pytest.mark.parametrize(
+    "page, checks",
+    [
+        ("../README.md", [prints_its_residual]),
+        ("control.md", [holds_the_speed]),
+        ("coupling.md", [loses_at_most(1e-8), loses_at_most(10.0)]),
+    ],
+)
+def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsys):
     (tmp_path / "build").symlink_to(built)
-    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
     monkeypatch.chdir(tmp_path)
-    exec(compile(code, "README.md", "exec"), {})
-    assert "energy residual" in capsys.readouterr().out
+    for code, check in zip(programs(page), checks, strict=True):
+        names = {}
+        exec(compile(code, page, "exec"), names)
+        check(names, capsys.readouterr().out)
 
 
 # --- what a reader runs ---
@@ -91,22 +109,10 @@ def test_program_of_the_page_runs_the_module(number, built, tmp_path):
         start_values={"output_inertia": 0.4},
         output=["omega_out"],
     )
-    found = printed(PROGRAMS[number], tmp_path)
+    (found,) = printed(PROGRAMS[number], tmp_path)
     # stopped at its switches a step integrates otherwise
     within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
     assert found == pytest.approx(expected["omega_out"][-1], rel=within)
-
-
-def test_fmpy_gives_the_tolerance_that_the_fmu_proposes(built):
-    def ended(parameter, **given):
-        values = {"output_inertia": 0.4, "tolerance": parameter}
-        path, steps = str(built / "InertiaModule.fmu"), {"stop_time": 0.1, "output_interval": 1e-3}
-        return simulate_fmu(path, start_values=values, output=["omega_out"], **steps, **given)["omega_out"][
-            -1
-        ]
-
-    assert ended(1e-6) == ended(1e-2) == ended(1e-2, relative_tolerance=1e-6)
-    assert ended(1e-6) != ended(1e-6, relative_tolerance=1e-2)
 
 
 def test_tutorial_shows_pictures_and_tables(built, tmp_path):

@@ -4,8 +4,6 @@ import contextlib
 import functools
 import http.server
 import os
-import subprocess
-import sys
 import threading
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import pytest
 
 from inertia_module.page.html import TEMPLATE
 from tests.system.chromium import FONTS, set_font
+from tests.system.programs import process
 
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "out" / "site"
@@ -69,9 +68,7 @@ def site(tmp_path_factory):
     if not TEMPLATE.exists():
         pytest.skip("the page is not built: `make page` builds it")
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", folder]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    process("-m", "mkdocs", "build", "--strict", "-d", folder, folder=ROOT)
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=folder))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     yield f"http://127.0.0.1:{server.server_port}/", folder
@@ -154,10 +151,6 @@ def test_the_same_figure_has_the_same_bytes_in_another_process(figure, tmp_path)
     )
     for run, seed in (("one", "1"), ("two", "2")):
         files = [tmp_path / f"{run}.{ending}" for ending in ("svg", "png")]
-        subprocess.run(
-            [sys.executable, "-c", program, figure, *files],
-            check=True,
-            env=os.environ | {"PYTHONHASHSEED": seed},
-        )
+        process("-c", program, figure, *files, PYTHONHASHSEED=seed)
     for ending in ("svg", "png"):
         assert (tmp_path / f"one.{ending}").read_bytes() == (tmp_path / f"two.{ending}").read_bytes()

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from inertia_module.cli import app
 from inertia_module.harness.results import Result
 from inertia_module.page import html
+from tests.system.programs import command, left
 
 EXAMPLES = Path("examples").absolute()
 REFERENCE, ENGINE = (EXAMPLES / f"{name}.toml" for name in ("reference", "engine"))
@@ -37,28 +36,22 @@ PLAYED = """async () => {
 }"""
 
 
-def invoke(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
 def check_page(page):
     """It opens from disk, asks for nothing and is no larger than a page may be."""
     page.page.wait_for_timeout(500)
     assert (page.errors, page.requests) == ([], [])
     assert page.path.stat().st_size < MOST_BYTES
-    page.keep_picture(page.path.stem)
 
 
-def table_of(scene, built, folder):
+def table_of(scene, fmu, folder):
     """What a scene is run to."""
-    done = invoke("run", scene, "-o", folder, "--fmu", built / "InertiaModule.fmu")
-    assert done.exit_code == 0, done.output
+    left("run", scene, "-o", folder, "--fmu", fmu)
     return Result.from_csv(folder / "table.csv")
 
 
-def test_run_is_played_as_it_was_recorded(opened, built, tmp_path):
+def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
     """The load of this scene follows the motion: the page cannot run it, so it holds the run."""
-    page, table = opened(ENGINE), table_of(ENGINE, built, tmp_path)
+    page, table = opened(ENGINE), table_of(ENGINE, fmu, tmp_path)
     check_page(page)
     start, played = page.page.evaluate("window.inertiaModule.start"), page.page.evaluate(PLAYED)
     every = start["run"]["every"]
@@ -70,11 +63,11 @@ def test_run_is_played_as_it_was_recorded(opened, built, tmp_path):
     assert np.diff(played["q"]).max() < 0.4 * every  # no whole turn is lost between rows
 
 
-def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, built, tmp_path):
+def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, fmu, tmp_path):
     scene = tmp_path / "coarse.toml"
     scene.write_text(COARSE)
     page = opened(scene, reduced_motion="reduce")
-    mean = table_of(scene, built, tmp_path)["mesh_torque_mean"][50]
+    mean = table_of(scene, fmu, tmp_path)["mesh_torque_mean"][50]
     page.page.get_by_role("slider", name="time", exact=True).fill("5000")
     page.drawn()
     speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())
@@ -84,7 +77,6 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
     (now,) = re.findall(r"torques: mean of a step.*mesh torque, M2\s+(\S+)", table, re.S)
     assert told == now
     assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
-    page.keep_picture("coarse")
     page.page.get_by_label("Scene", exact=True).select_option("reference")
     page.settled()
     assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
@@ -103,17 +95,16 @@ def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypat
     assert force.tolist() == [0.0, -1.0, -4.0]
 
 
-def test_run_leaves_the_page_beside_its_table(built, tmp_path):
-    done = invoke("run", REFERENCE, "--view", "--json", "--fmu", built / "InertiaModule.fmu", "-o", tmp_path)
-    assert done.exit_code == 0, done.output
-    assert json.loads(done.stdout)["files"]["page"] == str(tmp_path / "page.html")
+def test_run_leaves_the_page_beside_its_table(fmu, tmp_path):
+    told = left("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
+    assert json.loads(told)["files"]["page"] == str(tmp_path / "page.html")
     assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
 
 
 def test_page_that_cannot_be_made_is_refused_before_the_run(tmp_path, monkeypatch):
     def refused(*arguments):
-        done = invoke(*arguments)
+        done = command(*arguments)
         assert done.exit_code == 1
         return done.stderr
 
@@ -142,7 +133,7 @@ def test_place_that_cannot_be_written_is_refused_before_the_run(tmp_path, monkey
         "file/page.html": "file must be a folder that can be written to",
     }
     for place, sentence in places.items():
-        done = invoke("view", ENGINE, "-o", tmp_path / place)
+        done = command("view", ENGINE, "-o", tmp_path / place)
         assert done.exit_code == 1
         assert sentence in done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.html"]
@@ -150,7 +141,7 @@ def test_place_that_cannot_be_written_is_refused_before_the_run(tmp_path, monkey
 
 def test_page_is_whole_or_not_there(tmp_path, monkeypatch):
     monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("the disk is full")))
-    done = invoke("view", REFERENCE, "-o", tmp_path / "page.html")
+    done = command("view", REFERENCE, "-o", tmp_path / "page.html")
     assert (done.exit_code, done.stderr) == (1, "error: the disk is full\n")
     assert list(tmp_path.iterdir()) == []
 

@@ -88,6 +88,7 @@ LOSSES = {
     "gravity": {"gravity": 9.81},
 }
 ALL_LOSSES = {name: value for one in LOSSES.values() for name, value in one.items()}
+FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 WIND_UP = {
     "housing_stiffness": 2e4,
     "housing_damping": 2.0,
@@ -115,6 +116,11 @@ ADDED = {
     "losses": ALL_LOSSES | GEARS,
     "wind-up": ALL_LOSSES | WIND_UP,
 }
+
+
+def mechanism(text):
+    """Values of parameters by name, written as what campaigns found: name=value, parted by blanks."""
+    return {name: float(value) for name, value in (part.split("=") for part in text.split())}
 
 
 def motions(levels=tuple(LEVELS), added=tuple(ADDED), missing=tuple(FREEWHEELS)[1:]):

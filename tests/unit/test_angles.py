@@ -7,7 +7,7 @@ import mpmath
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from scenes import SCENES, advanced, drive_angle, started
+from scenes import advanced, drive_angle, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
@@ -18,11 +18,6 @@ from inertia_module.kernel.sine import LARGEST_ANGLE, sine_cosine
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)
 ULP = 2.0**-52
 TINY = 2.0**-16  # s: with speeds that are powers of two every increment is exact
-
-
-@pytest.fixture(scope="module", params=SCENES)
-def scene(request):
-    return SCENES[request.param]
 
 
 def wrapped(angle, period):
@@ -105,8 +100,7 @@ def test_a_sum_keeps_what_rounding_has_lost(value, change):
     assert Fraction(new) + Fraction(low) == Fraction(value) + Fraction(change)
 
 
-@given(st.floats(-2.0 * LARGEST_ANGLE, 2.0 * LARGEST_ANGLE))
-def test_both_are_within_one_and_a_half_units(x):
+def assert_both_are_close(x):
     with mpmath.workprec(200):
         exact = mpmath.sin(x), mpmath.cos(x)
         for found, wanted in zip(sine_cosine(x), exact, strict=True):
@@ -114,14 +108,17 @@ def test_both_are_within_one_and_a_half_units(x):
             assert abs(found - wanted) <= 1.5 * ULP * abs(wanted) + 1e-30 * abs(x) + 5e-324
 
 
+@given(
+    st.floats(-2.0 * LARGEST_ANGLE, 2.0 * LARGEST_ANGLE), st.integers(-600000, 600000), st.floats(-1e-3, 1e-3)
+)
+def test_both_are_within_one_and_a_half_units_also_close_to_their_zeros(x, n, offset):
+    assert_both_are_close(x)
+    assert_both_are_close(n * math.pi / 2.0 + offset)
+
+
 def test_both_are_within_one_and_a_half_units_all_around():
     for n in range(-100, 101):
-        test_both_are_within_one_and_a_half_units.hypothesis.inner_test(0.0707 * n)
-
-
-@given(st.integers(-600000, 600000), st.floats(-1e-3, 1e-3))
-def test_they_are_exact_close_to_their_zeros(n, offset):
-    test_both_are_within_one_and_a_half_units.hypothesis.inner_test(n * math.pi / 2.0 + offset)
+        assert_both_are_close(0.0707 * n)
 
 
 @pytest.mark.parametrize("x", [math.inf, -math.inf])

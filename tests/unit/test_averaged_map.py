@@ -2,6 +2,7 @@
 
 import math
 import random
+from functools import lru_cache
 from itertools import product
 
 import pytest
@@ -11,6 +12,7 @@ from scenes import DRIVEN, ENGINE, MECHANISMS, PLANAR, advanced, started
 from scipy.interpolate import PchipInterpolator
 
 from inertia_module import memory
+from inertia_module.contract.variables import MAP_KEY
 from inertia_module.kernel.averaged.balance import input_inertia, mean_input_torque
 from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input
 from inertia_module.kernel.averaged.steady import hold_output, momentum, settle, speed_of_sums
@@ -141,11 +143,11 @@ def test_freewheels_that_rounding_makes_switch_hold_up_no_map(compiled, settings
 
 
 def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
-    kept = type(memory._maps)()
-    monkeypatch.setattr(memory, "_maps", kept)
+    kept = lru_cache(3)(memory._map_of.__wrapped__)
+    monkeypatch.setattr(memory, "_map_of", kept)
     first = Module(compiled).start(fidelity=1, omega1=100.0)
     assert first.derived.map_evaluations > 0.0
-    (known,) = kept.values()
+    (known,) = kept(tuple(first[name] for name in MAP_KEY))
     known.map_evaluations = -1.0  # a map built anew counts from zero
     second = Module(compiled).start(fidelity=1, omega1=50.0, output_inertia=3.0)
     assert second.derived.map_evaluations == -1.0
@@ -154,11 +156,10 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
     for number, mechanism in enumerate(({"imbalance_mass": 2.0}, {"satellite_inertia": 0.02}), 2):
         other = Module(compiled).start(fidelity=1, omega1=50.0, **mechanism)
         assert other.derived.map_evaluations > 0.0
-        assert len(kept) == number
-    monkeypatch.setattr(memory, "MOST_MAPS", 3)
+        assert kept.cache_info().currsize == number
     for mass in (1.0, 2.0, 3.0, 4.0, 5.0):
         started(compiled, PLANAR, fidelity=1, imbalance_mass=mass)
-    assert len(kept) == 3
+    assert kept.cache_info().currsize == 3
 
 
 @pytest.fixture(params=product([0, 1], [1.0, -1.0], range(4)), ids=str)

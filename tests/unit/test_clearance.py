@@ -82,10 +82,7 @@ def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, acro
 )
 def test_what_can_be_built_is_not_warned_of(values):
     assert Module("plain").start(**values).warnings() == []
-
-
-def test_an_internal_satellite_has_no_neighbour():
-    assert warned(OVERLAP, **INTERNAL, satellites=2)
+    assert DrivenShaft("plain").start().warnings() == []
 
 
 @pytest.mark.parametrize(
@@ -121,9 +118,6 @@ def test_warning_names_the_values_and_what_they_must_be(compiled, values, senten
     module.advance(0.01)
 
 
-def test_all_that_is_wrong_is_told():
+def test_all_that_is_wrong_is_told_and_an_internal_satellite_has_no_neighbour():
     assert len(Module("plain").start(**PLANAR | {"satellites": 12, "eccentricity": 0.04}).warnings()) == 2
-
-
-def test_a_shaft_has_nothing_to_warn_of():
-    assert DrivenShaft("plain").start().warnings() == []
+    assert warned(OVERLAP, **INTERNAL, satellites=2)

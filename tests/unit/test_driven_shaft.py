@@ -50,18 +50,21 @@ def exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h):
             *((d, slip, slip), (f, speed, speed), (beta * J * slope, speed, one)),
         ]
         # products of two entries of the state are linear in themselves
-        generator, start = mpmath.zeros(16 + len(forms)), mpmath.zeros(16 + len(forms), 1)
+        pairs = list(itertools.combinations_with_replacement(range(4), 2))
+        place = {ends: n for n, pair in enumerate(pairs) for ends in (pair, pair[::-1])}
+        generator, start = mpmath.zeros(10 + len(forms)), mpmath.zeros(10 + len(forms), 1)
         begin = [mpmath.mpf(twist), mpmath.mpf(omega4), 0, 1]
-        for i, j in itertools.product(range(4), repeat=2):
-            start[4 * i + j] = begin[i] * begin[j]
+        for n, (i, j) in enumerate(pairs):
+            start[n] = begin[i] * begin[j]
             for k in range(4):
-                generator[4 * i + k, 4 * j + k] += linear[i, j]
-                generator[4 * k + i, 4 * k + j] += linear[i, j]
-            for row, (factor, left, right) in enumerate(forms, 16):
-                generator[row, 4 * i + j] = factor * left[i] * right[j]
+                generator[n, place[k, j]] += linear[i, k]
+                generator[n, place[i, k]] += linear[j, k]
+        for row, (factor, left, right) in enumerate(forms, 10):
+            for i, j in itertools.product(range(4), repeat=2):
+                generator[row, place[i, j]] += factor * left[i] * right[j]
         end = mpmath.expm(generator * h, method="taylor") * start
-        state = [end[4 * i + 3] for i in range(4)]
-        momentum, work, out, damped, rubbed, balanced = end[16:]
+        state = [end[place[i, 3]] for i in range(4)]
+        momentum, work, out, damped, rubbed, balanced = end[10:]
         return {
             "twist": state[0],
             "omega_out": state[1],

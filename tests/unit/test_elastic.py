@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import ELASTIC, REFERENCE, SCENES, advanced, started
+from scenes import ELASTIC, REFERENCE, advanced, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
@@ -30,33 +30,31 @@ def test_slowest_rate_is_that_of_the_slowest_eigenvalue(share):
     assert slowest_rate(d, compliance) == pytest.approx(slowest, rel=1e-9)
 
 
-@pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("share", [1.0, 10.0], ids=["critical", "overdamped"])
 def test_a_stiff_shaft_tends_to_the_rigid_one_at_first_order_in_compliance(compiled, scene, share):
     whole = ELASTIC["output_inertia"] + ELASTIC["driven_inertia"]
-    rigid = started(compiled, SCENES[scene], output_inertia=whole, tolerance=1e-12)
+    rigid = started(compiled, scene, output_inertia=whole, tolerance=1e-12)
     exact = advanced(rigid, 0.3)["omega_out"]
     stiffnesses = [1e5, 1e6, 1e7, 1e8, 1e9, 1e10]
     errors = []
     for stiffness in stiffnesses:
         shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
-        module = started(compiled, SCENES[scene], ELASTIC, shaft, tolerance=1e-11)
+        module = started(compiled, scene, ELASTIC, shaft, tolerance=1e-11)
         errors.append(abs(advanced(module, 0.3)["omega_out"] - exact))
     slope, _ = np.polyfit(np.log(stiffnesses), np.log(errors), 1)
     assert -1.15 < slope < -0.85
 
 
-@pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("share", DAMPINGS.values(), ids=DAMPINGS)
 @pytest.mark.parametrize("stiffness", [1e10, 1e12, 1e15])
 def test_a_stiff_shaft_costs_no_small_steps(compiled, scene, share, stiffness):
     shaft = {"shaft_stiffness": stiffness, "shaft_damping": damping(stiffness, share)}
-    stiff = advanced(started(compiled, SCENES[scene], ELASTIC, shaft), 0.5)
+    stiff = advanced(started(compiled, scene, ELASTIC, shaft), 0.5)
     # without damping the swing that the load makes in the beginning is followed until the hub moves, with all
     # the times that the freewheel lets it go
     swings = stiffness == 1e10 and share == 0.0
     assert stiff["rhs_evaluations"] < (6e4 if swings else 1.5e4)
-    whole = started(compiled, SCENES[scene], output_inertia=0.52)
+    whole = started(compiled, scene, output_inertia=0.52)
     assert stiff["omega_out"] == pytest.approx(advanced(whole, 0.5)["omega_out"], rel=2e-5)
 
 
@@ -105,21 +103,15 @@ def pulled_by_a_load(compiled, hub, stiffness, drag, tolerance, steps):
     return module, -10.0 / (stiffness * mobility) * (1.0 - left.real), abs(slow)
 
 
-@pytest.mark.parametrize(
-    "stiffness, hub", [*itertools.product([40.0, 400.0, 1e4], [1e-4, 1e-3, 0.1]), (1e7, 1e-3), (1e7, 0.1)]
-)
-def test_a_shaft_swung_by_its_load_follows_tolerance(compiled, stiffness, hub):
-    for tolerance, steps in itertools.product((1e-4, 1e-6, 1e-8), (1, 10)):
-        module, twist, rate = pulled_by_a_load(compiled, hub, stiffness, 5e-3, tolerance, steps)
-        assert rate * abs(module["shaft_twist"] - twist) < 30.0 * tolerance * module["omega_out"]
-
-
-@pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4])
+@pytest.mark.parametrize("drag", [5e-3, 100.0], ids=["swinging", "overdamped"])
+@pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4, 1e7])
 @pytest.mark.parametrize("hub", [1e-4, 1e-3, 0.1])
-def test_the_twist_of_an_overdamped_shaft_follows_tolerance(compiled, stiffness, hub):
+def test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance(compiled, drag, stiffness, hub):
     for tolerance, steps in itertools.product((1e-4, 1e-6, 1e-8), (1, 10)):
-        module, twist, _ = pulled_by_a_load(compiled, hub, stiffness, 100.0, tolerance, steps)
-        assert module["shaft_twist"] == pytest.approx(twist, rel=30.0 * tolerance, abs=0.0)
+        module, twist, rate = pulled_by_a_load(compiled, hub, stiffness, drag, tolerance, steps)
+        # what swings is known to its phase
+        scale = abs(twist) if drag == 100.0 else module["omega_out"] / rate
+        assert abs(module["shaft_twist"] - twist) <= 30.0 * tolerance * scale
 
 
 def test_a_shaft_that_has_come_to_rest_costs_little(compiled):
@@ -134,14 +126,20 @@ def test_a_shaft_that_has_come_to_rest_costs_little(compiled):
 MOTION = ("q", "omega2", "omega3", "twist", "relative", "drive", "work_in", "square")
 
 
-def stiff_step(scene, h, part):
-    """Changes over this part of a stiff step h from a moment at which link 2 drives the shaft."""
+def driving(scene):
+    """Constants, state and an empty workspace at a moment at which link 2 drives the shaft."""
     module = advanced(started("plain", scene, ELASTIC, tolerance=1e-9), 0.005)
     d, x = module.derived, module.state
     w = record_type(fields.workspace(fields.FOLLOWED, 0))()
     w.prescribed = x.drive_torque if d.by_torque else x.alpha1
     w.load = x.load_torque
     assert x.output_state == 1.0
+    return d, x, w
+
+
+def stiff_step(scene, h, part):
+    """Changes over this part of a stiff step h."""
+    d, x, w = driving(scene)
     advance.begin_step(d, x, w)
     rosenbrock.differentiate(d, x, w)
     rosenbrock.make_stiff_step(d, x, w, h)
@@ -151,11 +149,7 @@ def stiff_step(scene, h, part):
 
 def exact_step(scene, h):
     """The same by the explicit pair, in sixteen steps."""
-    module = advanced(started("plain", scene, ELASTIC, tolerance=1e-9), 0.005)
-    d, x = module.derived, module.state
-    w = record_type(fields.workspace(fields.FOLLOWED, 0))()
-    w.prescribed = x.drive_torque if d.by_torque else x.alpha1
-    w.load = x.load_torque
+    d, x, w = driving(scene)
     total = np.zeros(len(MOTION))
     for _ in range(16):
         x.rates_cached = 0.0
@@ -168,11 +162,10 @@ def exact_step(scene, h):
 
 
 @pytest.mark.parametrize("part, order", [(1.0, 5), (0.4, 4)], ids=["end", "inside"])
-@pytest.mark.parametrize("scene", SCENES)
 def test_a_stiff_step_is_of_its_order_in_all_that_is_followed(scene, part, order):
     lengths = [1e-3, 5e-4]
-    errors = [abs(stiff_step(SCENES[scene], h, part) - exact_step(SCENES[scene], part * h)) for h in lengths]
-    scale = abs(exact_step(SCENES[scene], lengths[0])) + 1e-12
+    errors = [abs(stiff_step(scene, h, part) - exact_step(scene, part * h)) for h in lengths]
+    scale = abs(exact_step(scene, lengths[0])) + 1e-12
     assert np.all(errors[0] < 1e-3 * scale)
     # of what errs at all, halving the step leaves no more than 2^-(order + 1), or nearly
     counted = errors[0] > 1e-9 * scale

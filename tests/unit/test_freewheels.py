@@ -19,11 +19,6 @@ MODES_AT_REST = {
 DEAD = ["input_speed", "omega2", "input_angle", "input_torque", "mesh_torque", "energy_in"]
 
 
-@pytest.fixture(params=SCENES)
-def scene(request):
-    return SCENES[request.param]
-
-
 @motions(levels=("rigid", "elastic", "timestepping", "elastic-timestepping"), added=("ideal",), missing=())
 def test_standstill_stays_with_a_load_and_without(compiled, scene):
     for load, step in product((0.0, 10.0), (1e-9, 1e-3, 1.0, 1e3)):

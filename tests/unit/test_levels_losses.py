@@ -1,7 +1,6 @@
 """Which level of fidelity has which losses is as docs/mechanics.md tells."""
 
 import csv
-import math
 import re
 from pathlib import Path
 
@@ -103,10 +102,3 @@ def test_peak_of_the_torque_takes_the_weight_at_the_distance_of_the_satellite(st
     (part,) = (part for key, part in study.read().items() if key == ("planar", 0.2, study.GRAVITY))
     fast = part[part[:, 0] > 50.0]
     assert fast[:, 3] == pytest.approx(9.81 / (fast[:, 0] ** 2 * 0.08), rel=2e-3)
-
-
-def test_small_is_what_stays_so(study):
-    part = np.array(
-        [[1.0, 0.5, 0.001, 0.5], [2.0, 0.001, 0.001, 0.5], [3.0, -0.02, 0.001, 0.5], [4.0, 0.0, 0.0, 0.5]]
-    )
-    assert study.small_from(part) == [4.0, 1.0, math.inf]

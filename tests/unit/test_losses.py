@@ -12,6 +12,7 @@ from scenes import (
     CAUSE,
     ELASTIC,
     FREEWHEELS,
+    FRICTION,
     LOSSES,
     SCENES,
     advanced,
@@ -26,7 +27,6 @@ from inertia_module.kernel.equations import jam
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module, Refused
 
-FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start": 100.0}
 
 
@@ -97,21 +97,6 @@ def test_lock_up_ends_where_the_load_is_more_than_friction_holds(compiled):
         assert (advanced(module, 1e-3)["omega2"] == 100.0) == sticks
 
 
-def test_prescribed_motion_pays_for_friction(compiled):
-    plain, rubbed = (
-        started(compiled, SCENES["bevel"], fidelity=0, kinematic_ratio=0.5, **friction)
-        for friction in ({}, FRICTION)
-    )
-    for one in (plain, rubbed):
-        one.advance(0.5)
-    # k = 1: the drives turn at 50 rad/s, as link 2 does
-    power = 0.02 * 100.0**2 + 0.01 * 50.0**2 + 0.05 * 50.0**2
-    assert rubbed["energy_lost"] == pytest.approx(0.5 * power, rel=1e-12)
-    assert abs(rubbed["energy_residual"]) < 1e-10 * rubbed["energy_in"]
-    drag = 0.02 * 100.0 + 0.01 * 50.0
-    assert rubbed["input_torque_mean"] - plain["input_torque_mean"] == pytest.approx(drag, rel=1e-9)
-
-
 @pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("ratio", [0.5, 1.0, -0.3, 1.4])
 @pytest.mark.parametrize("losses", [*LOSSES, "windage", "all"])
@@ -142,16 +127,27 @@ def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout,
         assert module[cause] > 0.0
 
 
+WIND = {"satellites": 3, "modules": 2, "windage": 1e-5}
+
+
 @pytest.mark.parametrize(
-    "layout, ratio, turn", [("bevel", 1.0, 1.0), ("planar", 1.0, 1.0), ("planar", 0.4, 2.0)]
+    "layout, ratio, losses, power",
+    [
+        # bevel, k = 1: the drives turn at 50 rad/s, as link 2 does; the shaft's own is the load's
+        ("bevel", 0.5, FRICTION, 0.02 * 100.0**2 + 0.01 * 50.0**2 + 0.05 * 50.0**2),
+        # planar, k = 5/3: satellites turn at omega1 + k (omega1 - omega2); locked up at omega1
+        ("bevel", 1.0, WIND, 6 * 1e-5 * 100.0**3),
+        ("planar", 1.0, WIND, 6 * 1e-5 * 100.0**3),
+        ("planar", 0.4, WIND, 6 * 1e-5 * 200.0**3),
+    ],
 )
-def test_air_takes_the_cube_of_the_absolute_speed_of_each_satellite(compiled, layout, ratio, turn):
-    """Planar, k = 5/3: they turn at omega1 + k (omega1 - omega2); locked up at omega1."""
-    scene = SCENES[layout] | {"satellites": 3, "modules": 2, "windage": 1e-5, "fidelity": 0}
-    module = advanced(started(compiled, scene, omega1=100.0, kinematic_ratio=ratio), 0.1)
-    expected = 6 * 1e-5 * (turn * 100.0) ** 3 * 0.1
-    assert module["energy_lost_windage"] == module["energy_lost"] == pytest.approx(expected, rel=1e-12)
-    assert abs(module["energy_residual"]) < 1e-11 * passed(module)
+def test_prescribed_motion_loses_to_friction_and_air_in_closed_form(compiled, layout, ratio, losses, power):
+    """Air takes the cube of the absolute speed of each satellite."""
+    module = started(compiled, SCENES[layout], losses, omega1=100.0, fidelity=0, kinematic_ratio=ratio)
+    module.advance(0.5)
+    account = "energy_lost_windage" if "windage" in losses else "energy_lost_viscous"
+    assert module[account] == module["energy_lost"] == pytest.approx(0.5 * power, rel=1e-12)
+    assert abs(module["energy_residual"]) < 1e-10 * module["energy_in"]
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.4])
@@ -196,28 +192,12 @@ def test_ramp_from_rest_breaks_friction_loose(compiled, losses, load):
     assert module["drive_angle"] + module["drive_turns"] > 0.0
 
 
-def test_wound_up_freewheel_never_pulls(compiled):
-    """A random motion in which the spring began steps slightly below zero, and once did not let go."""
-    planar = {"layout": 1, "sun_radius": 0.020447, "satellite_radius": 0.21185, "eccentricity": 0.099414}
-    heavy = {"satellites": 2, "imbalance_mass": 10.525, "drive_inertia": 0.03, "link2_inertia": 2e-5}
-    losses = {"mesh_efficiency": 0.5, "housing_drag": 0.004}
-    spring = {"freewheel_stiffness": 84645.0, "freewheel_damping": 8.4645}
-    start = {"fidelity": 3, "omega_out_start": 1.0, "drive_angle_start": -6.4794}
-    module = started(compiled, planar, heavy, losses, spring, start, omega1=1.1326, load_torque=-0.085738)
-    for n in range(1, 81):
-        module.set_rates(omega1=-0.1)
-        module.advance(0.1)
-        module.set(omega1=1.1326 - 0.01 * n)
-        assert module["contact_mode"] not in (2, 3) or module["output_torque"] > -1e-4
-
-
 @pytest.mark.parametrize("wheel", ["housing", "freewheel"])
-@pytest.mark.parametrize("scene", SCENES)
 def test_wound_up_freewheel_never_pulls_whatever_its_stiffness_and_damping(compiled, scene, wheel):
     for stiffness, damping in product((1e3, 1e5, 1e7, 1e9), (0.0, 1.0, 1e2, 1e4)):
         spring, speeds = {f"{wheel}_stiffness": stiffness, f"{wheel}_damping": damping}, []
         for tolerance in (1e-3, 1e-6, 1e-9):
-            module = started(compiled, SCENES[scene], ELASTIC, spring, tolerance=tolerance)
+            module = started(compiled, scene, ELASTIC, spring, tolerance=tolerance)
             torques = []
             for _ in range(40):
                 module.advance(1e-3)
@@ -259,19 +239,6 @@ def test_what_has_no_place_has_no_meaning(compiled, scene, value):
         advanced(second, *[5e-4] * 20, output_friction=1e-3, **tuned)
         ends.append([*first.state.numbers, *second.state.numbers])
     assert ends[0] == ends[1]
-
-
-def test_stiff_freewheels_on_a_light_link_do_not_chatter(compiled):
-    """A random motion of 1000 switches and more: the inside of steps as long as is stable is coarse."""
-    planar = {"layout": 1, "sun_radius": 0.012402, "link2_inertia": 1.2678e-5, "input_inertia": 9.8187e-4}
-    losses = {"drive_friction": 0.0173, "output_friction": 0.0029, "satellite_transverse_inertia": 1.1718e-5}
-    shaft = {"fidelity": 3, "drive": 1, "driven_inertia": 0.41141, "shaft_stiffness": 164.17}
-    springs = {"housing_stiffness": 514280.0, "housing_damping": 514.28, "freewheel_stiffness": 476.58}
-    scene = planar | losses | shaft | springs | {"shaft_damping": 0.0, "tolerance": 4.3352e-7}
-    module = started(compiled, scene, omega1=22.811, load_torque=0.091088)
-    module.advance(0.06)
-    assert module["contact_switches"] < 100
-    assert abs(module["energy_residual"]) < 1e-6 * module["energy_stored"]
 
 
 def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):

@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import FREEWHEELS, GEARS, SCENES, TWO_PI, advanced, drive_angle, motions, started
+from scenes import FREEWHEELS, GEARS, TWO_PI, advanced, drive_angle, motions, started
 
 TOLERANCE = 1e-10
 SPEEDS = ["omega1", "omega2", "omega_out"]
@@ -21,11 +21,6 @@ SHARED = (
     *("energy_in", "energy_out", "energy_stored", "torque_ripple", "drive_angle", "contact_switches"),
 )
 ACCELERATIONS = ["imbalance_acceleration", *(f"imbalance_acceleration_{axis}" for axis in "xyz")]
-
-
-@pytest.fixture(scope="module", params=SCENES)
-def scene(request):
-    return SCENES[request.param]
 
 
 def assert_times(other, one, names, factor, rel=1e-7):

@@ -23,8 +23,10 @@ NAMES = sorted(PUBLIC)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_public_name_is_what_it_says(name):
+def test_public_name_is_what_it_says_and_no_module_beside_it_is_taken_by_type_checkers_in_its_place(name):
     assert getattr(inertia_module, name).__name__ == name
+    folder = Path(inertia_module.__file__).parent.joinpath(*PUBLIC[name].split("."))
+    assert not (folder / f"{name}.py").exists()
 
 
 def test_stub_for_type_checkers_names_the_same():
@@ -32,12 +34,6 @@ def test_stub_for_type_checkers_names_the_same():
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     found = {alias.name: node.module for node in imports for alias in node.names}
     assert found == PUBLIC
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_no_module_stands_beside_a_public_name_which_type_checkers_would_take_in_its_place(name):
-    folder = Path(inertia_module.__file__).parent.joinpath(*PUBLIC[name].split("."))
-    assert not (folder / f"{name}.py").exists()
 
 
 def test_import_of_the_package_loads_nothing_else():
@@ -55,11 +51,8 @@ def functions():
     """Public functions, and the public methods of public classes."""
     for name in NAMES:
         found = getattr(inertia_module, name)
-        if inspect.isfunction(found):
-            yield name, found
-            continue
         yield name, found
-        for method, value in vars(found).items():
+        for method, value in vars(found).items() if inspect.isclass(found) else ():
             if inspect.isfunction(value) and not method.startswith("_"):
                 yield f"{name}.{method}", value
 
@@ -85,9 +78,12 @@ def test_every_argument_is_told_of(name):
 
 def table():
     time = np.linspace(0.0, 1.0, 21)
-    return Result.from_columns(
-        {"time": time, "omega": 3.0 * time, "M": time**2}, {"omega": "rad/s", "M": "N.m"}
-    )
+    columns = {"time": time, "omega": 3.0 * time, "M": time**2}
+    return Result.from_columns(columns, {"omega": "rad/s", "M": "N.m"})
+
+
+def of_scene(**others):
+    return SceneResult(scene=load_scene(example("planar")), record=table(), **{"quantities": {}, **others})
 
 
 def test_result_as_pandas_has_units_in_its_headings():
@@ -107,7 +103,7 @@ def test_result_plots_the_columns_asked_for():
 
 
 def test_result_of_a_scene_is_a_table_too(tmp_path):
-    found = SceneResult(scene=load_scene(example("planar")), record=table(), quantities={})
+    found = of_scene()
     assert (found["omega"] == found.record["omega"]).all()
     assert "omega" in found
     assert "alpha" not in found
@@ -120,10 +116,7 @@ def test_result_of_a_scene_is_a_table_too(tmp_path):
 
 def test_number_that_a_summary_has_not_is_told():
     remarks = {"time_to_50_kmh": "is not reached: 40 km/h is the most"}
-    numbers = {"efficiency": Quantity(0.5, "")}
-    found = SceneResult(
-        scene=load_scene(example("planar")), record=table(), quantities=numbers, remarks=remarks
-    )
+    found = of_scene(quantities={"efficiency": Quantity(0.5, "")}, remarks=remarks)
     with pytest.raises(
         KeyError, match=r"^eficiency must be a number of the summary .did you mean efficiency"
     ):

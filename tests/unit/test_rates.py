@@ -2,7 +2,7 @@
 
 The rates decide whether a dip of a guard is looked for and which contact mode follows a tie: a wrong one
 costs steps, or shows in a rare motion alone. Those of fidelity averaged are in test_averaged_map.py,
-velocities and accelerations of the imbalance in test_reduced_inertia.py.
+those of inertia in test_reduced_inertia.py, motion of the imbalance in test_multibody.py.
 """
 
 import random
@@ -20,7 +20,6 @@ from inertia_module.kernel.events.advance import begin_step
 from inertia_module.kernel.events.guards import fit_guard, general_guard, is_exact
 from inertia_module.kernel.events.stages import exact_guard, make_inside, make_step
 from inertia_module.kernel.fields import WORKSPACE
-from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.kernel.links import friction_power, inertia_at_output, kinetic_energy, prescribed_at_input
 from inertia_module.kernel.tableau import LONG
 from studies.stability.motion import solve_at
@@ -55,13 +54,6 @@ def chance(request):
 def random_motion(chance):
     """(q, omega1, omega2, what is given, torque, its rate) with speeds of about 1 rad/s."""
     return chance.uniform(-7.0, 7.0), *(chance.uniform(-2.0, 2.0) for _ in range(5))
-
-
-def test_reduced_inertia(values, chance):
-    d = started("plain", values).derived
-    q = chance.uniform(-7.0, 7.0)
-    _, *rates = reduced_inertia(d, q)
-    assert_rates(rates[::2], lambda t: reduced_inertia(d, q + t)[::2])  # of I, B, G
 
 
 @pytest.mark.parametrize("driving", [False, True], ids=["overrun", "driving"])

@@ -145,21 +145,6 @@ def test_state_with_a_number_that_is_no_index_is_refused(record, field, value):
     assert module.save() == good
 
 
-def test_what_is_no_parameter_or_input_cannot_be_set():
-    module = Module("plain")
-    for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
-        said = refusal(module.set, **{name: 1.0})
-        assert said.startswith(f"{name} must be a parameter or an input ("), name
-
-
-def test_one_bad_value_keeps_all_others_out():
-    module = Module("plain")
-    before = module.save()
-    said = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
-    assert said == sentence(BY_NAME["tolerance"], 7.0)
-    assert module.save() == before
-
-
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
     module = started("plain")
     before = module.save()
@@ -171,15 +156,19 @@ def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
     assert module.save() == before
 
 
-def test_what_needs_a_started_module_says_so():
+def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing():
     module = Module("plain")
-    assert (
-        refusal(module.advance, 0.01) == "a step must come after the start, the module has not been started"
-    )
-    assert refusal(module.rates) == "rates must come after the start, the module has not been started"
-
-
-def test_unknown_kernel_is_refused():
+    before = module.save()
+    started_first = "must come after the start, the module has not been started"
+    assert refusal(module.advance, 0.01) == f"a step {started_first}"
+    assert refusal(module.rates) == f"rates {started_first}"
+    for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
+        said = refusal(module.set, **{name: 1.0})
+        assert said.startswith(f"{name} must be a parameter or an input ("), name
+    # one bad value keeps all others out
+    said = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
+    assert said == sentence(BY_NAME["tolerance"], 7.0)
+    assert module.save() == before
     assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain, is 'fast'"
 
 

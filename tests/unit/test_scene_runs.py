@@ -9,17 +9,18 @@ from matplotlib.figure import Figure
 
 from inertia_module import loops
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
-from inertia_module.fidelity.levels import all_levels
+from inertia_module.fidelity.levels import Level
 from inertia_module.fidelity.trials import measure_scene, run_in_process
 from inertia_module.figures.chart import chart_figure
 from inertia_module.figures.scenes import end_of_run, losses, plot_all, scene_figure
 from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.results import Result
+from inertia_module.kernel.codes import EVENT, KINEMATIC
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.scene import load_scene, read_scene, run_scene
-from inertia_module.scene.run import SUMMARISED, above_stall, forces, start_of, summarise
+from inertia_module.scene.run import SUMMARISED, above_stall, forces, start_of, summarise, times_to
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENE = """
@@ -162,7 +163,7 @@ def car(speed, time, **columns):
 def test_times_to_a_speed_count_from_the_last_standstill():
     time = np.linspace(0.0, 2.0, 201)
     record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
-    found = summarise(record, None, None, 1.0, [2.0, 10.0, 15.0, 30.0])
+    found = summarise(record, None, None, 1.0, times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
     times = {name: found[name].value for name in found if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
@@ -310,8 +311,7 @@ def test_run_by_torque_tells_the_speed_and_the_torque_and_draws_both(fmu):
 
 
 def test_levels_that_no_torque_can_drive_say_so():
-    (kinematic,) = (level for level in all_levels(False) if level.name == "kinematic")
-    (row,) = measure_scene(scene(**RISING), [kinematic])
+    (row,) = measure_scene(scene(**RISING), [Level(KINEMATIC, EVENT)])
     assert "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic), is 0" in row.failure
     assert "drive = 1" in row.failure
 

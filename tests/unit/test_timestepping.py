@@ -66,11 +66,6 @@ def largest_gain(kernel, motion, step):
     return gain / energy
 
 
-@pytest.fixture(params=SCENES)
-def scene(request):
-    return SCENES[request.param]
-
-
 @pytest.fixture(params=OUTPUTS)
 def output(request):
     return OUTPUTS[request.param]

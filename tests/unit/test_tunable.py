@@ -2,14 +2,13 @@
 
 import pytest
 from geometry import direct_sums, ratio
-from scenes import DRIVEN, SCENES, advanced, parameters, reference, started
+from scenes import DRIVEN, FRICTION, SCENES, advanced, parameters, reference, started
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.memory import DrivenShaft, Module
 from studies.reference.cases import OMEGA1, OMEGA2, OMEGA4
 
-FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 SHAFT = {"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5}
 ELASTIC = {"fidelity": 3, "output_inertia": 0.02, "shaft_damping": 0.05}
 LOSSES = {

@@ -28,22 +28,15 @@ from numpy.typing import NDArray
 
 from ..common.errors import did_you_mean, must_be
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from ..contract.variables import DRIVE_ANGLE, ENUMERATIONS, LINK1_ANGLE, SINCE_START
+from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
 from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names
-from ..kernel.codes import DRIVE_TORQUE
+from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 
 Array = NDArray[np.float64]
 StateKind = Literal["motion", "whole"]
 
 # inputs whose jumps act impulsively
 _SPEEDS = ("omega1", "hub_speed")
-# what of the motion has a start parameter, by fidelity
-_MOTION = {
-    "kinematic": ("drive_angle",),
-    "averaged": ("omega_out",),
-    "rigid": ("drive_angle", "omega2", "omega_out"),
-}
-_SHAFT_MOTION = ("omega_out", "twist")
 # speed of link 1 where a torque drives the module, which starts at omega1
 _INPUT_SPEED = "input_speed"
 # of a whole state in each number
@@ -64,15 +57,17 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
             "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
             " inputs; state = 'whole' has them"
         )
-    if "fidelity" not in fmu.variables:
-        return _SHAFT_MOTION
-    fidelity = ENUMERATIONS["Fidelity"][int(fmu["fidelity"])][0]
-    if fidelity not in _MOTION:
+    table, fidelity = DRIVEN_SHAFT.by_name, RIGID
+    if "fidelity" in fmu.variables:
+        table, fidelity = INERTIA_MODULE.by_name, int(fmu["fidelity"])
+    if fidelity == ELASTIC:
         raise FmuError(
-            f"with state = 'motion' fidelity must be one of {', '.join(_MOTION)}, is {fidelity}: that has no"
-            " start parameters for all of its motion; state = 'whole' needs none"
+            "with state = 'motion' fidelity must be one of kinematic, averaged, rigid, is elastic: that has"
+            " no start parameters for all of its motion; state = 'whole' needs none"
         )
-    return (*_MOTION[fidelity], _INPUT_SPEED) if _is_driven_by_torque(fmu) else _MOTION[fidelity]
+    started = [one for name, one in table.items() if f"{name}_start" in table]
+    motion = sorted(one.name for one in started if not any(fidelity in need.lacking for need in one.needs))
+    return (*motion, _INPUT_SPEED) if _is_driven_by_torque(fmu) else tuple(motion)
 
 
 def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:

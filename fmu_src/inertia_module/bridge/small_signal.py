@@ -60,14 +60,8 @@ from ..memory import Module
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"
 OUTPUTS = (
-    "omega_out",
-    "omega2",
-    "input_torque",
-    "mesh_torque",
-    "output_torque",
-    "housing_torque",
-    "torque_ripple",
-    "torque_peak",
+    *("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
+    *("torque_ripple", "torque_peak"),
 )
 
 
@@ -143,9 +137,6 @@ def averaged_system(
             torque = carried + d.J3 * acceleration
         return x, side, rate, torque, acceleration
 
-    def update(_: float, state: Any, u: Any, __: Any) -> Any:
-        return np.array([motion(float(state[0]), u)[-1]])
-
     def output(_: float, state: Any, u: Any, __: Any) -> Any:
         omega_out, y = float(state[0]), type(module.outputs)()
         x, side, rate, torque, acceleration = motion(omega_out, u)
@@ -161,7 +152,9 @@ def averaged_system(
         return np.array([values[wanted] for wanted in outputs])
 
     return ct.nlsys(
-        update, output, inputs=list(inputs), outputs=list(outputs), states=["omega_out"], name=name, dt=0
+        lambda _, state, u, __: np.array([motion(float(state[0]), u)[-1]]),
+        output,
+        **{"inputs": list(inputs), "outputs": list(outputs), "states": ["omega_out"], "name": name, "dt": 0},
     )
 
 
@@ -351,9 +344,8 @@ def operating_point(system: Any, omega1: float, load_torque: float, guess: float
         ValueError: there is none below lock-up.
     """
     first = 0.5 * omega1 if guess is None else guess
-    inputs = np.zeros(system.ninputs)
-    for name, value in ((SPEED, omega1), (LOAD, load_torque)):
-        inputs[system.find_input(name)] = value
+    given = {SPEED: omega1, LOAD: load_torque}
+    inputs = [given.get(name, 0.0) for name in system.input_labels]
     point = ct.find_operating_point(system, [first], inputs)
     if point.states is None or not 0.0 < point.states[0] < omega1:
         raise ValueError(

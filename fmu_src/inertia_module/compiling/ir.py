@@ -6,6 +6,7 @@ environment leaves nothing to chance: the same source gives the same text.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import gc
 import importlib
@@ -24,7 +25,7 @@ from typing import Any
 from .. import kernel
 from ..common.files import PACKAGE_FOLDER, cache_folder, content_hash, sources, write_atomically
 from ..contract.models import MODELS, Model
-from ..contract.records import Field, place, size
+from ..contract.records import record_type
 from . import CompilationUnavailable
 
 # order of numba's sets, and the processor it takes for the host: what the text would depend on
@@ -78,24 +79,21 @@ def jitted_kernel(entry: str = "entry", **options: Any) -> dict[str, types.Modul
     return modules
 
 
-def data_type(fields: tuple[Field, ...]) -> Any:
-    """NumPy's type of a record (see records.record_type), which numba takes."""
+def data_type(kind: Any) -> Any:
+    """NumPy's type, which numba takes, of a record (records.record_type), of doubles or records in a row."""
     import numpy
 
-    names, formats, offsets = [], [], []
-    for field in fields:
-        name, kind, *count = (field, 1) if isinstance(field, str) else field
-        inner = (numpy.float64, (kind,)) if isinstance(kind, int) else data_type(kind)
-        names.append(name)
-        formats.append(numpy.float64 if isinstance(field, str) else (inner, tuple(count)) if count else inner)
-        offsets.append(8 * place(fields, name))
-    numbers = size(fields)
+    if kind is ctypes.c_double:
+        return numpy.float64
+    if issubclass(kind, ctypes.Array):
+        return numpy.dtype((data_type(kind._type_), (kind._length_,)))
+    (_, inner), numbers = kind._fields_
+    members = [*inner._fields_, numbers]
     return numpy.dtype(
         {
-            "names": [*names, "numbers"],
-            "formats": [*formats, (numpy.float64, (numbers,))],
-            "offsets": [*offsets, 0],
-            "itemsize": 8 * numbers,
+            "names": [name for name, _ in members],
+            "formats": [data_type(member) for _, member in members],
+            "offsets": [getattr(kind, name).offset for name, _ in members],
         }
     )
 
@@ -121,46 +119,33 @@ def translate(model: Model) -> str:
             h,
         )
 
-    pointers = [nt.CPointer(numba.from_dtype(data_type(fields))) for fields in model.records]
+    pointers = [nt.CPointer(numba.from_dtype(data_type(record_type(fields)))) for fields in model.records]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
     with lowered.only_lowered():
         function = numba.cfunc(signature, error_model="numpy")(entry)
         text: str = function.inspect_llvm()
     text = for_any_processor(text.replace(function.native_name, model.symbol))
-    return without_target(lowered.optimised(text, model.symbol))
-
-
-def without_target(ir: str) -> str:
-    """Without the lines that name a processor and a system."""
-    return re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    return lowered.optimised(text, model.symbol)
 
 
 def for_any_processor(ir: str) -> str:
-    """Without the target, and with numba's error path trapping.
+    """Text without processor and system, numba's error path trapping, and arrays that do not overlap.
 
-    The kernel raises nothing and allocates nothing, so that path is never taken.
+    The kernel raises nothing and allocates nothing, so that path is never taken. A store to one of p, d, u,
+    x, y, w leaves the others.
     """
-    ir = without_target(ir)
-    ir = re.sub(
-        r"^declare ([^@\n]*)@((?:numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$",
-        lambda found: (
-            f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')}) {{\n"
-            "  call void @llvm.trap()\n  unreachable\n}"
-        ),
-        ir,
-        flags=re.M,
-    )
-    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
-    return without_aliases(ir) + "\ndeclare void @llvm.trap()\n"
 
+    def trapping(found: re.Match[str]) -> str:
+        head = f"define internal {found[1]}@{found[2]}({found[3].replace('immarg', '')})"
+        return f"{head} {{\n  call void @llvm.trap()\n  unreachable\n}}"
 
-def without_aliases(ir: str) -> str:
-    """Tell that no two of the arrays p, d, u, x, y, w overlap: a store to one leaves the others."""
-
-    def marked(head: re.Match[str]) -> str:
+    def apart(head: re.Match[str]) -> str:
         return re.sub(r"\bptr ((?:[\w()]+ )*%arg\.[pduxyw]\b)", r"ptr noalias \1", head[0])
 
-    return re.sub(r"^define .*$", marked, ir, flags=re.M)
+    ir = re.sub(r"^target (datalayout|triple) = .*\n", "", ir, flags=re.M)
+    ir = re.sub(r"^declare ([^@\n]*)@((?:numba|Py|_Py)\w*)\(([^)]*)\)[^\n]*$", trapping, ir, flags=re.M)
+    ir = re.sub(r"^@(Py\w+) = external global i8.*$", r"@\1 = internal global i8 0", ir, flags=re.M)
+    return re.sub(r"^define .*$", apart, ir, flags=re.M) + "\ndeclare void @llvm.trap()\n"
 
 
 def tool_versions(*packages: str) -> dict[str, bytes]:

@@ -9,7 +9,6 @@ for an FMU of this platform.
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import re
 import subprocess
@@ -17,48 +16,23 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from ..common.files import cache_folder, content_hash, kept, sources
 from ..contract.models import MODELS, Model
 from . import CompilationUnavailable, ir
-from .targets import Target, here
+from .targets import WIN_ARM, Target, here
 
+# command of the C compiler
+COMPILER = (sys.executable, "-m", "ziglang")
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-fno-sanitize=all", "-fno-ident")
 # a function whose arrays are written beyond their ends aborts; Windows brings no functions for that along
 STACK_PROTECTOR = "-fstack-protector-strong"
 # functions of Windows' own C runtime, part of Windows 10 and later, that the shell needs
 RUNTIME = (
-    *(
-        "calloc",
-        "free",
-        "memchr",
-        "memcmp",
-        "memcpy",
-        "memmove",
-        "memset",
-        "strchr",
-        "strcmp",
-        "strcpy",
-        "strlen",
-    ),
-    *("strncmp", "strncpy", "strstr", "strtol"),
-    *("__stdio_common_vsprintf", "fmax", "fmin"),
+    *("calloc", "free", "memchr", "memcmp", "memcpy", "memmove", "memset", "strchr", "strcmp", "strcpy"),
+    *("strlen", "strncmp", "strncpy", "strstr", "strtol", "__stdio_common_vsprintf", "fmax", "fmin"),
 )
-
-
-def binding() -> Any:
-    """The binding of llvmlite.
-
-    Raises:
-        CompilationUnavailable: llvmlite is not installed.
-    """
-    try:
-        found: Any = importlib.import_module("llvmlite.binding")
-    except ImportError as error:
-        raise CompilationUnavailable(f"{error}; it comes with the extra inertia-module[fast]") from None
-    return found
 
 
 def compile_ir(model: Model, target: Target) -> bytes:
@@ -67,7 +41,8 @@ def compile_ir(model: Model, target: Target) -> bytes:
     Raises:
         CompilationUnavailable: numba or llvmlite is not installed, or fails.
     """
-    llvm = binding()
+    import llvmlite.binding as llvm
+
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
@@ -105,28 +80,17 @@ def object_file(model: Model, target: Target) -> bytes:
     return kept(f"{model.name}-{digest}.o", lambda: compile_ir(model, target)).read_bytes()
 
 
-def compiler() -> list[str]:
-    """Command of the C compiler.
-
-    Raises:
-        CompilationUnavailable: the package ziglang is not installed.
-    """
-    if importlib.util.find_spec("ziglang") is None:
-        raise CompilationUnavailable("ziglang is not installed; it comes with the extra inertia-module[fast]")
-    return [sys.executable, "-m", "ziglang"]
-
-
 def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
     """Run the C compiler, or another tool that comes with it, in a folder.
 
     Raises:
-        CompilationUnavailable: it is not installed or fails, with what it says.
+        CompilationUnavailable: it fails, with what it says.
     """
     environment = os.environ | {
         "ZIG_GLOBAL_CACHE_DIR": str(cache_folder() / "zig"),
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
     }
-    command = [*compiler(), tool, *arguments]
+    command = [*COMPILER, tool, *arguments]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise CompilationUnavailable(f"{tool} fails: {done.stderr.strip()[-2000:]}")
@@ -136,7 +100,8 @@ def import_library(target: Target, folder: Path, library: str, names: Sequence[s
     """Make in a folder what links with functions of a library of Windows; the name of its file."""
     stem = library.removesuffix(".dll")
     (folder / f"{stem}.def").write_text("\n".join([f"LIBRARY {library}", "EXPORTS", *names, ""]))
-    run_tool("dlltool", ["-m", target.import_machine, "-d", f"{stem}.def", "-l", f"{stem}.imports.a"], folder)
+    machine = "arm64" if target.folder == WIN_ARM.folder else "i386:x86-64"
+    run_tool("dlltool", ["-m", machine, "-d", f"{stem}.def", "-l", f"{stem}.imports.a"], folder)
     return f"{stem}.imports.a"
 
 
@@ -145,10 +110,8 @@ def windows_arguments(target: Target, folder: Path) -> list[str]:
 
     Without them the compiler would first build the whole of its C library for Windows: some minutes.
     """
-    found = importlib.util.find_spec("ziglang")
-    assert found is not None  # compiler() has looked
-    assert found.origin is not None
-    headers = Path(found.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
+    compiler = Path(str(importlib.import_module("ziglang").__file__)).parent
+    headers = compiler / "lib" / "libc" / "include" / "any-windows-any"
     # of the mathematics what the kernel names, and what ** and % are
     kernel = b"".join(sources("kernel/**/*.py").values()).decode()
     mathematics = {"pow", "fmod", *re.findall(r"\bmath\.(\w+)", kernel)}
@@ -177,7 +140,7 @@ def link(
         for path, written in content.items():
             (folder / path).write_bytes(written)
         own = [STACK_PROTECTOR, *target.libraries]
-        if target.import_machine:
+        if target.system == "windows":
             own = windows_arguments(target, folder)
             own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
         linked = sorted(path for path in content if path.endswith((".c", ".o", ".res")))
@@ -203,10 +166,12 @@ def kernel_library(model: Model) -> Path:
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    llvm = binding()
+    made = made_from(model) | ir.tool_versions("ziglang")
+    import llvmlite.binding as llvm
+
     features = llvm.get_host_cpu_features().flatten()
     target = here()._replace(processor=llvm.get_host_cpu_name(), features=features)
-    made = made_from(model) | ir.tool_versions("ziglang") | {"target": repr(target).encode()}
+    made["target"] = repr(target).encode()
     digest = content_hash(made | sources("compiling/*.c", "compiling/targets.py"))[:16]
     file = f"{model.name}{target.suffix}"
     return kept(f"{model.name}-{digest}{target.suffix}", lambda: with_kernel(model, target, file, {}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -16,8 +17,6 @@ from .targets import here
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
 # in a Python FMU: the libraries of its native twin, one a platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
-
-_loaded: dict[str, Callable[..., int]] = {}
 
 
 def _shipped() -> Path:
@@ -50,6 +49,7 @@ def _library(model: Model) -> Path:
     return kernel_library(model)
 
 
+@functools.cache
 def load(model: Model) -> Callable[..., int]:
     """A compiled kernel: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
 
@@ -59,12 +59,9 @@ def load(model: Model) -> Callable[..., int]:
     Raises:
         CompilationUnavailable: there is none here, and it cannot be made.
     """
-    if model.name not in _loaded:
-        try:
-            library = ctypes.CDLL(str(_library(model)))
-            _loaded[model.name] = SIGNATURE(("inertia_module_kernel", library))
-        except CompilationUnavailable:
-            raise
-        except Exception as error:
-            raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
-    return _loaded[model.name]
+    try:
+        return SIGNATURE(("inertia_module_kernel", ctypes.CDLL(str(_library(model)))))
+    except CompilationUnavailable:
+        raise
+    except Exception as error:
+        raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error

@@ -37,13 +37,6 @@ INLINED = (
 ROUNDS = 2
 
 
-def share(module: Any) -> None:
-    """Let several callers bring the functions of this module along."""
-    for function in module.functions:
-        if function.linkage == llvm.Linkage.external and not function.is_declaration:
-            function.linkage = "linkonce_odr"
-
-
 class Passes(CompilerBase):  # type: ignore[misc]
     """Numba's passes over a function but the needless ones."""
 
@@ -64,22 +57,13 @@ OPTIONS: dict[str, Any] = {
 
 
 class Lowered(JITCodeLibrary):  # type: ignore[misc]
-    """The modules of one function and the libraries of those it calls."""
+    """Library of one function as it is lowered, and those of the functions it calls."""
 
-    def __init__(self, codegen: Any, name: str) -> None:
-        super().__init__(codegen, name)  # type: ignore[no-untyped-call]
-        self._modules: list[Any] = []
-
-    def add_llvm_module(self, module: Any) -> None:
-        """Take a module of this function."""
-        self._modules.append(module)
-
-    def add_linking_library(self, library: Any) -> None:
-        """Take what this function calls."""
-        self._linking_libraries.append(library)
+    def _optimize_functions(self, module: Any) -> None:
+        """Nothing to do before all are linked."""
 
     def finalize(self) -> None:
-        """Nothing to do before all are linked."""
+        """Likewise."""
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
@@ -91,19 +75,15 @@ class Lowered(JITCodeLibrary):  # type: ignore[misc]
         called: dict[Any, None] = {}
         self._collect(called)
         for library in called:
-            own = isinstance(library, Lowered)
-            for module in library._modules if own else [library._get_module_for_linking()]:
-                if library is not self:
-                    share(module)
-                self._final_module.link_in(module, preserve=True)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         return str(self._final_module)
 
     def _collect(self, called: dict[Any, None]) -> None:
-        called[self] = None
         for library in self._linking_libraries:
-            if isinstance(library, Lowered) and library not in called:
-                library._collect(called)
-            called[library] = None
+            if library not in called:
+                called[library] = None
+                if isinstance(library, Lowered):
+                    library._collect(called)
 
 
 def _stand_in(library: Any, description: Any, environment: Any) -> Callable[..., Any]:

@@ -14,7 +14,7 @@ from ..kernel.driven_shaft import entry as shaft_entry
 from ..kernel.driven_shaft import fields as shaft_fields
 from . import messages, variables
 from .records import Field, place, size
-from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Variable, with_causality
+from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
 
 # which record of the kernel holds the variables of a causality
 RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
@@ -37,34 +37,14 @@ class Bound(NamedTuple):
         return 0.0 <= value <= self.most and value % 1.0 == 0.0
 
 
-# what a positive torque at a flange does at positive speed: brings energy into the model, or takes it out
-INFLOW, OUTFLOW = "inflow", "outflow"
-
-
-class Terminal(NamedTuple):
-    """A rotating flange where models are connected: its speed and its torque, of which one is an input.
-
-    Attributes:
-        name, description: for people. speed, torque: names of variables. flow: INFLOW or OUTFLOW.
-        angle: name of the variable, or "".
-    """
-
-    name: str
-    description: str
-    speed: str
-    torque: str
-    flow: str
-    angle: str = ""
-
-
 def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
     """Fields of the kernel's records p, u and y: variables by name, inputs with their rates.
 
-    What the map of fidelity averaged depends on comes first in p, what is late last in y.
+    What the map of fidelity averaged depends on comes first in p, what holds for a step last in y.
     """
     rows = list(table)
     parameters = sorted(with_causality(PARAMETER, table=rows), key=lambda variable: not variable.in_map)
-    outputs = sorted(with_causality(OUTPUT, LOCAL, table=rows), key=lambda variable: variable.late)
+    outputs = sorted(with_causality(OUTPUT, LOCAL, table=rows), key=lambda variable: variable.of_step)
     inputs = [variable.name for variable in with_causality(INPUT, table=rows)]
     return (
         tuple(variable.name for variable in parameters),
@@ -154,34 +134,11 @@ class Model:
             if number != one.start and not one.accepts(number)
         ]
 
-    def explain(self, status: int, parameters: Any, inputs: Any, step: float) -> str:
-        """The message for a status of the kernel, not OK.
-
-        Args:
-            status: what the kernel answered. parameters, inputs: records. step: communication step, s.
-        """
-        return self._filled(self.messages[status], parameters, inputs, step)
-
-    def warn(self, found: int, parameters: Any, inputs: Any) -> list[str]:
-        """The sentences for a sum of warnings of the kernel.
-
-        Args:
-            found: what the kernel answered. parameters, inputs: records.
-        """
-        texts = [text for number, text in self.warnings.items() if found & number]
-        return [self._filled(text, parameters, inputs, 0.0) for text in texts]
-
-    def _filled(self, text: str, parameters: Any, inputs: Any, step: float) -> str:
-        """A sentence with the values in their places."""
-        values = {"step": f"{step:.16g}"}
-        for record, names in ((parameters, self.records[0]), (inputs, self.records[2])):
-            values |= {name: f"{getattr(record, name):.16g}" for name in names}
-        return text.format_map(values)
-
 
 _P, _U, _Y = interface(variables.VARIABLES)
 _D = fields.constants(len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
-_W = fields.workspace(_Y, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
+_RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
+_W = fields.workspace(_RATED, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
 
 INERTIA_MODULE = Model(
     name="InertiaModule",
@@ -202,39 +159,7 @@ INERTIA_MODULE = Model(
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
         Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
     ),
-    terminals=(
-        Terminal(
-            "input_flange",
-            "input shaft, its speed given (drive = speed): the torque it takes from the shaft in front",
-            "omega1",
-            "input_torque_mean",
-            INFLOW,
-            "input_flange_angle",
-        ),
-        Terminal(
-            "input_flange_by_torque",
-            "input shaft, its torque given (drive = torque)",
-            "input_speed",
-            "drive_torque",
-            INFLOW,
-            "input_flange_angle",
-        ),
-        Terminal(
-            "output_flange",
-            "output shaft (driven mass if elastic): the torque that the shaft behind takes from it is given",
-            "omega_out",
-            "load_torque",
-            OUTFLOW,
-            "output_flange_angle",
-        ),
-        Terminal(
-            "load",
-            "the output flange for a load that needs no angle, as the driven shaft has it",
-            "omega_out",
-            "load_torque",
-            OUTFLOW,
-        ),
-    ),
+    terminals=variables.TERMINALS,
 )
 
 _P, _U, _Y = interface(variables.OF_SHAFT)
@@ -251,22 +176,7 @@ DRIVEN_SHAFT = Model(
     records=(_P, shaft_fields.CONSTANTS, _U, shaft_fields.STATE, _Y, shaft_fields.WORKSPACE),
     messages=messages.of_inputs(variables.OF_SHAFT),
     traced=("omega_out", "twist"),
-    terminals=(
-        Terminal(
-            "hub",
-            "hub of the shaft, its speed given: the torque it takes from the shaft in front",
-            "hub_speed",
-            "shaft_torque_mean",
-            INFLOW,
-        ),
-        Terminal(
-            "load",
-            "driven mass: the torque that the load takes from it is given",
-            "omega_out",
-            "load_torque",
-            OUTFLOW,
-        ),
-    ),
+    terminals=variables.TERMINALS_OF_SHAFT,
 )
 
 MODELS = {model.name: model for model in (INERTIA_MODULE, DRIVEN_SHAFT)}

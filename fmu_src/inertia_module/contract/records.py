@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
-from collections.abc import Sequence
+import operator
 from typing import Any
 
 # a field: a name; a name and a length; a name, fields and maybe a number of records
@@ -36,23 +36,23 @@ def record_type(fields: tuple[Field, ...]) -> type[ctypes.Union]:
     )
 
 
+@functools.cache
+def _counted(fields: tuple[Field, ...]) -> Any:
+    """A record in which each double is its own place."""
+    record = record_type(fields)()
+    record.numbers[:] = range(len(record.numbers))
+    return record
+
+
 def size(fields: tuple[Field, ...]) -> int:
     """Doubles in a record."""
-    return ctypes.sizeof(record_type(fields)) // 8
+    return len(_counted(fields).numbers)
 
 
-def place(fields: Sequence[Field], name: str) -> int:
-    """Where in a record the field of this name begins, in doubles; "forward.count" is a field of a record
-    within.
+def place(fields: tuple[Field, ...], name: str) -> int:
+    """Where in a record a field begins, in doubles; "forward.count" is a field of a record within.
 
     Raises:
-        KeyError: there is no such field.
+        AttributeError: there is no such field.
     """
-    at = 0
-    first, _, inner = name.partition(".")
-    for field in fields:
-        found, kind = _member(field)
-        if found == first:
-            return at + place(field[1], inner) if inner else at
-        at += ctypes.sizeof(kind) // 8
-    raise KeyError(name)
+    return int(operator.attrgetter(name)(_counted(fields)))

@@ -133,11 +133,14 @@ class Variable:
     """One variable of the module.
 
     Attributes:
-        name: name in the FMU. group: that it is listed in. kind: Real, Integer, Boolean or Enumeration.
-        causality, variability: as in FMI 2.0. unit: of UNITS ("" where it has none).
-        start: start value (None: calculated). minimum, maximum, nominal: or None.
-        description: one sentence. enumeration: name in ENUMERATIONS, or "".
+        name: name in the FMU. group: that it is listed in. unit: of UNITS ("" where it has none).
+        description: one sentence. start: start value (None: calculated).
+        minimum, maximum, nominal: or None. causality: as in FMI 2.0.
+        variability: likewise; discrete is what changes at switches alone, for FMI 3.0 has that change in
+            events alone. kind: Real, Integer, Boolean or Enumeration.
+        enumeration: name in ENUMERATIONS, or "".
         follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
+        of_step: whether it is a mean or a peak of the last step, which has no rate.
         late: whether the kernel's STEP_ONLY leaves it out, for it takes more work than some steps do.
         needs: parts of the model without which it means nothing; a fidelity that lacks one has it not.
         at_start: of an output, all that it depends on at initialisation; None: on all but what is idle.
@@ -147,17 +150,18 @@ class Variable:
 
     name: str
     group: str
-    kind: str
-    causality: str
-    variability: str
     unit: str
-    start: float | None
-    minimum: float | None
-    maximum: float | None
     description: str
+    start: float | None = None
+    minimum: float | None = None
+    maximum: float | None = None
     nominal: float | None = None
+    causality: str = ""
+    variability: str = "continuous"
+    kind: str = REAL
     enumeration: str = ""
     follows: str = ""
+    of_step: bool = False
     late: bool = False
     needs: tuple[Need, ...] = ()
     at_start: tuple[str, ...] | None = None
@@ -222,188 +226,136 @@ class Variable:
 # --- the module ---
 
 
-def _input(name: str, unit: str, start: float, limit: float, nominal: float, text: str) -> Variable:
-    return Variable(name, Group.FLANGES, REAL, INPUT, "continuous", unit, start, -limit, limit, text, nominal)
-
-
-def signal(
-    causality: str,
-    group: Group,
-    name: str,
-    unit: str,
-    nominal: float | None,
-    text: str,
-    minimum: float | None = None,
-    variability: str = "continuous",
-    **columns: Any,
-) -> Variable:
-    """A Real that is calculated."""
-    return Variable(
-        name, group, REAL, causality, variability, unit, None, minimum, None, text, nominal, **columns
-    )
-
-
-def _imbalance(causality: str, name: str, unit: str, nominal: float, follows: str, *text: Any) -> Variable:
-    """Motion of an imbalance, or a force that it makes: of an instant, by the place where it is."""
-    place: dict[str, Any] = {"follows": follows, "late": True, "needs": (PHASE,)}
-    return signal(causality, Group.IMBALANCE, name, unit, nominal, *text, **place)
-
-
-def _counter(
-    group: Group, name: str, text: str, minimum: float | None, causality: str = LOCAL, **columns: Any
-) -> Variable:
-    """A whole number; discrete is what changes at switches alone, for FMI 3.0 has that change in events alone."""
-    return signal(causality, group, name, "1", None, text, minimum, follows=SINCE_START, **columns)
-
-
-def _parameter(
-    group: Group,
-    name: str,
-    unit: str,
-    start: float,
-    low: float | None,
-    high: float | None,
-    text: str,
-    kind: str = REAL,
-    variability: str = FIXED,
-    **columns: Any,
-) -> Variable:
-    return Variable(name, group, kind, PARAMETER, variability, unit, start, low, high, text, **columns)
-
-
+_input = partial(Variable, causality=INPUT)
+_output = partial(Variable, causality=OUTPUT)
+_local = partial(Variable, causality=LOCAL)
+_parameter = partial(Variable, causality=PARAMETER, variability=FIXED)
 # a parameter that may change between steps
-_tunable = partial(_parameter, variability=TUNABLE)
-
-
-def _choice(group: Group, name: str, enumeration: str, start: int, text: str, **columns: Any) -> Variable:
-    (_, low, _), *_, (_, high, _) = ENUMERATIONS[enumeration]
-    columns["enumeration"] = enumeration
-    return _parameter(group, name, "", start, low, high, text, ENUMERATION, **columns)
-
+_tunable = partial(Variable, causality=PARAMETER, variability=TUNABLE)
 
 _INERTIA_LIMIT = 1e12
 _SPEED_START_LIMIT = 1e6
 
 VARIABLES: tuple[Variable, ...] = (
-    _input("omega1", "rad/s", 100.0, LARGEST_SPEED, 100.0, "speed of the input shaft, link 1 (with drive = torque only that at the start)"),
-    _input("load_torque", "N.m", 10.0, LARGEST_TORQUE, 10.0, "torque of the load on the output shaft, positive against positive speed"),
-    _input("drive_torque", "N.m", 0.0, LARGEST_TORQUE, 10.0, "torque on the input shaft, link 1 (with drive = torque, else without effect)"),
-    signal(OUTPUT, Group.MOTION, "omega2", "rad/s", 100.0, "speed of link 2, the output link of the differential", needs=(SOLVED, PULSES)),
-    signal(OUTPUT, Group.MOTION, "omega_out", "rad/s", 100.0, "speed of the output shaft (driven mass if elastic)", needs=(SOLVED,), at_start=("omega1", "fidelity", "kinematic_ratio", "omega_out_start")),
-    signal(OUTPUT, Group.INSTANT, "input_torque", "N.m", 100.0, "torque that drives the input shaft at this instant: M1 on link 1", late=True, needs=(PULSES,)),
-    signal(OUTPUT, Group.INSTANT, "mesh_torque", "N.m", 100.0, "torque of the gear mesh on link 2 at this instant: M2", late=True, needs=(PULSES,)),
-    signal(OUTPUT, Group.INSTANT, "output_torque", "N.m", 100.0, "torque in the output freewheel at this instant: Tc, drives the output shaft", late=True, needs=(PULSES,)),
-    signal(OUTPUT, Group.INSTANT, "housing_torque", "N.m", 100.0, "torque in the housing freewheel at this instant: Th, holds link 2", late=True, needs=(PULSES,)),
-    signal(OUTPUT, Group.MEANS, "input_torque_mean", "N.m", 100.0, "mean torque that drives the input shaft over the last communication step: M1, impulses included", at_start=()),
-    signal(OUTPUT, Group.MEANS, "output_torque_mean", "N.m", 100.0, "mean torque in the output freewheel over the last communication step: Tc, impulses included", at_start=()),
-    _imbalance(OUTPUT, "imbalance_acceleration", "m/s2", 1e3, DRIVE_ANGLE, "magnitude of the absolute acceleration of imbalance 0 of module 0", 0.0),
-    _imbalance(OUTPUT, "imbalance_acceleration_x", "m/s2", 1e3, DRIVE_ANGLE, "absolute acceleration of imbalance 0 of module 0 along the central axis Ox (fixed frame)"),
-    _imbalance(OUTPUT, "imbalance_acceleration_y", "m/s2", 1e3, LINK1_ANGLE, "absolute acceleration of imbalance 0 of module 0 along Oy (fixed frame)"),
-    _imbalance(OUTPUT, "imbalance_acceleration_z", "m/s2", 1e3, LINK1_ANGLE, "absolute acceleration of imbalance 0 of module 0 along Oz (fixed frame)"),
-    signal(OUTPUT, Group.MOTION, "input_speed", "rad/s", 100.0, "speed of the input shaft at this instant: what omega1 has come to, or drive_torque has made of it", at_start=("omega1",)),
-    signal(OUTPUT, Group.MEANS, "mesh_torque_mean", "N.m", 100.0, "mean torque of the gear mesh on link 2 over the last communication step: M2, impulses included", late=True, at_start=()),
-    signal(OUTPUT, Group.MEANS, "housing_torque_mean", "N.m", 100.0, "mean torque in the housing freewheel over the last communication step: Th, impulses included", late=True, at_start=()),
-    signal(OUTPUT, Group.MOTION, "input_acceleration", "rad/s2", 1e3, "acceleration of the input shaft at this instant, jumps of omega1 apart", late=True, needs=(PULSES,)),
-    signal(OUTPUT, Group.MOTION, "output_acceleration", "rad/s2", 1e3, "acceleration of the output shaft (driven mass if elastic) at this instant", late=True, needs=(SOLVED, PULSES)),
-    signal(OUTPUT, Group.MOTION, "output_angle", "rad", 1.0, "angle of the output shaft (driven mass if elastic) since the start without output_turns whole turns", 0.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
-    _counter(Group.MOTION, "output_turns", "whole turns of the output shaft taken off output_angle", None, OUTPUT, needs=(SOLVED,), at_start=()),
-    signal(OUTPUT, Group.MOTION, "input_flange_angle", "rad", 1.0, "angle of the input flange, phi1 of link 1, since the start, whole turns included", follows=SINCE_START, at_start=()),
-    signal(OUTPUT, Group.MOTION, "output_flange_angle", "rad", 1.0, "angle of the output flange, phi2 of the output shaft (driven mass if elastic), since the start, whole turns included", follows=SINCE_START, needs=(SOLVED,), at_start=()),
-    signal(OUTPUT, Group.ENERGY, "loss_power_mean", "W", 1e3, "mean power lost over the last communication step: energy_lost gained over its length", late=True, at_start=()),
-    _imbalance(OUTPUT, "satellite_force", "N", 1e3, DRIVE_ANGLE, "force of imbalance 0 on the bearing of its satellite, m |a|, at this instant", 0.0),
-    _imbalance(OUTPUT, "satellite_force_peak", "N", 1e3, DRIVE_ANGLE, "largest satellite_force seen over the last communication step", 0.0),
-    _imbalance(OUTPUT, "shaking_force_x", "N", 1e3, DRIVE_ANGLE, "force of all imbalances on the mount along the central axis Ox (fixed frame)"),
-    _imbalance(OUTPUT, "shaking_force_y", "N", 1e3, LINK1_ANGLE, "force of all imbalances on the mount along Oy"),
-    _imbalance(OUTPUT, "shaking_force_z", "N", 1e3, LINK1_ANGLE, "force of all imbalances on the mount along Oz"),
-    _imbalance(OUTPUT, "shaking_moment_x", "N.m", 100.0, DRIVE_ANGLE, "moment of all imbalances, satellites and drives on the mount about Ox"),
-    _imbalance(OUTPUT, "shaking_moment_y", "N.m", 100.0, LINK1_ANGLE, "moment of all imbalances, satellites and drives on the mount about Oy"),
-    _imbalance(OUTPUT, "shaking_moment_z", "N.m", 100.0, LINK1_ANGLE, "moment of all imbalances, satellites and drives on the mount about Oz"),
-    signal(LOCAL, Group.MOTION, "drive_angle", "rad", 1.0, "angle q of the drive without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", 0.0, follows=DRIVE_ANGLE, needs=(PHASE,)),
-    _counter(Group.MOTION, "drive_turns", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", None, needs=(PHASE,)),
-    signal(LOCAL, Group.MOTION, "input_angle", "rad", 1.0, "angle of the input shaft, theta1 of link 1, without input_turns whole turns", 0.0, follows=SINCE_START),
-    _counter(Group.MOTION, "input_turns", "whole turns of the input shaft taken off input_angle", None),
-    Variable("contact_mode", Group.FREEWHEELS, ENUMERATION, LOCAL, "discrete", "", None, 0, 3, "which freewheels are engaged", enumeration="ContactMode", needs=(PULSES,)),
-    signal(LOCAL, Group.MOTION, "omega_hub", "rad/s", 100.0, "speed omega3 of the output shaft behind the freewheel", needs=(SOLVED,)),
-    signal(LOCAL, Group.MOTION, "shaft_twist", "rad", 1e-2, "twist of the elastic output shaft (0 if rigid)", needs=(TWIST,)),
-    _imbalance(LOCAL, "imbalance_x", "m", 0.1, DRIVE_ANGLE, "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)"),
-    _imbalance(LOCAL, "imbalance_y", "m", 0.1, LINK1_ANGLE, "position of imbalance 0 of module 0 along Oy"),
-    _imbalance(LOCAL, "imbalance_z", "m", 0.1, LINK1_ANGLE, "position of imbalance 0 of module 0 along Oz"),
-    _imbalance(LOCAL, "imbalance_velocity_x", "m/s", 10.0, DRIVE_ANGLE, "absolute velocity of imbalance 0 of module 0 along Ox"),
-    _imbalance(LOCAL, "imbalance_velocity_y", "m/s", 10.0, LINK1_ANGLE, "absolute velocity of imbalance 0 of module 0 along Oy"),
-    _imbalance(LOCAL, "imbalance_velocity_z", "m/s", 10.0, LINK1_ANGLE, "absolute velocity of imbalance 0 of module 0 along Oz"),
-    signal(LOCAL, Group.ENERGY, "energy_in", "J", 1e3, "work of the input torque since the start", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_out", "J", 1e3, "work done on the load since the start", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_stored", "J", 1e3, "kinetic energy of the mechanism now, and the energy of a twisted shaft", late=True),
-    signal(LOCAL, Group.ENERGY, "energy_lost", "J", 1e3, "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_lost_viscous", "J", 1e3, "part of energy_lost that viscous friction of links, drives and output shaft took", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_lost_shaft", "J", 1e3, "part of energy_lost that the elastic shaft and the friction of the driven mass took, less the work of the balancer", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_lost_mesh", "J", 1e3, "part of energy_lost that the meshes took", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_lost_journal", "J", 1e3, "part of energy_lost that the bearings of the satellites took", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_lost_freewheel", "J", 1e3, "part of energy_lost that drag and wind-up of the freewheels took", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_lost_windage", "J", 1e3, "part of energy_lost that the air about the satellites took", follows=SINCE_START),
-    signal(LOCAL, Group.ENERGY, "energy_residual", "J", 1.0, "energy audit: in - out - lost - gain of stored, the error of the integration", follows=SINCE_START, late=True),
-    signal(LOCAL, Group.RIPPLE, "torque_ripple", "N.m", 100.0, "ripple of the output torque over the last communication step: RMS of Tc about its mean, impulses apart", 0.0, late=True, needs=(PULSES,)),
-    signal(LOCAL, Group.RIPPLE, "torque_peak", "N.m", 100.0, "largest magnitude of the output torque Tc over the last communication step, impulses apart", 0.0, late=True, needs=(PULSES,)),
-    _counter(Group.FREEWHEELS, "contact_switches", "changes of the contact mode since the start", 0.0, variability="discrete", needs=(PULSES,)),
-    _counter(Group.FREEWHEELS, "rhs_evaluations", "evaluations of the mechanism since the start: the cost", 0.0),
-    _choice(Group.LAYOUT, "layout", "Layout", 0, "layout of the differential", in_map=True),
-    _parameter(Group.BEVEL, "z2", "", 20, 1, 1000000, "teeth of wheel 2, fixed to link 2 (bevel)", INTEGER, in_map=True),
-    _parameter(Group.BEVEL, "z16", "", 20, 1, 1000000, "teeth of the wheel of drive 16 (bevel)", INTEGER, in_map=True),
-    _parameter(Group.BEVEL, "z17", "", 34, 1, 1000000, "teeth of the reactive wheel 17 (bevel)", INTEGER, in_map=True),
-    _parameter(Group.BEVEL, "z6", "", 20, 1, 1000000, "teeth of satellite 6 (bevel)", INTEGER, in_map=True),
-    _parameter(Group.BEVEL, "shaft_angle", "rad", math.pi / 2, 1e-6, 3.141591, "angle between the axes of satellite 6 and drive 16: Sigma (bevel)", in_map=True),
-    _parameter(Group.BEVEL, "wheel_radius", "m", 0.08, 1e-6, 1e3, "pitch radius r17 of wheel 17 (bevel)", in_map=True),
-    _parameter(Group.BEVEL, "a", "1", 1.0, 0.0, 100.0, "distance of the imbalance from the axis of its satellite, AD, over the pitch radius of the satellite (bevel)", in_map=True),
-    _parameter(Group.BEVEL, "b", "1", 1.0, 0.0, 100.0, "distance of the imbalance from the apex of the pitch cones along the axis of its satellite, QA, over the height of the satellite's cone (bevel)", in_map=True),
-    _parameter(Group.BEVEL, "c", "1", 1.0, 0.0, 100.0, "distance of the apex of the pitch cones from the central axis, OQ, over the height of the cone of wheel 17 (bevel)", in_map=True),
-    _parameter(Group.BEVEL, "epsilon", "rad", 0.0, -1e3, 1e3, "angle of the imbalance about the axis of its satellite at drive angle 0 (bevel)", in_map=True),
-    _parameter(Group.BEVEL, "gamma", "rad", 0.0, -1e3, 1e3, "angle of the satellite about the axis of the drive at drive angle 0 (bevel)", in_map=True),
-    _parameter(Group.PLANAR, "sun_radius", "m", 0.05, 1e-6, 1e3, "radius R0 of the sun wheel, link 2 (planar)", in_map=True),
-    _parameter(Group.PLANAR, "satellite_radius", "m", 0.03, 1e-6, 1e3, "radius r of a satellite (planar)", in_map=True),
-    _parameter(Group.PLANAR, "eccentricity", "m", 0.02, 0.0, 1e3, "distance l of the imbalance from the axis of its satellite (planar)", in_map=True),
-    _parameter(Group.MASSES, "imbalance_mass", "kg", 1.0, 0.0, 1e9, "mass m of one imbalance", in_map=True),
-    _parameter(Group.LAYOUT, "modules", "", 1, 1, 1000, "number of modules, alike, about the central axis", INTEGER, in_map=True),
-    _parameter(Group.LAYOUT, "satellites", "", 1, 1, 1000, "number of satellites (imbalances) in one module, evenly spread", INTEGER, in_map=True),
-    _parameter(Group.MASSES, "drive_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J16 of all drives about their axes", in_map=True),
-    _parameter(Group.MASSES, "input_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia J1 of link 1 (with drive = torque that of the engine or motor too)", in_map=True),
-    _parameter(Group.MASSES, "link2_inertia", "kg.m2", 0.005, 0.0, _INERTIA_LIMIT, "inertia J2 of link 2", in_map=True),
-    _parameter(Group.MASSES, "output_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J3 of the output shaft (hub if elastic)"),
-    _parameter(Group.ELASTIC, "driven_inertia", "kg.m2", 0.5, 1e-12, _INERTIA_LIMIT, "inertia J4 of the driven mass (elastic)"),
-    _parameter(Group.ELASTIC, "shaft_stiffness", "N.m/rad", 400.0, 1e-6, 1e15, "stiffness c of the output shaft (elastic)", idle=True),
-    _tunable(Group.ELASTIC, "shaft_damping", "N.m.s/rad", 0.05, 0.0, 1e12, "damping d of the output shaft (elastic)", idle=True),
-    _tunable(Group.ELASTIC, "driven_friction", "N.m.s/rad", 0.0, 0.0, 1e12, "viscous friction f of the driven mass (elastic)"),
-    _tunable(Group.ELASTIC, "balancer", "1", 0.0, -10.0, 10.0, "gain beta of the balancer (elastic)"),
-    _tunable(Group.LOSSES, "input_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b1 of link 1", in_map=True),
-    _tunable(Group.LOSSES, "drive_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction bq of all drives and satellites, as a torque against q", in_map=True),
-    _tunable(Group.LOSSES, "link2_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b2 of link 2", in_map=True),
-    _tunable(Group.LOSSES, "output_friction", "N.m.s/rad", 0.0, 0.0, 1e3, "viscous friction b3 of the output shaft (hub if elastic)", in_map=True),
-    _parameter(Group.LOSSES, "mesh_efficiency", "1", 1.0, 0.1, 1.0, "efficiency of the mesh of link 2 with the drives, gears turning, link 1 at rest", in_map=True),
-    _parameter(Group.LOSSES, "satellite_mesh_efficiency", "1", 1.0, 0.1, 1.0, "efficiency of the mesh of the satellites with wheel 17 (bevel)", in_map=True),
-    _tunable(Group.LOSSES, "journal_friction", "m", 0.0, 0.0, 1e3, "coefficient of friction of a satellite's bearing times the radius of its journal", in_map=True),
-    _tunable(Group.LOSSES, "windage", "kg.m2", 0.0, 0.0, 1e3, "drag of the air on one satellite, as a torque over the square of its absolute angular speed", nominal=1e-4),
-    _tunable(Group.LOSSES, "housing_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning housing freewheel", in_map=True),
-    _tunable(Group.LOSSES, "housing_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "drag of the overrunning housing freewheel that grows with the speed of link 2, over that speed", in_map=True),
-    _tunable(Group.LOSSES, "output_drag", "N.m", 0.0, 0.0, 1e9, "drag of the overrunning output freewheel", in_map=True),
-    _tunable(Group.LOSSES, "output_drag_viscous", "N.m.s/rad", 0.0, 0.0, 1e3, "drag of the overrunning output freewheel that grows with the speed of the output shaft over link 2, over that speed", in_map=True),
-    _parameter(Group.ELASTIC, "housing_stiffness", "N.m/rad", 0.0, 0.0, 1e15, "stiffness of the locked housing freewheel, 0: rigid (elastic)"),
-    _tunable(Group.ELASTIC, "housing_damping", "N.m.s/rad", 0.0, 0.0, 1e12, "damping of the locked housing freewheel (elastic)"),
-    _parameter(Group.ELASTIC, "freewheel_stiffness", "N.m/rad", 0.0, 0.0, 1e15, "stiffness of the locked output freewheel, 0: rigid (elastic)"),
-    _tunable(Group.ELASTIC, "freewheel_damping", "N.m.s/rad", 0.0, 0.0, 1e12, "damping of the locked output freewheel (elastic)"),
-    _parameter(Group.MASSES, "satellite_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia Ja of one satellite gear, imbalance apart, about its own axis", in_map=True),
-    _parameter(Group.MASSES, "satellite_transverse_inertia", "kg.m2", 0.0, 0.0, _INERTIA_LIMIT, "inertia Jt of one satellite gear, imbalance apart, about any axis across its own (bevel)", in_map=True),
-    _parameter(Group.MASSES, "gravity", "m/s2", 0.0, 0.0, 1e3, "gravity on the imbalances, along -Oz (the central axis Ox is level)"),
-    _parameter(Group.LAYOUT, "housing_freewheel", "", 1.0, None, None, "whether link 2 has a freewheel to the housing", BOOLEAN),
-    _parameter(Group.LAYOUT, "output_freewheel", "", 1.0, None, None, "whether link 2 has a freewheel to the output shaft, else it is rigid with it", BOOLEAN),
-    _choice(Group.SOLVER, "fidelity", "Fidelity", 2, "what is modelled"),
-    _choice(Group.SOLVER, "method", "Method", 0, "how it is integrated", idle=True),
-    _choice(Group.FLANGES, "drive", "Drive", 0, "what is given at the input shaft, link 1: its speed or its torque", in_map=True),
-    _choice(Group.SOLVER, "input_hold", "InputHold", 0, "speed omega1 between communication points", idle=True),
-    _parameter(Group.SOLVER, "tolerance", "1", 1e-6, 1e-13, 0.1, "relative tolerance; that of the host's experiment wins", nominal=1e-6, idle=True),
-    _parameter(Group.SOLVER, "max_step", "s", 0.0, 0.0, LARGEST_STEP, "longest internal step, 0 for no limit (timestepping: the communication step)", idle=True),
-    _tunable(Group.SOLVER, "kinematic_ratio", "1", 0.0, -10.0, 10.0, "ratio of the speeds of link 2 and link 1, prescribed: omega2/omega1 (kinematic)"),
-    _parameter(Group.START, "omega2_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of link 2 at the start"),
-    _parameter(Group.START, "omega_out_start", "rad/s", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT, "speed of the output shaft at the start"),
-    _parameter(Group.START, "drive_angle_start", "rad", 0.0, -1e6, 1e6, "angle q of the drive at the start"),
+    _input("omega1", Group.FLANGES, "rad/s", "speed of the input shaft, link 1 (with drive = torque only that at the start)", 100.0, -LARGEST_SPEED, LARGEST_SPEED, nominal=100.0),
+    _input("load_torque", Group.FLANGES, "N.m", "torque of the load on the output shaft, positive against positive speed", 10.0, -LARGEST_TORQUE, LARGEST_TORQUE, nominal=10.0),
+    _input("drive_torque", Group.FLANGES, "N.m", "torque on the input shaft, link 1 (with drive = torque, else without effect)", 0.0, -LARGEST_TORQUE, LARGEST_TORQUE, nominal=10.0),
+    _output("omega2", Group.MOTION, "rad/s", "speed of link 2, the output link of the differential", nominal=100.0, needs=(SOLVED, PULSES)),
+    _output("omega_out", Group.MOTION, "rad/s", "speed of the output shaft (driven mass if elastic)", nominal=100.0, needs=(SOLVED,), at_start=("omega1", "fidelity", "kinematic_ratio", "omega_out_start")),
+    _output("input_torque", Group.INSTANT, "N.m", "torque that drives the input shaft at this instant: M1 on link 1", nominal=100.0, late=True, needs=(PULSES,)),
+    _output("mesh_torque", Group.INSTANT, "N.m", "torque of the gear mesh on link 2 at this instant: M2", nominal=100.0, late=True, needs=(PULSES,)),
+    _output("output_torque", Group.INSTANT, "N.m", "torque in the output freewheel at this instant: Tc, drives the output shaft", nominal=100.0, late=True, needs=(PULSES,)),
+    _output("housing_torque", Group.INSTANT, "N.m", "torque in the housing freewheel at this instant: Th, holds link 2", nominal=100.0, late=True, needs=(PULSES,)),
+    _output("input_torque_mean", Group.MEANS, "N.m", "mean torque that drives the input shaft over the last communication step: M1, impulses included", nominal=100.0, of_step=True, at_start=()),
+    _output("output_torque_mean", Group.MEANS, "N.m", "mean torque in the output freewheel over the last communication step: Tc, impulses included", nominal=100.0, of_step=True, at_start=()),
+    _output("imbalance_acceleration", Group.IMBALANCE, "m/s2", "magnitude of the absolute acceleration of imbalance 0 of module 0", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("imbalance_acceleration_x", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("imbalance_acceleration_y", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along Oy (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output("imbalance_acceleration_z", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along Oz (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output("input_speed", Group.MOTION, "rad/s", "speed of the input shaft at this instant: what omega1 has come to, or drive_torque has made of it", nominal=100.0, at_start=("omega1",)),
+    _output("mesh_torque_mean", Group.MEANS, "N.m", "mean torque of the gear mesh on link 2 over the last communication step: M2, impulses included", nominal=100.0, of_step=True, late=True, at_start=()),
+    _output("housing_torque_mean", Group.MEANS, "N.m", "mean torque in the housing freewheel over the last communication step: Th, impulses included", nominal=100.0, of_step=True, late=True, at_start=()),
+    _output("input_acceleration", Group.MOTION, "rad/s2", "acceleration of the input shaft at this instant, jumps of omega1 apart", nominal=1e3, late=True, needs=(PULSES,)),
+    _output("output_acceleration", Group.MOTION, "rad/s2", "acceleration of the output shaft (driven mass if elastic) at this instant", nominal=1e3, late=True, needs=(SOLVED, PULSES)),
+    _output("output_angle", Group.MOTION, "rad", "angle of the output shaft (driven mass if elastic) since the start without output_turns whole turns", nominal=1.0, minimum=0.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
+    _output("output_turns", Group.MOTION, "1", "whole turns of the output shaft taken off output_angle", follows=SINCE_START, needs=(SOLVED,), at_start=()),
+    _output("input_flange_angle", Group.MOTION, "rad", "angle of the input flange, phi1 of link 1, since the start, whole turns included", nominal=1.0, follows=SINCE_START, at_start=()),
+    _output("output_flange_angle", Group.MOTION, "rad", "angle of the output flange, phi2 of the output shaft (driven mass if elastic), since the start, whole turns included", nominal=1.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
+    _output("loss_power_mean", Group.ENERGY, "W", "mean power lost over the last communication step: energy_lost gained over its length", nominal=1e3, of_step=True, late=True, at_start=()),
+    _output("satellite_force", Group.IMBALANCE, "N", "force of imbalance 0 on the bearing of its satellite, m |a|, at this instant", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("satellite_force_peak", Group.IMBALANCE, "N", "largest satellite_force seen over the last communication step", nominal=1e3, minimum=0.0, of_step=True, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("shaking_force_x", Group.IMBALANCE, "N", "force of all imbalances on the mount along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("shaking_force_y", Group.IMBALANCE, "N", "force of all imbalances on the mount along Oy", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output("shaking_force_z", Group.IMBALANCE, "N", "force of all imbalances on the mount along Oz", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output("shaking_moment_x", Group.IMBALANCE, "N.m", "moment of all imbalances, satellites and drives on the mount about Ox", nominal=100.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output("shaking_moment_y", Group.IMBALANCE, "N.m", "moment of all imbalances, satellites and drives on the mount about Oy", nominal=100.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output("shaking_moment_z", Group.IMBALANCE, "N.m", "moment of all imbalances, satellites and drives on the mount about Oz", nominal=100.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local("drive_angle", Group.MOTION, "rad", "angle q of the drive without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", nominal=1.0, minimum=0.0, follows=DRIVE_ANGLE, needs=(PHASE,)),
+    _local("drive_turns", Group.MOTION, "1", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", follows=SINCE_START, needs=(PHASE,)),
+    _local("input_angle", Group.MOTION, "rad", "angle of the input shaft, theta1 of link 1, without input_turns whole turns", nominal=1.0, minimum=0.0, follows=SINCE_START),
+    _local("input_turns", Group.MOTION, "1", "whole turns of the input shaft taken off input_angle", follows=SINCE_START),
+    _local("contact_mode", Group.FREEWHEELS, "", "which freewheels are engaged", minimum=0, maximum=3, kind=ENUMERATION, variability="discrete", enumeration="ContactMode", needs=(PULSES,)),
+    _local("omega_hub", Group.MOTION, "rad/s", "speed omega3 of the output shaft behind the freewheel", nominal=100.0, needs=(SOLVED,)),
+    _local("shaft_twist", Group.MOTION, "rad", "twist of the elastic output shaft (0 if rigid)", nominal=1e-2, needs=(TWIST,)),
+    _local("imbalance_x", Group.IMBALANCE, "m", "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)", nominal=0.1, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _local("imbalance_y", Group.IMBALANCE, "m", "position of imbalance 0 of module 0 along Oy", nominal=0.1, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local("imbalance_z", Group.IMBALANCE, "m", "position of imbalance 0 of module 0 along Oz", nominal=0.1, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local("imbalance_velocity_x", Group.IMBALANCE, "m/s", "absolute velocity of imbalance 0 of module 0 along Ox", nominal=10.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _local("imbalance_velocity_y", Group.IMBALANCE, "m/s", "absolute velocity of imbalance 0 of module 0 along Oy", nominal=10.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local("imbalance_velocity_z", Group.IMBALANCE, "m/s", "absolute velocity of imbalance 0 of module 0 along Oz", nominal=10.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local("energy_in", Group.ENERGY, "J", "work of the input torque since the start", nominal=1e3, follows=SINCE_START),
+    _local("energy_out", Group.ENERGY, "J", "work done on the load since the start", nominal=1e3, follows=SINCE_START),
+    _local("energy_stored", Group.ENERGY, "J", "kinetic energy of the mechanism now, and the energy of a twisted shaft", nominal=1e3, late=True),
+    _local("energy_lost", Group.ENERGY, "J", "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)", nominal=1e3, follows=SINCE_START),
+    _local("energy_lost_viscous", Group.ENERGY, "J", "part of energy_lost that viscous friction of links, drives and output shaft took", nominal=1e3, follows=SINCE_START),
+    _local("energy_lost_shaft", Group.ENERGY, "J", "part of energy_lost that the elastic shaft and the friction of the driven mass took, less the work of the balancer", nominal=1e3, follows=SINCE_START),
+    _local("energy_lost_mesh", Group.ENERGY, "J", "part of energy_lost that the meshes took", nominal=1e3, follows=SINCE_START),
+    _local("energy_lost_journal", Group.ENERGY, "J", "part of energy_lost that the bearings of the satellites took", nominal=1e3, follows=SINCE_START),
+    _local("energy_lost_freewheel", Group.ENERGY, "J", "part of energy_lost that drag and wind-up of the freewheels took", nominal=1e3, follows=SINCE_START),
+    _local("energy_lost_windage", Group.ENERGY, "J", "part of energy_lost that the air about the satellites took", nominal=1e3, follows=SINCE_START),
+    _local("energy_residual", Group.ENERGY, "J", "energy audit: in - out - lost - gain of stored, the error of the integration", nominal=1.0, follows=SINCE_START, late=True),
+    _local("torque_ripple", Group.RIPPLE, "N.m", "ripple of the output torque over the last communication step: RMS of Tc about its mean, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
+    _local("torque_peak", Group.RIPPLE, "N.m", "largest magnitude of the output torque Tc over the last communication step, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
+    _local("contact_switches", Group.FREEWHEELS, "1", "changes of the contact mode since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(PULSES,)),
+    _local("rhs_evaluations", Group.FREEWHEELS, "1", "evaluations of the mechanism since the start: the cost", minimum=0.0, follows=SINCE_START),
+    _parameter("layout", Group.LAYOUT, "", "layout of the differential", 0, 0, 1, kind=ENUMERATION, enumeration="Layout", in_map=True),
+    _parameter("z2", Group.BEVEL, "", "teeth of wheel 2, fixed to link 2 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter("z16", Group.BEVEL, "", "teeth of the wheel of drive 16 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter("z17", Group.BEVEL, "", "teeth of the reactive wheel 17 (bevel)", 34, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter("z6", Group.BEVEL, "", "teeth of satellite 6 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter("shaft_angle", Group.BEVEL, "rad", "angle between the axes of satellite 6 and drive 16: Sigma (bevel)", math.pi / 2, 1e-6, 3.141591, in_map=True),
+    _parameter("wheel_radius", Group.BEVEL, "m", "pitch radius r17 of wheel 17 (bevel)", 0.08, 1e-6, 1e3, in_map=True),
+    _parameter("a", Group.BEVEL, "1", "distance of the imbalance from the axis of its satellite, AD, over the pitch radius of the satellite (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter("b", Group.BEVEL, "1", "distance of the imbalance from the apex of the pitch cones along the axis of its satellite, QA, over the height of the satellite's cone (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter("c", Group.BEVEL, "1", "distance of the apex of the pitch cones from the central axis, OQ, over the height of the cone of wheel 17 (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter("epsilon", Group.BEVEL, "rad", "angle of the imbalance about the axis of its satellite at drive angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
+    _parameter("gamma", Group.BEVEL, "rad", "angle of the satellite about the axis of the drive at drive angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
+    _parameter("sun_radius", Group.PLANAR, "m", "radius R0 of the sun wheel, link 2 (planar)", 0.05, 1e-6, 1e3, in_map=True),
+    _parameter("satellite_radius", Group.PLANAR, "m", "radius r of a satellite (planar)", 0.03, 1e-6, 1e3, in_map=True),
+    _parameter("eccentricity", Group.PLANAR, "m", "distance l of the imbalance from the axis of its satellite (planar)", 0.02, 0.0, 1e3, in_map=True),
+    _parameter("imbalance_mass", Group.MASSES, "kg", "mass m of one imbalance", 1.0, 0.0, 1e9, in_map=True),
+    _parameter("modules", Group.LAYOUT, "", "number of modules, alike, about the central axis", 1, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter("satellites", Group.LAYOUT, "", "number of satellites (imbalances) in one module, evenly spread", 1, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter("drive_inertia", Group.MASSES, "kg.m2", "inertia J16 of all drives about their axes", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter("input_inertia", Group.MASSES, "kg.m2", "inertia J1 of link 1 (with drive = torque that of the engine or motor too)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter("link2_inertia", Group.MASSES, "kg.m2", "inertia J2 of link 2", 0.005, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter("output_inertia", Group.MASSES, "kg.m2", "inertia J3 of the output shaft (hub if elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
+    _parameter("driven_inertia", Group.ELASTIC, "kg.m2", "inertia J4 of the driven mass (elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
+    _parameter("shaft_stiffness", Group.ELASTIC, "N.m/rad", "stiffness c of the output shaft (elastic)", 400.0, 1e-6, 1e15, idle=True),
+    _tunable("shaft_damping", Group.ELASTIC, "N.m.s/rad", "damping d of the output shaft (elastic)", 0.05, 0.0, 1e12, idle=True),
+    _tunable("driven_friction", Group.ELASTIC, "N.m.s/rad", "viscous friction f of the driven mass (elastic)", 0.0, 0.0, 1e12),
+    _tunable("balancer", Group.ELASTIC, "1", "gain beta of the balancer (elastic)", 0.0, -10.0, 10.0),
+    _tunable("input_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b1 of link 1", 0.0, 0.0, 1e3, in_map=True),
+    _tunable("drive_friction", Group.LOSSES, "N.m.s/rad", "viscous friction bq of all drives and satellites, as a torque against q", 0.0, 0.0, 1e3, in_map=True),
+    _tunable("link2_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b2 of link 2", 0.0, 0.0, 1e3, in_map=True),
+    _tunable("output_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b3 of the output shaft (hub if elastic)", 0.0, 0.0, 1e3, in_map=True),
+    _parameter("mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh of link 2 with the drives, gears turning, link 1 at rest", 1.0, 0.1, 1.0, in_map=True),
+    _parameter("satellite_mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh of the satellites with wheel 17 (bevel)", 1.0, 0.1, 1.0, in_map=True),
+    _tunable("journal_friction", Group.LOSSES, "m", "coefficient of friction of a satellite's bearing times the radius of its journal", 0.0, 0.0, 1e3, in_map=True),
+    _tunable("windage", Group.LOSSES, "kg.m2", "drag of the air on one satellite, as a torque over the square of its absolute angular speed", 0.0, 0.0, 1e3, nominal=1e-4),
+    _tunable("housing_drag", Group.LOSSES, "N.m", "drag of the overrunning housing freewheel", 0.0, 0.0, 1e9, in_map=True),
+    _tunable("housing_drag_viscous", Group.LOSSES, "N.m.s/rad", "drag of the overrunning housing freewheel that grows with the speed of link 2, over that speed", 0.0, 0.0, 1e3, in_map=True),
+    _tunable("output_drag", Group.LOSSES, "N.m", "drag of the overrunning output freewheel", 0.0, 0.0, 1e9, in_map=True),
+    _tunable("output_drag_viscous", Group.LOSSES, "N.m.s/rad", "drag of the overrunning output freewheel that grows with the speed of the output shaft over link 2, over that speed", 0.0, 0.0, 1e3, in_map=True),
+    _parameter("housing_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked housing freewheel, 0: rigid (elastic)", 0.0, 0.0, 1e15),
+    _tunable("housing_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked housing freewheel (elastic)", 0.0, 0.0, 1e12),
+    _parameter("freewheel_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked output freewheel, 0: rigid (elastic)", 0.0, 0.0, 1e15),
+    _tunable("freewheel_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked output freewheel (elastic)", 0.0, 0.0, 1e12),
+    _parameter("satellite_inertia", Group.MASSES, "kg.m2", "inertia Ja of one satellite gear, imbalance apart, about its own axis", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter("satellite_transverse_inertia", Group.MASSES, "kg.m2", "inertia Jt of one satellite gear, imbalance apart, about any axis across its own (bevel)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter("gravity", Group.MASSES, "m/s2", "gravity on the imbalances, along -Oz (the central axis Ox is level)", 0.0, 0.0, 1e3),
+    _parameter("housing_freewheel", Group.LAYOUT, "", "whether link 2 has a freewheel to the housing", 1.0, kind=BOOLEAN),
+    _parameter("output_freewheel", Group.LAYOUT, "", "whether link 2 has a freewheel to the output shaft, else it is rigid with it", 1.0, kind=BOOLEAN),
+    _parameter("fidelity", Group.SOLVER, "", "what is modelled", 2, 0, 3, kind=ENUMERATION, enumeration="Fidelity"),
+    _parameter("method", Group.SOLVER, "", "how it is integrated", 0, 0, 1, kind=ENUMERATION, enumeration="Method", idle=True),
+    _parameter("drive", Group.FLANGES, "", "what is given at the input shaft, link 1: its speed or its torque", 0, 0, 1, kind=ENUMERATION, enumeration="Drive", in_map=True),
+    _parameter("input_hold", Group.SOLVER, "", "speed omega1 between communication points", 0, 0, 1, kind=ENUMERATION, enumeration="InputHold", idle=True),
+    _parameter("tolerance", Group.SOLVER, "1", "relative tolerance; that of the host's experiment wins", 1e-6, 1e-13, 0.1, nominal=1e-6, idle=True),
+    _parameter("max_step", Group.SOLVER, "s", "longest internal step, 0 for no limit (timestepping: the communication step)", 0.0, 0.0, LARGEST_STEP, idle=True),
+    _tunable("kinematic_ratio", Group.SOLVER, "1", "ratio of the speeds of link 2 and link 1, prescribed: omega2/omega1 (kinematic)", 0.0, -10.0, 10.0),
+    _parameter("omega2_start", Group.START, "rad/s", "speed of link 2 at the start", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
+    _parameter("omega_out_start", Group.START, "rad/s", "speed of the output shaft at the start", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
+    _parameter("drive_angle_start", Group.START, "rad", "angle q of the drive at the start", 0.0, -1e6, 1e6),
 )  # fmt: skip
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
@@ -443,11 +395,11 @@ def _as_in_module(of_module: str, text: str = "", **columns: Any) -> Variable:
 OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module("omega1", "speed of the hub, where the shaft is driven", name="hub_speed", start=0.0),
     _as_in_module("load_torque", "torque of the load on the driven mass, positive against positive speed", start=0.0),
-    signal(OUTPUT, Group.INSTANT, "shaft_torque", "N.m", 100.0, "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub", at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
-    signal(OUTPUT, Group.MEANS, "shaft_torque_mean", "N.m", 100.0, "mean torque of spring and damper over the last communication step: Ts", at_start=()),
+    _output("shaft_torque", Group.INSTANT, "N.m", "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub", nominal=100.0, at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
+    _output("shaft_torque_mean", Group.MEANS, "N.m", "mean torque of spring and damper over the last communication step: Ts", nominal=100.0, of_step=True, at_start=()),
     _as_in_module("omega_out", "speed omega4 of the driven mass", at_start=("omega_out_start",)),
-    signal(OUTPUT, Group.MOTION, "driven_acceleration", "rad/s2", 100.0, "angular acceleration of the driven mass at this instant"),
-    signal(OUTPUT, Group.MOTION, "twist", "rad", 1e-2, "twist of the shaft: angle of the hub less that of the driven mass", at_start=("twist_start",)),
+    _output("driven_acceleration", Group.MOTION, "rad/s2", "angular acceleration of the driven mass at this instant", nominal=100.0),
+    _output("twist", Group.MOTION, "rad", "twist of the shaft: angle of the hub less that of the driven mass", nominal=1e-2, at_start=("twist_start",)),
     _as_in_module("energy_in", "work of the hub on the shaft since the start"),
     _as_in_module("energy_out", "work done on the load since the start"),
     _as_in_module("energy_stored", "kinetic energy of the driven mass and energy of the twist now"),
@@ -460,5 +412,39 @@ OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module("balancer", "gain beta of the balancer: the driven mass is pushed by beta J4 times the hub's acceleration", idle=True),
     _as_in_module("input_hold", "speed of the hub between communication points", idle=True),
     _as_in_module("omega_out_start", "speed of the driven mass at the start"),
-    Variable("twist_start", Group.START, REAL, PARAMETER, FIXED, "rad", 0.0, -1e6, 1e6, "twist of the shaft at the start"),
+    _parameter("twist_start", Group.START, "rad", "twist of the shaft at the start", 0.0, -1e6, 1e6),
+)  # fmt: skip
+
+# --- flanges ---
+
+# what a positive torque at a flange does at positive speed: brings energy into the model, or takes it out
+INFLOW, OUTFLOW = "inflow", "outflow"
+
+
+class Terminal(NamedTuple):
+    """A rotating flange where models are connected: its speed and its torque, of which one is an input.
+
+    Attributes:
+        name, description: for people. speed, torque: names of variables. flow: INFLOW or OUTFLOW.
+        angle: name of the variable, or "".
+    """
+
+    name: str
+    description: str
+    speed: str
+    torque: str
+    flow: str
+    angle: str = ""
+
+
+TERMINALS: tuple[Terminal, ...] = (
+    Terminal("input_flange", "input shaft, its speed given (drive = speed): the torque it takes from the shaft in front", "omega1", "input_torque_mean", INFLOW, "input_flange_angle"),
+    Terminal("input_flange_by_torque", "input shaft, its torque given (drive = torque)", "input_speed", "drive_torque", INFLOW, "input_flange_angle"),
+    Terminal("output_flange", "output shaft (driven mass if elastic): the torque that the shaft behind takes from it is given", "omega_out", "load_torque", OUTFLOW, "output_flange_angle"),
+    Terminal("load", "the output flange for a load that needs no angle, as the driven shaft has it", "omega_out", "load_torque", OUTFLOW),
+)  # fmt: skip
+
+TERMINALS_OF_SHAFT: tuple[Terminal, ...] = (
+    Terminal("hub", "hub of the shaft, its speed given: the torque it takes from the shaft in front", "hub_speed", "shaft_torque_mean", INFLOW),
+    Terminal("load", "driven mass: the torque that the load takes from it is given", "omega_out", "load_torque", OUTFLOW),
 )  # fmt: skip

@@ -9,7 +9,7 @@ only wired inputs have connectors. The one FMU is FMPy's container, a co-simulat
 from __future__ import annotations
 
 import io
-import tempfile
+import json
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -18,24 +18,12 @@ from xml.etree import ElementTree
 
 import fmpy.container_fmu
 from fmpy import read_model_description
-from fmpy.container_fmu import write_configuration
-from fmpy.container_fmu.config import Component, Configuration, Connection
-from fmpy.model_description import (
-    BaseUnit,
-    CoSimulation,
-    DefaultExperiment,
-    ModelDescription,
-    ModelVariable,
-    Unit,
-    Unknown,
-    write_model_description,
-)
 
 from .. import __version__
 from ..common.files import write_atomically
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from ..contract.variables import PARAMETER, UNITS, Variable
-from ..fmu.archive import DESCRIPTION, archive, filled_xml, generation_date, guid_of
+from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_date, guid_of
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import NativeFmu
@@ -152,29 +140,13 @@ def typed(variable: Variable, value: float) -> tuple[str, str]:
 # --- SSP and OSP ---
 
 
-def osp_structure(plan: Plan) -> bytes:
-    """OspSystemStructure.xml of a plan, for libcosim; its FMUs describe enumerations as Integers."""
-    return filled_xml(TEMPLATES / OSP_STRUCTURE, {"plan": plan, "typed": typed})
-
-
-def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
-    """The content of the .ssp file; fmus: contents by file name, enumerations described as Integers."""
+def _filled(template: str, plan: Plan, **values: Any) -> bytes:
+    """A file of a plan from its template."""
     origin = {
         "generationTool": f"inertia-module {__version__}",
         "generationDateAndTime": generation_date(),
     }
-    wired = [end for w in plan.wires for end in ((w.source, w.output), (w.sink, w.input))]
-    # variables that have a connector, by part and name: those that are wired or shown
-    ends = list(dict.fromkeys([*wired, *plan.outputs]))
-    shown = _units(plan.part(owner).variable(name) for owner, name in ends)
-    files = {f"resources/{name}": content for name, content in fmus.items()}
-    for part in plan.parts:
-        units = _units(map(part.variable, part.values))
-        values = {"part": part, "typed": typed, "units": units, "origin": origin}
-        files[f"resources/{part.name}.ssv"] = filled_xml(TEMPLATES / "ParameterSet.ssv", values)
-    structure = {"plan": plan, "ends": ends, "units": shown, "origin": origin}
-    files["SystemStructure.ssd"] = filled_xml(TEMPLATES / "SystemStructure.ssd", structure)
-    return archive(files)
+    return filled_xml(TEMPLATES / template, {"plan": plan, "typed": typed, "origin": origin, **values})
 
 
 def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
@@ -182,92 +154,58 @@ def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
     return {name: UNITS[name] for name in sorted({variable.unit for variable in variables} - {""})}
 
 
+def osp_structure(plan: Plan) -> bytes:
+    """OspSystemStructure.xml of a plan, for libcosim; its FMUs describe enumerations as Integers."""
+    return _filled(OSP_STRUCTURE, plan)
+
+
+def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
+    """The content of the .ssp file; fmus: contents by file name, enumerations described as Integers."""
+    wired = [end for w in plan.wires for end in ((w.source, w.output), (w.sink, w.input))]
+    # variables that have a connector, by part and name: those that are wired or shown
+    ends = list(dict.fromkeys([*wired, *plan.outputs]))
+    shown = _units(plan.part(owner).variable(name) for owner, name in ends)
+    files = {f"resources/{name}": content for name, content in fmus.items()}
+    for part in plan.parts:
+        units = _units(map(part.variable, part.values))
+        files[f"resources/{part.name}.ssv"] = _filled("ParameterSet.ssv", plan, part=part, units=units)
+    files["SystemStructure.ssd"] = _filled("SystemStructure.ssd", plan, ends=ends, units=shown)
+    return archive(files)
+
+
 # --- container ---
 
 LIBRARY = "container_fmu"
+# types in its configuration, which are those of FMI 3.0
+CONTAINED = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 
 
-def _shown(plan: Plan) -> dict[tuple[str, str], Any]:
-    """The container's variables by part and name: values that no wire drives, then outputs."""
+def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
+    """Description of the container, and what its library reads; inside: files of each FMU, by their names."""
     wired = {(wire.sink, wire.input) for wire in plan.wires}
     values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
-    ends = [end for end in values if end not in wired] + list(plan.outputs)
-    shown = {}
-    # its library counts from 1: its 0 is the time, which a description need not name
-    for number, (part, name) in enumerate(ends, 1):
-        variable, value = plan.part(part).variable(name), values.get((part, name))
+    # values that no wire drives, then outputs: name of the part, variable, type, start value
+    shown: list[tuple[str, Variable, str, str | None]] = []
+    for owner, name in [*(end for end in values if end not in wired), *plan.outputs]:
+        variable, value = plan.part(owner).variable(name), values.get((owner, name))
         kind, start = typed(variable, value or 0.0)
-        shown[part, name] = ModelVariable(
-            name=f"{part}.{name}",
-            valueReference=number,
-            type=kind,
-            causality=variable.causality,
-            variability=variable.variability,
-            description=variable.description,
-            unit=variable.unit or None,
-            start=None if value is None else start,
-            # unless told, FMPy writes true for every variable; FMI 2.0 allows it for inputs only
-            canHandleMultipleSetPerTimeInstant=False,
-        )
-    return shown
+        shown.append((owner, variable, kind, None if value is None else start))
+    description = {"shown": shown, "units": _units(one[1] for one in shown), "guid": guid, "library": LIBRARY}
 
+    def reference(owner: str, name: str) -> int:
+        part = plan.part(owner)
+        return part.fmu.model.variables.index(part.variable(name))
 
-def _description(plan: Plan, shown: Mapping[tuple[str, str], Any], guid: str) -> Any:
-    unknowns = [Unknown(variable=shown[end]) for end in plan.outputs]
-    units = sorted({variable.unit for variable in shown.values()} - {None})
-    return ModelDescription(
-        fmiVersion="2.0",
-        modelName="container",
-        instantiationToken=guid,
-        description=plan.title,
-        generationTool=f"inertia-module {__version__}",
-        generationDateAndTime=generation_date(),
-        coSimulation=CoSimulation(modelIdentifier=LIBRARY, fixedInternalStepSize=plan.step),
-        defaultExperiment=DefaultExperiment(stopTime=str(plan.stop_time), stepSize=str(plan.step)),
-        unitDefinitions=[Unit(name=name, baseUnit=BaseUnit(**UNITS[name])) for name in units],
-        modelVariables=list(shown.values()),
-        outputs=unknowns,
-        initialUnknowns=unknowns,
-    )
-
-
-def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Files that FMPy writes: the description, and the configuration for the container's library."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        components: dict[str, Any] = {}
-        inner: dict[tuple[str, ...], Any] = {}
-        for part in plan.parts:
-            path = folder / part.fmu.file_name
-            path.write_bytes(fmus[path.name])
-            found = read_model_description(str(path))
-            components[part.name] = Component(part.name, path, found)
-            inner |= {(part.name, variable.name): variable for variable in found.modelVariables}
-
-        def connector(*end: str) -> Any:
-            return ModelVariable(name=end[1], valueReference=inner[end].valueReference, type="Float64")
-
-        connections = [
-            Connection(
-                components[wire.source],
-                [connector(wire.source, wire.output)],
-                components[wire.sink],
-                [connector(wire.sink, wire.input)],
-            )
-            for wire in plan.wires
-        ]
-        shown = _shown(plan)
-        mappings = {variable: [(components[end[0]], inner[end])] for end, variable in shown.items()}
-        guid = guid_of({**fmus, "structure": osp_structure(plan)})
-        description = _description(plan, shown, guid)
-        told, configuration = folder / DESCRIPTION, folder / "container.json"
-        write_model_description(description, told)
-        parts = list(components.values())
-        write_configuration(Configuration(False, description, parts, connections, mappings), configuration)
-        return {
-            DESCRIPTION: told.read_bytes(),
-            f"resources/{configuration.name}": configuration.read_bytes(),
-        }
+    roots = {p.name: ElementTree.fromstring(inside[p.fmu.file_name][DESCRIPTION]) for p in plan.parts}
+    configuration = {
+        **{"plan": plan, "shown": shown, "guid": guid, "version": fmpy.container_fmu.__version__},
+        **{"types": CONTAINED, "reference": reference, "places": {name: n for n, name in enumerate(roots)}},
+        "guids": {name: root.get("guid") for name, root in roots.items()},
+    }
+    return {
+        DESCRIPTION: _filled("container.xml", plan, **description),
+        "resources/container.json": filled(TEMPLATES / "container.json", configuration, json.dumps).encode(),
+    }
 
 
 def _libraries() -> dict[str, bytes]:
@@ -290,12 +228,19 @@ def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
     Values of the parts are its start values, named part.variable; it steps its parts side by side (Jacobi)
     at the step of the plan.
     """
-    files = _texts(plan, fmus) | _libraries()
-    for file_name, content in fmus.items():
-        with zipfile.ZipFile(io.BytesIO(content)) as packed:
-            folder = f"resources/{Path(file_name).stem}"
-            files |= {f"{folder}/{name}": packed.read(name) for name in packed.namelist()}
+    inside = {file_name: _unpacked(content) for file_name, content in fmus.items()}
+    guid = guid_of({**fmus, "structure": osp_structure(plan)})
+    files = _texts(plan, guid, inside) | _libraries()
+    for file_name, content in inside.items():
+        folder = f"resources/{Path(file_name).stem}"
+        files |= {f"{folder}/{name}": file for name, file in content.items()}
     return archive(files)
+
+
+def _unpacked(fmu: bytes) -> dict[str, bytes]:
+    """Files of an FMU by name."""
+    with zipfile.ZipFile(io.BytesIO(fmu)) as packed:
+        return {name: packed.read(name) for name in packed.namelist()}
 
 
 def with_integers(fmu: bytes) -> bytes:
@@ -306,8 +251,7 @@ def with_integers(fmu: bytes) -> bytes:
     Args:
         fmu: content of the file.
     """
-    with zipfile.ZipFile(io.BytesIO(fmu)) as packed:
-        content = {name: packed.read(name) for name in packed.namelist()}
+    content = _unpacked(fmu)
     root = ElementTree.fromstring(content[DESCRIPTION])
     for element in root.iterfind("ModelVariables/ScalarVariable/Enumeration"):
         element.tag = "Integer"

@@ -16,7 +16,7 @@ from typing import Any
 from ..common.terminal import Progress
 from ..contract.variables import ENUMERATIONS, VARIABLES
 from ..harness import results
-from ..kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID, TIMESTEPPING
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
@@ -79,15 +79,13 @@ _FEW_TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9)
 _FEW_STEPS = (1e-2, 1e-3, 1e-4)
 
 
-def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iterator[Level]:
-    """Yield the levels to measure, from coarse to fine.
+def all_levels(elastic: bool, few: bool = False) -> Iterator[Level]:
+    """Yield the levels to measure, from coarse to fine, without prescribed motion.
 
     Args:
-        elastic: there are parameters of an elastic output. kinematic: that one too.
+        elastic: there are parameters of an elastic output.
         few: fewer tolerances and steps, for long scenes.
     """
-    if kinematic:
-        yield Level(KINEMATIC, EVENT, "prescribed ratio")
     yield Level(AVERAGED, EVENT, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
         for step in _FEW_STEPS if few else STEPS:
@@ -101,7 +99,6 @@ def all_levels(elastic: bool, kinematic: bool = True, few: bool = False) -> Iter
 _HEADS = ("fidelity", "method", "setting", "communication_step [s]")
 _COSTS = {
     "wall_time_per_second [s]": "wall_time",
-    "loop_time_per_second [s]": "loop_time",
     "rhs_evaluations": "evaluations",
     "contact_switches": "switches",
 }
@@ -120,7 +117,6 @@ class Row:
         communication_step: s. errors: by name, NaN where nothing is known.
         wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
         switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
-        loop_time: s per simulated second of the module with what is around it, NaN where there is nothing.
     """
 
     fidelity: str
@@ -132,7 +128,6 @@ class Row:
     evaluations: float = math.nan
     switches: float = math.nan
     failure: str = ""
-    loop_time: float = math.nan
 
     @property
     def level(self) -> str:

@@ -117,12 +117,11 @@ class SceneRun(NamedTuple):
 
     Attributes:
         record: all variables of the module and all signals of the loop at each communication point.
-        module_time, loop_time: s per simulated second, of the kernel alone and of the whole loop.
+        module_time: of the kernel, s per simulated second.
     """
 
     record: Result
     module_time: float
-    loop_time: float
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
@@ -138,14 +137,12 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     plant = Module().start(**values, **inputs)
     begin = plant.save()
     loop = ClosedLoop(plant, scene.surroundings, COMPUTED, scene.signal_units)
-    began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
-    loop_time, duration = time.perf_counter() - began, scene.run.stop_time
     # the signals of a row are held over the step it begins, the other inputs over the run
     held = [record[name] if name in record else np.full(len(record), plant[name]) for name in PLANT_INPUTS]
     steps = np.transpose(held)[:-1].tolist()
     spent = kernel_time(plant, begin, steps, scene.run.communication_step)
-    return SceneRun(record, spent / duration, loop_time / duration)
+    return SceneRun(record, spent / scene.run.stop_time)
 
 
 # --- errors over windows of time ---
@@ -242,7 +239,6 @@ def measure_scene(
             return {
                 "errors": window_errors(found.record, reference, scene.accuracy.window, level.fidelity),
                 "wall_time": found.module_time,
-                "loop_time": found.loop_time,
                 "evaluations": last["rhs_evaluations"],
                 "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
             }
@@ -275,7 +271,7 @@ def measurement_file(scene: Scene) -> Path:
 
 def candidates(scene: Scene) -> list[Level]:
     """List the levels that are tried for a scene."""
-    return list(all_levels(is_elastic(scene.given), kinematic=False, few=True))
+    return list(all_levels(is_elastic(scene.given), few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
@@ -401,7 +397,7 @@ def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """
     longer = (factor * scene.run.communication_step for factor in _LONGER)
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
-    levels = list(all_levels(is_elastic(scene.given), kinematic=False))
+    levels = list(all_levels(is_elastic(scene.given)))
     return measure_scene(scene, levels, steps, progress)
 
 

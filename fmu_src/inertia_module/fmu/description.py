@@ -21,10 +21,7 @@ from .archive import TEMPLATES, filled_xml
 
 # names of types in FMI 3.0, where they are others
 TYPES_3 = {REAL: "Float64", INTEGER: "Int32"}
-TIME = Variable(
-    *("time", "", REAL, "independent", "continuous", "s", None, None, None),
-    "time since the start of the run",
-)
+TIME = Variable("time", "", "s", "time since the start of the run", causality="independent")
 # who gives the value at the start; that of inputs and of the time the host
 INITIAL = {PARAMETER: "exact", OUTPUT: "calculated", LOCAL: "calculated"}
 # icon of a flange of FMI 3.0; in the icon that docs/make_icons.py draws: height of the central axis, half a

@@ -80,7 +80,7 @@ def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
         target: for which platform, {} unless it is Windows. library: name of its file.
         title: what it is, for people.
     """
-    if not target.import_machine:
+    if target.system != "windows":
         return {}
     texts = {
         **{"FileDescription": title, "FileVersion": __version__, "InternalName": Path(library).stem},

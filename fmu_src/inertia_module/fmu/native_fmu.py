@@ -11,7 +11,6 @@ from typing import NamedTuple
 from ..common.files import content_hash, kept, sources
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import tool_versions
-from ..compiling.linking import compiler
 from ..compiling.linking import made_from as machine_code_made_from
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
@@ -42,8 +41,7 @@ def guid(fmu: NativeFmu) -> str:
     Raises:
         CompilationUnavailable: the tools are not installed.
     """
-    compiler()
-    made_from = machine_code_made_from(fmu.model) | tool_versions("ziglang")
+    made_from = tool_versions("ziglang") | machine_code_made_from(fmu.model)
     made_from |= sources("fmu/*.py", "fmu/shell/*", "compiling/*.c")
     made_from |= sources("compiling/targets.py")
     made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{fmu.fmi}*.h")}

@@ -30,7 +30,7 @@ _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
 HEAD_SIZE = 17
 # a step may end past the stop time by this share of it, or of a second, as in shell/stepping.c
 NEAR_STOP = 1e-5
-_UNKNOWN = Variable("unknown", "", "", "", "", "", None, None, None, "")
+_UNKNOWN = Variable("unknown", "", "", "", kind="")
 
 
 class PythonSlave(Fmi2Slave):  # type: ignore[misc]
@@ -47,12 +47,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._stop_time = math.inf
         # in initialization mode: whether the outputs follow from the values set
         self._calculated = False
-        instance = self._instance
-        arrays = {INPUT: instance.inputs, PARAMETER: instance.parameters}
         # value reference -> numbers of its record, and place there
         self._places: list[tuple[Any, int]] = [
-            (arrays.get(variable.causality, instance.outputs).numbers, instance.model.place(variable.name))
-            for variable in self._variables
+            (self._instance.record(one.name).numbers, self._instance.model.place(one.name))
+            for one in self._variables
         ]
         self._reals = {
             reference: place
@@ -166,7 +164,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             if status == codes.BAD_STEP and not math.isfinite(current_time):
                 message = must_be("communication point", "a finite number of seconds", current_time)
             else:
-                message = instance.model.explain(status, instance.parameters, instance.inputs, step_size)
+                message = instance.explain(status, step_size)
             self._say(message, Fmi2Status.discard)
         except Exception as error:
             self._refuse(f"internal error: {type(error).__name__}: {error}")

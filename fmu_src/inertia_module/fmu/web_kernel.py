@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 from ..common.files import content_hash, kept, sources
 from ..compiling.ir import tool_versions
-from ..compiling.linking import compiler, made_from, object_file, run_tool
+from ..compiling.linking import made_from, object_file, run_tool
 from ..compiling.targets import Target
 from ..contract.models import Model
 from .linking import Progress
 
 # any browser since 2021 knows what a "generic" processor may
-BROWSERS = Target("", ".wasm", "wasm32-unknown-wasi", "generic", "wasm32-wasi")
+BROWSERS = Target("", "wasm32-unknown-wasi", "generic", "wasm32-wasi")
 # bytes, of which the deepest calls of the kernel take 800
 STACK = 1 << 16
 # bytes: two hundred instances at once
@@ -41,8 +41,7 @@ def web_kernel(kernel: WebKernel, progress: Progress = lambda stage: None) -> by
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    compiler()
-    depends_on = made_from(kernel.model) | tool_versions("ziglang") | sources("fmu/web_kernel.py")
+    depends_on = tool_versions("ziglang") | made_from(kernel.model) | sources("fmu/web_kernel.py")
 
     def linked() -> bytes:
         progress(f"compiling {kernel.identifier} for browsers")

@@ -57,7 +57,6 @@ TRIES = 5
 ANGLES = 3000
 # of the load on the mount in the time that the drive takes for a turn where link 2 is held
 SAMPLES = 60
-_FORCE, _MOMENT = ([f"shaking_{kind}_{axis}" for axis in "xyz"] for kind in ("force", "moment"))
 
 
 class SteadyPulses(NamedTuple):
@@ -78,17 +77,6 @@ class SteadyPulses(NamedTuple):
     ripple: float
     peak: float
     bearing_force: float
-
-
-class MountLoad(NamedTuple):
-    """The largest load on the mount.
-
-    Attributes:
-        force: N. moment: about the origin, N m.
-    """
-
-    force: float
-    moment: float
 
 
 class SteadyMachine:
@@ -199,21 +187,21 @@ class SteadyMachine:
         braked = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]
         return braked, math.copysign(1.0, omega1) * module["input_torque_mean"]
 
-    def mount(self, omega1: float, ratio: float) -> MountLoad:
+    def mount(self, load: str, omega1: float, ratio: float) -> float:
         """Find the largest load on the mount, of SAMPLES a turn of the drive.
 
-        Args: as in at.
+        Args:
+            load: "force", N, or "moment" about the origin, N m. omega1, ratio: as in at.
         """
         module = self._started(omega1, ratio * abs(omega1))
         turn = math.tau / (self._derived.k * abs(omega1))
-        forces, moments = [], []
+        parts, found = [f"shaking_{load}_{axis}" for axis in "xyz"], []
         # over the first turns what the start at rest leaves behind goes
         for n in range(2 * self._turns * SAMPLES):
             module.advance(turn / SAMPLES)
             if n >= self._turns * SAMPLES:
-                forces.append(math.hypot(*module.read(_FORCE)))
-                moments.append(math.hypot(*module.read(_MOMENT)))
-        return MountLoad(max(forces), max(moments))
+                found.append(math.hypot(*module.read(parts)))
+        return max(found)
 
     def lock_up_torque(self, omega1: float) -> float:
         """Find the largest torque on the load at which the drive can stand still in link 1, N m; stick apart.

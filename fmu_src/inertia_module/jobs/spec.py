@@ -122,8 +122,8 @@ NAMED = {
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
-    "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount(w, i).force),
-    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount(w, i).moment),
+    "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount("force", w, i)),
+    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount("moment", w, i)),
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
     "total_imbalance_mass": Named("kg", (), lambda m, w, i: m.total_imbalance_mass),
 }

@@ -35,8 +35,8 @@ def time_later(time, low, passed):
 
 
 def copy(target, source):
-    """Copy all numbers of one array to another as long."""
-    for n in range(len(source)):
+    """Fill an array with the numbers of another, at least as long."""
+    for n in range(len(target)):
         target[n] = source[n]
 
 

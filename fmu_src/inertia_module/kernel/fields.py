@@ -204,7 +204,7 @@ WORKSPACE = (
 
 
 def workspace(outputs, map_key):
-    """Fields of w; outputs: fields of y, map_key: see constants.
+    """Fields of w; outputs: fields of y that have rates, which come first in it, map_key: see constants.
 
     In held are the constants of the mechanism that a map is made of.
     """

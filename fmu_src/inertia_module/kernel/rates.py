@@ -61,15 +61,12 @@ def write_rates(p, d, u, x, y, w):
             return status
         if x.switches == w.kept.switches:
             break
-    for n in range(len(y.numbers)):
+    rated = len(w.outputs_0.numbers)
+    for n in range(rated):
         begin = w.outputs_0.numbers[n]
         y.numbers[n] = ((w.outputs_1.numbers[n] - begin) * 4.0 - (y.numbers[n] - begin)) / (2.0 * h)
-    y.input_torque_mean = 0.0
-    y.output_torque_mean = 0.0
-    y.mesh_torque_mean = 0.0
-    y.housing_torque_mean = 0.0
-    y.loss_power_mean = 0.0
-    y.satellite_force_peak = 0.0
+    for n in range(rated, len(y.numbers)):
+        y.numbers[n] = 0.0
     # the angle may just have come around, and after many turns its difference is rounding
     y.output_angle = w.outputs_0.omega_out
     y.output_turns = 0.0

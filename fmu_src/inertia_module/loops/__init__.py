@@ -1,49 +1,21 @@
 """Surroundings of an FMU, stepped together with it.
 
 Loads, controllers and sources are systems of python-control, which closed_loop.py connects. An engine is
-coupled to the module by coupled.py; docs/coupling.md tells what its schemes are worth.
+coupled to the module by engine.py; docs/coupling.md tells what its schemes are worth. Each file says what
+is public of it.
 """
 
-from .closed_loop import ClosedLoop, connect, initial_inputs
-from .controllers import driver_brake, pi_speed_controller
-from .coupled import (
-    SCHEMES,
-    CoupledEngine,
-    EnginePlant,
-    InterfaceInertia,
-    Ledger,
-    Scheme,
-    TorqueDrivenEngine,
-    interface_inertia,
-    torque_driven,
-)
-from .engine import Engine, EngineMap, EngineState, Governor
-from .loads import Coupling, Load, shaft_load, vehicle_load
-from .sources import Table, source
+from . import closed_loop, controllers, engine, loads, sources
+from .closed_loop import *
+from .controllers import *
+from .engine import *
+from .loads import *
+from .sources import *
 
-__all__ = [
-    "SCHEMES",
-    "ClosedLoop",
-    "CoupledEngine",
-    "Coupling",
-    "Engine",
-    "EngineMap",
-    "EnginePlant",
-    "EngineState",
-    "Governor",
-    "InterfaceInertia",
-    "Ledger",
-    "Load",
-    "Scheme",
-    "Table",
-    "TorqueDrivenEngine",
-    "connect",
-    "driver_brake",
-    "initial_inputs",
-    "interface_inertia",
-    "pi_speed_controller",
-    "shaft_load",
-    "source",
-    "torque_driven",
-    "vehicle_load",
+__all__ = [  # noqa: PLE0604
+    *closed_loop.__all__,
+    *controllers.__all__,
+    *engine.__all__,
+    *loads.__all__,
+    *sources.__all__,
 ]

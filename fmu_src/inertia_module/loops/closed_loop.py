@@ -13,6 +13,8 @@ from ..harness.fmu import as_names
 from ..harness.simulate import Plant, Result, whole_steps
 from .sources import Signal, Sources
 
+__all__ = ["ClosedLoop", "connect", "initial_inputs"]
+
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200
 

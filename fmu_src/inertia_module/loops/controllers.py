@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from .engine import Governor
+from .sources import sampled
+
+__all__ = ["driver_brake", "pi_speed_controller"]
 
 
 def pi_speed_controller(
@@ -36,25 +39,16 @@ def pi_speed_controller(
     Raises:
         ValueError: a gain is negative or not finite, or the limits are not in order.
     """
-    import control as ct
-
     governor = Governor(proportional_gain, integral_gain, step)
     low, high = limits
     if not low < high:
         raise ValueError(f"limits must be a lower and a higher one, are {low:g} and {high:g}")
 
-    def sample(x: Any, u: Any) -> tuple[float, float]:
-        return governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
+    def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
+        commanded, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
+        return [commanded], [integral]
 
-    return ct.nlsys(
-        lambda _, x, u, __: sample(x, u)[1:],
-        lambda _, x, u, __: sample(x, u)[:1],
-        inputs=["reference", measured],
-        outputs=[command],
-        states=["integral"],
-        dt=step,
-        name="pi_speed_controller",
-    )
+    return sampled("pi_speed_controller", step, ["reference", measured], [command], law, ["integral"])
 
 
 def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0) -> Any:
@@ -68,16 +62,8 @@ def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0)
         A static discrete-time control.NonlinearIOSystem with inputs reference and vehicle_speed, m/s,
         and output brake_force, N.
     """
-    import control as ct
 
-    def output(_: float, __: Any, u: Any, ___: Any) -> list[float]:
-        return [min(max(gain * (u[1] - u[0] - margin), 0.0), greatest)]
+    def law(_: float, __: Any, u: Any) -> tuple[list[float], tuple[()]]:
+        return [min(max(gain * (u[1] - u[0] - margin), 0.0), greatest)], ()
 
-    return ct.nlsys(
-        None,
-        output,
-        inputs=["reference", "vehicle_speed"],
-        outputs=["brake_force"],
-        dt=step,
-        name="driver_brake",
-    )
+    return sampled("driver_brake", step, ["reference", "vehicle_speed"], ["brake_force"], law)

@@ -1,19 +1,52 @@
-"""An engine or motor: rotor with inertia, limits of torque over speed, and a sampled speed governor.
+"""An engine or motor, alone and in front of a module.
+
+The engine is a rotor with inertia, limits of torque over speed, and a sampled speed governor:
 
     J_E omega' = tau - T        -drag(omega) <= tau <= greatest(omega)
 
 The governor is a control unit: it samples the speed, sets tau and holds it until the next sample. So between
 samples omega is linear under a constant load T, and a step of any length is exact, works and impulses
 included.
+
+In front of a module it is a plant whose omega1 is the speed asked for: coupled through its speed
+(CoupledEngine), its rotor is its own, its speed goes to the module, the mean torque of each step comes back;
+or through its torque (TorqueDrivenEngine), its rotor is in the module, whose speed comes back. The ledger of
+either counts the energy lost between both.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
+
+from ..harness.fmu import Fmu, FmuError
+from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
+from ..kernel.links import inertia_at_input
+from ..memory import Module
+
+__all__ = [
+    "SCHEMES",
+    "CoupledEngine",
+    "Engine",
+    "EngineMap",
+    "EnginePlant",
+    "EngineState",
+    "Governor",
+    "InterfaceInertia",
+    "Ledger",
+    "Scheme",
+    "TorqueDrivenEngine",
+    "interface_inertia",
+    "torque_driven",
+]
+
+# --- the engine ---
 
 # of a sample time: the end of a step this close to a sample is at the sample
 _ROUNDING = 1e-9
@@ -224,3 +257,350 @@ class Engine:
             )
             if left <= _ROUNDING * min(sample_time, step):
                 return state
+
+
+# --- in front of a module ---
+
+# a step has no need to be made again where the speeds at its end agree to this, relative
+_AGREEMENT = 1e-11
+# least inertia that a directional derivative may give, in engine inertias
+_LEAST_SLOPE = -0.5
+# variables of a module driven by torque that the engine goes on with
+_ANSWERS = ("input_speed", "input_angle", "input_turns", "energy_in")
+# angles of the drive at which the interface inertia is computed, for each turn in a period of the motion
+_POINTS_A_TURN = 180
+
+
+@dataclass
+class Ledger:
+    """Sums over a run.
+
+    Attributes:
+        time: s. steps: communication steps. fmu_steps: steps of the FMU, those taken back included.
+        derivatives: directional derivatives asked for.
+        defect: energy lost on the bond, J: what the engine has done less what the module has got; each side
+            is exact for what it was given. defect_magnitude: sum of |defect| of the steps, J.
+    """
+
+    time: float = 0.0
+    steps: int = 0
+    fmu_steps: int = 0
+    derivatives: int = 0
+    defect: float = 0.0
+    defect_magnitude: float = 0.0
+
+    @property
+    def cost(self) -> int:
+        """Cost in steps of the FMU; a directional derivative takes two, those of outputs are not counted."""
+        return self.fmu_steps + 2 * self.derivatives
+
+
+class EnginePlant(ABC):
+    """An engine in front of a module, seen from outside.
+
+    Args:
+        fmu: a started FMU of the module with omega1 = speed of the engine.
+        engine: in front of it. drive: what the module has to be driven by.
+        substeps: equal communication steps between engine and module in each step of the plant.
+
+    Attributes:
+        ledger: sums over the run.
+
+    Raises:
+        ValueError: no substeps, another drive, or speeds that differ.
+    """
+
+    def __init__(self, fmu: Fmu, engine: Engine, drive: int, substeps: int) -> None:
+        if substeps < 1:
+            raise ValueError(f"substeps must be a whole number from 1, is {substeps}")
+        given, speed = fmu.read(("drive", "input_speed"))
+        if given != drive:
+            asked, other = ("speed", "torque") if drive == DRIVE_SPEED else ("torque", "speed")
+            raise ValueError(f"drive of the FMU must be {asked} for {type(self).__name__}, is {other}")
+        if abs(speed - engine.speed) > 1e-9 * max(1.0, abs(speed)):
+            raise ValueError(f"omega1 of the FMU must be the engine's {engine.speed:g} rad/s, is {speed:g}")
+        self.fmu, self.engine, self.substeps = fmu, engine, substeps
+        self.ledger = Ledger()
+
+    @property
+    @abstractmethod
+    def energy_stored(self) -> float:
+        """Kinetic energy of engine and module together, J."""
+
+    @abstractmethod
+    def _exchange(self, h: float) -> tuple[float, float]:
+        """Advance both by a step, s: work of the engine and on the module, J; what raises leaves both."""
+
+    def set(self, **values: float) -> None:
+        """Set inputs of the FMU by name; omega1 is the speed the governor is asked for.
+
+        Raises:
+            ValueError: drive_torque, which the engine gives.
+        """
+        if "drive_torque" in values:
+            raise ValueError(
+                f"drive_torque = {values['drive_torque']:g} N.m cannot be set, the engine gives it;"
+                " set omega1, the speed its governor is asked for"
+            )
+        if "omega1" in values:
+            self.engine.reference = values.pop("omega1")
+        self.fmu.set(**values)
+
+    def advance(self, step: float) -> None:
+        """Advance engine and module by a step, s, in substeps.
+
+        Raises:
+            FmuError: the FMU refused a substep; both are where they were before it, and a good one goes on.
+        """
+        h, ledger = step / self.substeps, self.ledger
+        for _ in range(self.substeps):
+            given, got = self._exchange(h)
+            ledger.time += h
+            ledger.steps += 1
+            ledger.defect += given - got
+            ledger.defect_magnitude += abs(given - got)
+
+    def read(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Values by name: variables of the FMU, and engine_speed, engine_torque, engine_angle (SI units),
+        engine_work_in, engine_work_out, engine_energy and bond_defect, J.
+        """
+        state = self.engine.state
+        own = {
+            "engine_speed": state.speed,
+            "engine_torque": state.torque,
+            "engine_angle": state.angle,
+            "engine_work_in": state.work_in,
+            "engine_work_out": state.work_out,
+            "engine_energy": self.engine.energy_stored,
+            "bond_defect": self.ledger.defect,
+        }
+        others = iter(self.fmu.read([name for name in names if name not in own]))
+        return tuple(own[name] if name in own else next(others) for name in names)
+
+
+class InterfaceInertia(NamedTuple):
+    """Interface inertia over the angle of the drive, kg.m2."""
+
+    least: float
+    mean: float
+    greatest: float
+
+    @property
+    def middle(self) -> float:
+        """Midway between the least and the greatest."""
+        return 0.5 * (self.least + self.greatest)
+
+
+def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
+    """The interface inertia of a module: what its input shaft feels when its speed changes suddenly.
+
+    With link 2 held, omega1 turns everything: Phi = J1 + I + 2 k B + k^2 G. Where link 2 is free to follow,
+    or drives the shaft, less of it answers a jump: Phi - k^2 (B + k G)^2 / (J + k^2 G), with J = J2 or
+    J2 + J3. So Phi is the most an engine can meet.
+
+    Args:
+        parameters: those that differ from the defaults.
+
+    Raises:
+        Refused: the module refuses the parameters.
+    """
+    module = Module("plain")
+    module.check(**{**parameters, "fidelity": 2.0})
+    turns = int(module.derived.period_turns)
+    angles = np.linspace(0.0, 2.0 * math.pi * turns, _POINTS_A_TURN * turns, endpoint=False)
+    values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
+    return InterfaceInertia(min(values), sum(values) / len(values), max(values))
+
+
+class Scheme(StrEnum):
+    """A scheme of coupling: who goes first, and what corrects the step.
+
+    JACOBI: both step with what was known at the communication point; the module at a held speed.
+    MODULE_FIRST: the engine has the torque of the same step; the module at a held speed.
+    INERTIA: the module first, along the speed extrapolated; the engine takes the interface inertia into
+        account for what its own acceleration changes in the torque.
+    IMPLICIT: the step is tried, taken back and made again along the speed that the module's directional
+        derivative says the engine will have.
+    """
+
+    JACOBI = "mean jacobi held"
+    MODULE_FIRST = "mean module first held"
+    INERTIA = "inertia module first ramp"
+    IMPLICIT = "implicit ramp"
+
+
+# by name
+SCHEMES = {scheme.value: scheme for scheme in Scheme}
+
+
+class _Answer(NamedTuple):
+    """Result of a step of the module: mean torque, N.m, energy_in, J, its last speed, rad/s, its acceleration
+    with the jump at the beginning, rad/s2.
+    """
+
+    torque: float
+    energy: float
+    speed: float
+    acceleration: float
+
+    def with_inertia(self, inertia: float, acceleration: float | None = None) -> LoadTorque:
+        """Load of the engine: the torque, less what the acceleration took, plus what the engine's takes."""
+        own = self.acceleration if acceleration is None else acceleration
+        return LoadTorque(self.torque - inertia * own, inertia)
+
+
+class CoupledEngine(EnginePlant):
+    """An engine with a rotor of its own in front of a module; from outside its omega1 is the speed asked for.
+
+    What is left between the speeds of engine and module at a communication point is made up for by a jump at
+    the beginning of the module's next step, whose impulse is in the next step mean.
+
+    Args:
+        fmu: at its start; drive is speed and input_hold constant; a native one for INERTIA and IMPLICIT.
+        engine: at its start.
+        substeps: as of EnginePlant.
+        scheme: of coupling.
+        inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
+
+    Raises:
+        ValueError: as EnginePlant, no inertia for INERTIA, or another input_hold.
+    """
+
+    def __init__(
+        self,
+        fmu: Fmu,
+        engine: Engine,
+        scheme: Scheme,
+        inertia: float | None = None,
+        substeps: int = 1,
+    ) -> None:
+        super().__init__(fmu, engine, DRIVE_SPEED, substeps)
+        if scheme == Scheme.INERTIA and (inertia is None or not inertia > 0.0):
+            raise ValueError(f"inertia must be a positive interface inertia, kg.m2, is {inertia}")
+        if fmu["input_hold"] != 0.0:
+            raise ValueError("input_hold must be constant, is linear: the scheme gives the derivative")
+        self.scheme = scheme
+        # interface inertia: given, or that an implicit step found last
+        self._inertia = inertia if scheme == Scheme.INERTIA and inertia is not None else 0.0
+        self._last = _Answer(fmu["input_torque"], fmu["energy_in"], engine.speed, 0.0)
+        self._acceleration = 0.0  # of the engine in its last step, mean
+
+    @property
+    def energy_stored(self) -> float:
+        """Kinetic energy of engine and module together, J."""
+        return self.engine.energy_stored + self.fmu["energy_stored"]
+
+    def _exchange(self, h: float) -> tuple[float, float]:
+        before, last = self.engine.state, self._last
+        if self.scheme == Scheme.IMPLICIT:
+            after, answer = self._implicit(h)
+        else:
+            ramped = self.scheme == Scheme.INERTIA
+            answer = self._move_module(h, self._acceleration if ramped else None)
+            torque = last.torque if self.scheme == Scheme.JACOBI else answer.torque
+            load = answer.with_inertia(self._inertia) if ramped else LoadTorque(torque)
+            after = self.engine.after(h, load)
+        self.engine.state, self._last = after, answer
+        self._acceleration = (after.speed - before.speed) / h
+        return after.work_out - before.work_out, answer.energy - last.energy
+
+    def _move_module(self, h: float, rate: float | None) -> _Answer:
+        """Step the module from the engine's speed on, which is held or goes on with a rate."""
+        self.fmu.set(omega1=self.engine.speed)
+        if rate is not None:
+            self.fmu.set_rates(omega1=rate)
+        self.fmu.advance(h)
+        self.ledger.fmu_steps += 1
+        end = self.engine.speed + (rate or 0.0) * h
+        torque, energy = self.fmu.read(("input_torque_mean", "energy_in"))
+        return _Answer(torque, energy, end, (end - self._last.speed) / h)
+
+    def _implicit(self, h: float) -> tuple[EngineState, _Answer]:
+        """Try the step, take it back and make it again."""
+        engine, kept = self.engine, self.fmu.get_state()
+        try:
+            first = engine.after(h, self._last.with_inertia(self._inertia)).speed
+            rate = (first - engine.speed) / h
+            tried = answer = self._move_module(h, rate)
+            (slope,) = self.fmu.jacobian(("input_torque_mean",), ("omega1",))[0]
+            self.ledger.derivatives += 1
+            least = _LEAST_SLOPE * engine.inertia
+            inertia = max(slope * h, least)
+            wanted = engine.after(h, tried.with_inertia(inertia, rate)).speed
+            if abs(wanted - first) > _AGREEMENT * abs(wanted):
+                self.fmu.set_state(kept)
+                answer = self._move_module(h, (wanted - engine.speed) / h)
+                # the secant is what the next step is tried with
+                inertia = max((answer.torque - tried.torque) / (wanted - first) * h, least)
+        except FmuError:
+            self.fmu.set_state(kept)
+            raise
+        finally:
+            self.fmu.free_state(kept)
+        self._inertia = inertia
+        return engine.after(h, LoadTorque(answer.torque)), answer
+
+
+def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, float]:
+    """Parameters of a module that is driven by torque and carries the rotor of its engine.
+
+    Args:
+        parameters: of the module, those that differ from the defaults. inertia: of the engine, kg.m2.
+    """
+    own = parameters.get("input_inertia", 0.0)
+    return {**parameters, "drive": float(DRIVE_TORQUE), "input_inertia": own + inertia}
+
+
+class TorqueDrivenEngine(EnginePlant):
+    """An engine in front of a module driven by torque; from outside its omega1 is the speed asked for.
+
+    The speed of link 1 is a state of the FMU, whose input_inertia carries the rotor of the engine too; left
+    of the engine are its map and its sampled governor, which see input_speed at communication points. Between
+    two samples the torque is constant, so with steps that end at every sample the two do exactly what one
+    piece would do, whatever the inertia. In a longer step the governor takes the samples that are due with
+    the speed at its beginning, and the module gets the mean of the torques: no energy is lost by that.
+
+    Args:
+        fmu: at its start; the inertia of the engine is in its input_inertia (see torque_driven). Of the
+            readings, engine_work_out is all that the torque has done (the rotor takes none of it), and
+            engine_energy, the rotor's, is a part of energy_stored of the FMU.
+        engine: at its start.
+        substeps: as of EnginePlant.
+
+    Raises:
+        ValueError: as EnginePlant, or a module that cannot carry the rotor.
+    """
+
+    def __init__(self, fmu: Fmu, engine: Engine, substeps: int = 1) -> None:
+        super().__init__(fmu, engine, DRIVE_TORQUE, substeps)
+        inertia = fmu["input_inertia"]
+        if inertia < engine.inertia * (1.0 - 1e-9):
+            raise ValueError(
+                f"input_inertia of the FMU must be at least {engine.inertia:g} kg.m2, for it carries the"
+                f" engine's rotor too, is {inertia:g}"
+            )
+        self._last = fmu.read(_ANSWERS)
+
+    @property
+    def energy_stored(self) -> float:
+        """Kinetic energy of engine and module together, J."""
+        return self.fmu["energy_stored"]
+
+    def _exchange(self, h: float) -> tuple[float, float]:
+        before, after = self.engine.state, self.engine.after(h, None)
+        torque = (after.impulse_out - before.impulse_out) / h
+        self.fmu.set(drive_torque=torque)
+        self.fmu.advance(h)
+        self.ledger.fmu_steps += 1
+        speed, angle, turns, energy = answers = self.fmu.read(_ANSWERS)
+        _, last_angle, last_turns, last_energy = self._last
+        turned = (angle - last_angle) + 2.0 * math.pi * (turns - last_turns)
+        work = torque * turned
+        self._last = answers
+        self.engine.state = after._replace(
+            speed=speed,
+            angle=before.angle + turned,
+            work_in=before.work_in + work,
+            work_out=before.work_out + work,
+        )
+        return work, energy - last_energy

@@ -13,11 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .sources import Signal, evaluate
+from .sources import Signal, evaluate, sampled
+
+__all__ = ["Coupling", "Load", "shaft_load", "vehicle_load"]
 
 Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = 9.80665
+# states of a load behind a coupling, referred to the output shaft
+COUPLED = ("twist", "speed", "angle")
 
 
 class Coupling(NamedTuple):
@@ -140,34 +144,19 @@ def shaft_load(
     Returns:
         Load with output load_torque, and with a coupling also load_speed, rad/s.
     """
-    import control as ct
-
     if coupling is None:
 
-        def rigid(time: float, _: Any, u: Any, __: Any) -> list[float]:
-            return [viscous_friction * u[0] + evaluate(torque, time)]
+        def rigid(time: float, _: Any, u: Any) -> tuple[list[float], tuple[()]]:
+            return [viscous_friction * u[0] + evaluate(torque, time)], ()
 
-        system = ct.nlsys(
-            None, rigid, inputs=["omega_out"], outputs=["load_torque"], dt=step, name="shaft_load"
-        )
+        system = sampled("shaft_load", step, ["omega_out"], ["load_torque"], rigid)
         return Load(system, inertia, friction=viscous_friction)
     a, b = sample_coupled(inertia, coupling, viscous_friction, step)
 
-    def update(time: float, x: Any, u: Any, _: Any) -> Any:
-        return a @ x + b @ [u[0], evaluate(torque, time)]
+    def law(time: float, x: Any, u: Any) -> tuple[list[float], Any]:
+        return [coupling.torque(x[0], u[0] - x[1]), x[1]], a @ x + b @ [u[0], evaluate(torque, time)]
 
-    def output(_: float, x: Any, u: Any, __: Any) -> list[float]:
-        return [coupling.torque(x[0], u[0] - x[1]), x[1]]
-
-    system = ct.nlsys(
-        update,
-        output,
-        inputs=["omega_out"],
-        outputs=["load_torque", "load_speed"],
-        states=["twist", "speed", "angle"],
-        dt=step,
-        name="shaft_load",
-    )
+    system = sampled("shaft_load", step, ["omega_out"], ["load_torque", "load_speed"], law, COUPLED)
     return Load(system, inertia, coupling, viscous_friction)
 
 
@@ -232,8 +221,6 @@ def vehicle_load(
         torques drag_torque, slope_torque, rolling_torque, brake_torque that act on the vehicle, N.m at
         the output shaft.
     """
-    import control as ct
-
     radius = wheel_radius / final_drive  # m of way per rad of the output shaft
     inertia = mass * radius * radius
     weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
@@ -249,13 +236,9 @@ def vehicle_load(
         )
 
     if coupling is None:
-        states = ["distance"]
         a, b = sample([[0.0]], [[radius]], step)
 
-        def update(_: float, x: Any, u: Any, __: Any) -> Any:
-            return a @ x + b @ u[:1]
-
-        def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
+        def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
             speed = radius * u[0]
             drag, climb, rolling, brake = road(speed, x[0], u[1])
             friction = rolling + brake
@@ -263,32 +246,20 @@ def vehicle_load(
                 # the drive's part of the free speed is not known here: it shows in the next step
                 effect = step / inertia
                 friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
-            return drag + climb + friction, u[0], speed, x[0], drag, climb, *_shared(friction, rolling, brake)
+            parts = drag, climb, *_shared(friction, rolling, brake)
+            return (drag + climb + friction, u[0], speed, x[0], *parts), a @ x + b @ u[:1]
 
     else:
-        states = ["twist", "speed", "angle"]  # referred to the output shaft
         a, b = sample_coupled(inertia, coupling, 0.0, step)
 
-        def resistances(x: Any, u: Any) -> tuple[float, ...]:
+        def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
             drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
             free = a @ x + b @ [u[0], drag + climb]
             friction = dry_friction(free[1], -b[1, 1], rolling + brake)
-            return drag, climb, *_shared(friction, rolling, brake)
-
-        def update(_: float, x: Any, u: Any, __: Any) -> Any:
-            return a @ x + b @ [u[0], sum(resistances(x, u))]
-
-        def output(_: float, x: Any, u: Any, __: Any) -> tuple[float, ...]:
+            parts = drag, climb, *_shared(friction, rolling, brake)
             torque = coupling.torque(x[0], u[0] - x[1])
-            return torque, x[1], radius * x[1], radius * x[2], *resistances(x, u)
+            return (torque, x[1], radius * x[1], radius * x[2], *parts), a @ x + b @ [u[0], sum(parts)]
 
-    system = ct.nlsys(
-        update,
-        output,
-        inputs=["omega_out", "brake_force"],
-        outputs=_VEHICLE_OUTPUTS,
-        states=states,
-        dt=step,
-        name="vehicle_load",
-    )
-    return Load(system, inertia, coupling)
+    states = ("distance",) if coupling is None else COUPLED
+    inputs = ["omega_out", "brake_force"]
+    return Load(sampled("vehicle_load", step, inputs, _VEHICLE_OUTPUTS, law, states), inertia, coupling)

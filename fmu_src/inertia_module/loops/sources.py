@@ -1,12 +1,14 @@
-"""Signals given over time: constants and tables, as surroundings without input."""
+"""Signals given over time: constants and tables, as surroundings without input; other surroundings."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Table", "source"]
 
 
 class Table:
@@ -49,10 +51,37 @@ def evaluate(signal: Signal, point: float) -> float:
     return signal(point) if isinstance(signal, Table) else signal
 
 
+def sampled(
+    name: str,
+    step: float,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    law: Callable[[float, Any, Any], tuple[Any, Any]],
+    states: Sequence[str] = (),
+) -> Any:
+    """A system in discrete time: a control.NonlinearIOSystem.
+
+    Args:
+        name: of it. step: s. inputs, outputs, states: their names.
+        law: gives outputs and next states for a time, s, the states and the inputs.
+    """
+    import control as ct  # takes as long as a run without a loop
+
+    return ct.nlsys(
+        (lambda time, x, u, _: law(time, x, u)[1]) if states else None,
+        lambda time, x, u, _: law(time, x, u)[0],
+        inputs=list(inputs),
+        outputs=list(outputs),
+        states=list(states) or None,
+        dt=step,
+        name=name,
+    )
+
+
 class Sources:
     """Signals over time: they are all the surroundings of the FMU, or connect joins them to systems.
 
-    A scene without a loop therefore runs without python-control, whose import takes as long as the run.
+    A scene without a loop therefore runs without python-control.
 
     Args:
         signals: by name: constant, or table over time, s. step: communication step, s.
@@ -79,9 +108,7 @@ class Sources:
 
     def to_control(self) -> Any:
         """Convert it to a static discrete-time control.NonlinearIOSystem."""
-        import control as ct
-
-        return ct.nlsys(None, self.output, inputs=0, outputs=self.output_labels, dt=self.dt, name=self.name)
+        return sampled(self.name, self.dt, [], self.output_labels, lambda time, *_: (self.output(time), ()))
 
 
 def source(name: str, signal: Signal, step: float) -> Sources:

@@ -30,6 +30,9 @@ TEMPLATE = Path(__file__).parent / "template.html"
 PRESETS, DATA = "<!-- PRESETS -->", "<!-- DATA -->"
 TITLE = "<title>Inertia module</title>"
 OPERATIONS = ("START", "STEP", "WARN")
+# of the table of variables that the page has as they are
+SAME = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed")
+COLUMNS = {**{name: name for name in SAME}, "tunable": "is_tunable", "min": "minimum", "max": "maximum"}
 # numbers of a run in a page at most: not compressed at all they take 1.5 MB of it
 MOST = 280_000
 # what a row stands for that has those before it in it, by the ending of the name
@@ -121,17 +124,7 @@ def _variable(variable: Variable, model: Model) -> dict[str, Any]:
     if variable.kind == BOOLEAN:
         items = tuple((name, int(number), "") for name, number in BOOLEANS.items())
     return {
-        "name": variable.name,
-        "group": variable.group,
-        "kind": variable.kind,
-        "causality": variable.causality,
-        "tunable": variable.is_tunable,
-        "unit": variable.unit,
-        "description": variable.description,
-        "start": variable.start,
-        "min": variable.minimum,
-        "max": variable.maximum,
-        "allowed": variable.allowed,
+        **{name: getattr(variable, field) for name, field in COLUMNS.items()},
         "items": [{"name": name, "number": number, "description": text} for name, number, text in items],
         "place": model.place(variable.name),
         "ratePlace": model.place(f"{variable.name}_rate") if is_input else -1,

@@ -10,10 +10,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
+from pydantic_core.core_schema import plain_serializer_function_ser_schema
 
 from ..common.errors import Refused, did_you_mean, must_be
 from ..common.units import allowed_number, number_of, to_si
-from ..contract.variables import LARGEST_SPEED, LARGEST_TORQUE, Variable
+from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
 from ..harness.results import TableError, read_columns
 from ..loops.sources import Signal, Table
 
@@ -58,15 +59,33 @@ def checked(
     return number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class InUnit(BeforeValidator):
-    """Pydantic validator of a quantity.
+    """Pydantic validator of a quantity, or a list of them, that JSON has as text with its unit.
 
     Attributes:
-        unit: that it comes in, "1" or "" for none.
+        unit: that it comes in, "1" or "" for none. variable: that it is a value of, or None.
     """
 
     unit: str = ""
+    variable: Variable | None = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        schema = BeforeValidator.__get_pydantic_core_schema__(self, source, handler)
+        return {
+            **schema,
+            "serialization": plain_serializer_function_ser_schema(self.written, when_used="json"),
+        }
+
+    def written(self, value: Any) -> Any:
+        """A value as in a scene file, digit for digit: an item by its name, a whole number as one."""
+        if isinstance(value, list):
+            return [self.written(one) for one in value]
+        if self.variable is not None:
+            items = {number: item for item, number in (self.variable.items or {}).items()}
+            value = items.get(value, int(value) if self.variable.kind == INTEGER else value)
+        unit = self.unit.removeprefix("1")
+        return f"{value!r} {unit}".replace(".0 ", " ") if unit and isinstance(value, float) else value
 
 
 def unit_of(field: FieldInfo) -> str:
@@ -123,7 +142,7 @@ def _in_range(variable: Variable) -> InUnit:
             raise ValueError(sentence)
         return number
 
-    return InUnit(check, unit=variable.unit)
+    return InUnit(check, unit=variable.unit, variable=variable)
 
 
 def fields_of(variables: Sequence[Variable]) -> Any:

@@ -17,8 +17,8 @@ from .. import loops
 from ..common.errors import did_you_mean, must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
-from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
-from ..loops.sources import Signal, Table
+from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
+from ..loops.sources import Signal, Table, sampled
 from .keys import (
     SHAFT_SPEED,
     SPEED_UNITS,
@@ -250,29 +250,20 @@ class EngineDrive(ConstantOrTable, AnyDrive):
 
         From throttle and input_speed, rad/s, to drive_torque, N.m; state: integrals of the governors.
         """
-        import control as ct
-
         limits, given = self.torque_map(), self.governor
         governor = loops.Governor(given.proportional_gain, given.integral_gain, step)
 
-        def sample(x: Any, u: Any) -> tuple[float, float, float]:
+        def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
             """Torque and integrals: what the throttle asks for, raised to keep idle, cut at the top speed."""
             throttle, speed = u
             closed, full = limits.limits(speed)
             asked = closed + throttle * (full - closed)
             kept, idle = governor.sample(x[0], given.idle, speed, (asked, full))
             torque, top = governor.sample(x[1], given.top_speed, speed, (closed, kept))
-            return torque, idle, top
+            return [torque], [idle, top]
 
-        engine = ct.nlsys(
-            lambda _, x, u, __: sample(x, u)[1:],
-            lambda _, x, u, __: sample(x, u)[:1],
-            inputs=["throttle", "input_speed"],
-            outputs=["drive_torque"],
-            states=["idle_integral", "top_integral"],
-            dt=step,
-            name="engine",
-        )
+        signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
+        engine = sampled("engine", step, signals, ["drive_torque"], law, integrals)
         return [loops.source("throttle", self.one_signal(), step), engine]
 
 
@@ -386,19 +377,10 @@ class VehicleLoad(AnyLoad):
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """Make the vehicle as a system."""
-        table = self.slope_over_distance
-        return loops.vehicle_load(
-            step,
-            self.mass,
-            self.wheel_radius,
-            self.final_drive,
-            rolling_resistance=self.rolling_resistance,
-            drag_area=self.drag_area,
-            air_density=self.air_density,
-            slope=self.slope if table is None else table.signal(),
-            one_way=one_way,
-            coupling=_coupling(self.coupling),
-        )
+        table, coupling = self.slope_over_distance, _coupling(self.coupling)
+        own = self.model_dump(exclude={"kind", "slope", "slope_over_distance", "coupling", "times_to"})
+        slope = self.slope if table is None else table.signal()
+        return loops.vehicle_load(step, **own, slope=slope, one_way=one_way, coupling=coupling)
 
 
 Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind")]
@@ -423,19 +405,7 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
     return BeforeValidator(check)
 
 
-class Reference(Strict, ABC):
-    """A wanted speed."""
-
-    def driving_cycle(self) -> Cycle | None:
-        """The driving cycle to be followed, if it is one."""
-        return None
-
-    @abstractmethod
-    def signal(self) -> Signal:
-        """The wanted speed, constant or over time."""
-
-
-class ConstantReference(Reference):
+class ConstantReference(Strict):
     """One speed all the time."""
 
     kind: Literal["constant"]
@@ -446,7 +416,7 @@ class ConstantReference(Reference):
         return self.speed
 
 
-class TableReference(Tabulated, Reference):
+class TableReference(Tabulated):
     """A speed over time."""
 
     kind: Literal["table"]
@@ -465,20 +435,15 @@ def _known_cycle(name: Any) -> str:
     return str(name)
 
 
-class CycleReference(Reference):
+class CycleReference(Strict):
     """A driving cycle."""
 
     kind: Literal["cycle"]
     cycle: Annotated[str, BeforeValidator(_known_cycle)]
 
-    def driving_cycle(self) -> Cycle | None:
-        """The cycle itself."""
-        return CYCLES[self.cycle]
-
     def signal(self) -> Signal:
         """The speed over time, m/s."""
-        cycle = CYCLES[self.cycle]
-        return loops.Table(cycle.time, cycle.speed)
+        return loops.Table(CYCLES[self.cycle].time, CYCLES[self.cycle].speed)
 
 
 class Brake(Strict):

@@ -8,13 +8,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel
-
 from ..common.errors import Refused
 from ..common.extras import library
-from ..contract.variables import BY_NAME, INTEGER
-from .keys import SceneError, changed, unit_of, validated
-from .schema import Mechanism, Scene
+from .keys import SceneError, changed, validated, without_files
+from .schema import Scene
 from .shaft import ShaftScene
 
 Read = TypeVar("Read")
@@ -102,9 +99,8 @@ def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> S
     """
 
     def read(tables: dict[str, Any], folder: Path) -> Scene | ShaftScene:
-        if "shaft" in tables:
-            return validated(ShaftScene, tables, folder)
-        return validated(Scene, tables, folder)
+        model: type[Scene | ShaftScene] = ShaftScene if "shaft" in tables else Scene
+        return validated(model, tables, folder)
 
     return load_tables(path, keys, read)
 
@@ -117,34 +113,6 @@ def scene_text(scene: Scene) -> str:
     Raises:
         NotInstalled: the extra jobs is not.
     """
-    written: str = library("tomli_w", "jobs", "tomli-w").dumps(_table(scene), multiline_strings=True)
+    tables = without_files(scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True))
+    written: str = library("tomli_w", "jobs", "tomli-w").dumps(tables, multiline_strings=True)
     return written
-
-
-def _table(table: BaseModel) -> dict[str, Any]:
-    """The keys of a table; columns of CSV files stand in it."""
-    written = {}
-    for name, field in type(table).model_fields.items():
-        value = getattr(table, name)
-        if value is None or name == "file" or value == field.get_default(call_default_factory=True):
-            continue
-        written[name] = _item(name, value) if isinstance(table, Mechanism) else _value(value, unit_of(field))
-    return written
-
-
-def _value(value: Any, unit: str) -> Any:
-    """A value of a key; a quantity with its unit, digit for digit."""
-    if isinstance(value, BaseModel):
-        return _table(value)
-    if isinstance(value, list):
-        return [_value(one, unit) for one in value]
-    return f"{value!r} {unit}".replace(".0 ", " ") if unit and isinstance(value, float) else value
-
-
-def _item(name: str, value: Any) -> Any:
-    """A parameter: an item of an enumeration by its name, a whole number as one."""
-    variable = BY_NAME[name]
-    item = next((item for item, number in (variable.items or {}).items() if number == value), None)
-    if item is not None:
-        return item
-    return int(value) if variable.kind == INTEGER else _value(value, variable.unit.removeprefix("1"))

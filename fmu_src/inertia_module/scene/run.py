@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -136,9 +137,14 @@ def time_to(speed: float) -> str:
     return f"{TIME_TO}{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
 
 
-def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
-    """Time, s, to each speed, m/s, that is reached: since the car last stood, or the run began."""
-    found, vehicle_speed = {}, table["vehicle_speed"]
+def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
+    """Find the time, s, to each speed, m/s, since the car last stood, or the run began.
+
+    Returns:
+        (times, remarks why there is no time), by the names of the times.
+    """
+    found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
+    shown = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
         reached = int(np.argmax(vehicle_speed >= speed))
         if reached:  # 0 where it never is, or is from the start
@@ -147,33 +153,21 @@ def _times_to(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
             begun = table.time[stood[-1] if stood.size else 0]
             time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
             found[time_to(speed)] = Quantity(time, "s")
-    return found
+        elif vehicle_speed[0] >= speed:
+            remarks[time_to(speed)] = f"is none: the run begins at {shown[0]:.4g} km/h"
+        else:
+            remarks[time_to(speed)] = f"is not reached: {shown.max():.4g} km/h is the most"
+    return found, remarks
 
 
-def unreached(table: Result, summary: Mapping[str, Quantity], speeds: Sequence[float]) -> dict[str, str]:
-    """Say why the summary has no time to some of the speeds, m/s, by the names of these times."""
-    found = {}
-    for speed in speeds:
-        if (name := time_to(speed)) not in summary:
-            begun, fastest = (
-                f"{value / KILOMETRE_PER_HOUR:.4g} km/h"
-                for value in (table["vehicle_speed"][0], table["vehicle_speed"].max())
-            )
-            passed = f"is none: the run begins at {begun}"
-            found[name] = (
-                passed if table["vehicle_speed"][0] >= speed else f"is not reached: {fastest} is the most"
-            )
-    return found
-
-
-def _vehicle(table: Result, times_to: Sequence[float]) -> dict[str, Quantity]:
+def _vehicle(table: Result, times: Mapping[str, Quantity]) -> dict[str, Quantity]:
     parts = ("rolling", "drag", "slope", "brake")
     energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
     speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
     return {
         "distance": Quantity(float(table["distance"][-1]), "m"),
         "vehicle_speed_maximum": Quantity(speed, "km/h"),
-        **_times_to(table, times_to),
+        **times,
         **energies,
     }
 
@@ -183,14 +177,14 @@ def summarise(
     measured: str | None,
     cycle: Cycle | None,
     wall_time: float,
-    times_to: Sequence[float] = (),
+    times: Mapping[str, Quantity] = MappingProxyType({}),
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
     Args:
         table: all of SUMMARISED, and the signals of the loop.
         measured: name of the speed under control, or None. cycle: to be followed, or None.
-        wall_time: of the run, s. times_to: speeds of a vehicle to which the time is asked, m/s.
+        wall_time: of the run, s. times: of a vehicle, to the speeds asked for, as of times_to.
     """
     simulated = float(table.time[-1] - table.time[0])
     summary = {
@@ -207,7 +201,7 @@ def summarise(
         **_forces(table),
     }
     if "vehicle_speed" in table:
-        summary |= _vehicle(table, times_to)
+        summary |= _vehicle(table, times)
     if measured is not None:
         unit = table.units["reference"]
         factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
@@ -438,12 +432,12 @@ def _run_on(
     record = loop.run(scene.run.stop_time, progress)
     wall_time = time.perf_counter() - began
     measured = scene.measured if scene.controller is not None else None
-    times_to = getattr(scene.load, "times_to", ())
-    summary = summarise(record, measured, scene.cycle, wall_time, times_to)
+    speeds = getattr(scene.load, "times_to", ())
+    times, remarks = times_to(record, speeds) if speeds else ({}, {})
     return SceneResult(
         scene=scene,
         record=record,
-        quantities=summary,
-        remarks=unreached(record, summary, times_to),
+        quantities=summarise(record, measured, scene.cycle, wall_time, times),
+        remarks=remarks,
         warnings=tuple(fmu.warnings),
     )

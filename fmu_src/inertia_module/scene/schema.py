@@ -23,7 +23,7 @@ from ..contract.variables import (
 )
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
-from ..loops.cycles import Cycle
+from ..loops.cycles import CYCLES, Cycle
 from ..memory import Module
 from .keys import (
     AUTO,
@@ -43,7 +43,6 @@ from .keys import (
 from .parts import Controller, Drive, Load
 
 _TOLERANCE = BY_NAME["tolerance"]
-_OUTPUTS = tuple(variable.name for variable in with_causality(OUTPUT))
 # the parameters that say there is an elastic output
 _ELASTIC = frozenset(variable.name for variable in VARIABLES if variable.group == Group.ELASTIC)
 
@@ -95,7 +94,7 @@ class Run(Strict):
 
     stop_time: Duration
     communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
-    outputs: list[str] = Field(default=list(_OUTPUTS), min_length=1)
+    outputs: list[str] = Field(default=[one.name for one in with_causality(OUTPUT)], min_length=1)
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
@@ -119,7 +118,7 @@ class Scene(Strict):
 
     title: str = "scene"
     description: str = ""
-    mechanism: Mechanism = Field(default_factory=Mechanism)  # type: ignore[valid-type]
+    mechanism: Mechanism = Mechanism()  # type: ignore[valid-type]
     drive: Drive
     load: Load
     controller: Controller | None = None
@@ -139,7 +138,7 @@ class Scene(Strict):
     @property
     def cycle(self) -> Cycle | None:
         """The driving cycle that is to be followed, if any."""
-        return self.controller.reference.driving_cycle() if self.controller else None
+        return CYCLES.get(getattr(self.controller.reference, "cycle", "")) if self.controller else None
 
     @property
     def signal_units(self) -> dict[str, str]:
@@ -304,9 +303,8 @@ class Scene(Strict):
             raise SceneError(
                 "with mechanism.fidelity = 'auto' accuracy.error must be given, such as '1 %', is missing"
             )
-        chosen = {f"mechanism.{name}": getattr(self.mechanism, name) for name in ("method", "max_step")}
-        chosen["accuracy.tolerance"] = self.accuracy.tolerance
-        for name, value in chosen.items():
+        chosen = {f"mechanism.{name}": self.given.get(name) for name in ("method", "max_step")}
+        for name, value in {**chosen, "accuracy.tolerance": self.accuracy.tolerance}.items():
             if value is not None:
                 raise SceneError(
                     f"with mechanism.fidelity = 'auto' {name} must not be given, is {value:g}: it is chosen"

@@ -14,7 +14,7 @@ from ..common.errors import Refused, did_you_mean
 from ..common.terminal import Progress
 from ..contract.models import DRIVEN_SHAFT
 from ..contract.variables import LOCAL, OUTPUT, PARAMETER
-from ..harness.simulate import Result, communication_points, drive
+from ..harness.simulate import communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
 from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantities, quantity
@@ -22,12 +22,10 @@ from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
 
-_OUTPUTS = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT))
 _READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
 _PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 
 Array = NDArray[np.float64]
-
 
 _Positive = Annotated[float, quantity("1", above=0.0)] | None
 _NotNegative = Annotated[float, quantity("1", 0.0)] | None
@@ -86,15 +84,9 @@ class HubTable(Tabulated):
 class ShaftRun(Run):
     """Length of the run, its steps, and the outputs it records."""
 
-    outputs: list[str] = Field(default=list(_OUTPUTS), min_length=1)
-
-    @model_validator(mode="after")
-    def _outputs_known(self) -> ShaftRun:
-        for name in self.outputs:
-            if name not in _READABLE:
-                hint = did_you_mean(name, _READABLE)
-                raise SceneError(f"run.outputs must be of the shaft, has {name!r} {hint}")
-        return self
+    outputs: list[str] = Field(
+        default=[one.name for one in DRIVEN_SHAFT.with_causality(OUTPUT)], min_length=1
+    )
 
 
 class ShaftScene(Strict):
@@ -115,8 +107,12 @@ class ShaftScene(Strict):
     run: ShaftRun
 
     @model_validator(mode="after")
-    def _shaft_possible(self) -> ShaftScene:
-        """Let the shaft itself look at all parameters together."""
+    def _check(self) -> ShaftScene:
+        """Refuse unknown outputs; the shaft itself looks at all parameters together."""
+        for name in self.run.outputs:
+            if name not in _READABLE:
+                hint = did_you_mean(name, _READABLE)
+                raise SceneError(f"run.outputs must be of the shaft, has {name!r} {hint}")
         parameters = self.parameters()
         try:
             DrivenShaft("plain").start(**parameters)
@@ -146,19 +142,6 @@ class ShaftScene(Strict):
         return values
 
 
-def _summary(table: Result, wall_time: float) -> dict[str, Quantity]:
-    simulated, peaks = float(table.time[-1]), {}
-    for name in _PEAKS:
-        peaks[f"{name}_peak"] = Quantity(float(np.abs(table[name]).max()), table.units[name])
-    return {
-        "simulated_time": Quantity(simulated, "s"),
-        **peaks,
-        **energy(table),
-        "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(simulated / wall_time, ""),
-    }
-
-
 def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
     """Run a scene with an FMU of the driven shaft.
 
@@ -176,15 +159,17 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         "hub_speed": scene.drive.speeds(times),
         "load_torque": [evaluate(torque, at) for at in times],
     }
-    run, began = scene.run, time.perf_counter()
+    run, values, began = scene.run, scene.parameters(), time.perf_counter()
     record = drive(
-        fmu_path,
-        inputs,
-        run.stop_time,
-        run.communication_step,
-        _READABLE,
-        scene.parameters(),
-        progress=progress,
+        fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
     )
-    quantities = _summary(record, time.perf_counter() - began)
+    wall_time, simulated = time.perf_counter() - began, float(record.time[-1])
+    peaks = {name: float(np.abs(record[name]).max()) for name in _PEAKS}
+    quantities = {
+        "simulated_time": Quantity(simulated, "s"),
+        **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
+        **energy(record),
+        "wall_time": Quantity(wall_time, "s"),
+        "real_time_factor": Quantity(simulated / wall_time, ""),
+    }
     return SceneResult(scene=scene, record=record, quantities=quantities)

@@ -1,11 +1,23 @@
-"""Commands: FMUs are built, checked and exported; scenes run, shown and measured; the engineer's jobs."""
+"""The command ``inertia-module``: FMUs, scenes, jobs, what accuracy costs.
+
+What each command does besides its work: errors in one line, --json, files, the exit code. Libraries and rooms
+of the package are imported when a command runs: help needs none of them.
+"""
 
 from __future__ import annotations
 
+import atexit
+import functools
+import inspect
 import json
+import os
 import re
+import signal
+import sys
 import tomllib
 import webbrowser
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,29 +26,173 @@ import typer
 
 import inertia_module
 
-from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, write_atomically, write_figure, write_text
-from ..common.terminal import progress_bar, terminal
-from .shared import (
-    Answer,
-    Aside,
-    FmuToRun,
-    Keys,
-    OutputFolder,
-    SceneFile,
-    Shown,
-    command,
-    current_fmu,
-    folder_for,
-    load_scene,
-    quantity_of,
-    share,
-    speed_text,
-    turning,
+from .common.files import (
+    BUILD_FOLDER,
+    OUTPUT_FOLDER,
+    writable_folder,
+    write_atomically,
+    write_figure,
+    write_text,
 )
+from .common.terminal import progress_bar, terminal
+from .common.units import factor_between, split_quantity, to_si
 
 if TYPE_CHECKING:
-    from ..fidelity.levels import Choice
-    from ..scene import Scene
+    from .fidelity.levels import Choice
+    from .fmu.native_fmu import NativeFmu
+    from .scene import Scene
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
+OutputFolder = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
+]
+FmuToRun = Annotated[
+    Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run instead of the package's own.")
+]
+Keys = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Instead of the scene's: load.torque='8 N.m'; repeat."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
+
+
+# prints a line to the error output: stages of a build, among others
+aside = partial(typer.echo, err=True)
+
+
+class Aside(str):
+    """Line for the error output."""
+
+
+# a line; headings and values under a title; what prints more than that
+Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
+
+
+@dataclass
+class Answer:
+    """Outcome of a command.
+
+    Attributes:
+        told: for machines. shown: to people, in this order. failed: whether the exit code is 1.
+        files: that were left, by name; a machine is told them as well, for people they are listed at the end.
+    """
+
+    told: dict[str, Any]
+    shown: Sequence[Shown] = ()
+    files: Mapping[str, Path] = field(default_factory=dict)
+    failed: bool = False
+
+
+def command(work: Callable[..., Answer]) -> Callable[..., None]:
+    """Make a command of its work: with --json, errors in one line and the exit code."""
+
+    @functools.wraps(work)
+    def run(as_json: bool, **options: Any) -> None:
+        try:
+            answer = work(**options)
+        except (ValueError, RuntimeError, OSError) as error:
+            typer.echo("error: " + " ".join(str(error).split()), err=True)
+            raise typer.Exit(1) from error
+        listed = {name: str(file) for name, file in answer.files.items()}
+        if as_json:
+            typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
+        else:
+            for one in answer.shown:
+                show(one)
+            for name, file in listed.items():
+                typer.echo(f"{name}: {file}")
+        if answer.failed:
+            raise typer.Exit(1)
+
+    as_json = inspect.Parameter("as_json", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Json)
+    signature = inspect.signature(work, eval_str=True)
+    run.__signature__ = signature.replace(  # type: ignore[attr-defined]
+        parameters=[*signature.parameters.values(), as_json]
+    )
+    run.__annotations__ = {**work.__annotations__, "as_json": Json}
+    return run
+
+
+def folder_for(output: Path | None, *default: str) -> Path:
+    """Check the folder that a command writes to before its work begins.
+
+    Args:
+        output: as given by -o. default: its place in out/ without that.
+
+    Raises:
+        OSError: it cannot be written to.
+    """
+    return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
+
+
+def load_scene(path: Path, keys: list[str] | None) -> Scene:
+    """Read a scene of the module, with keys as --set gives them."""
+    from .scene.keys import keys_of
+
+    return inertia_module.load_scene(path, keys_of(keys))
+
+
+def show(one: Shown) -> None:
+    """Print one of what an answer shows."""
+    if isinstance(one, str):
+        typer.echo(one, err=isinstance(one, Aside))
+        return
+    if not isinstance(one, tuple):
+        one()
+        return
+    from rich.table import Table
+
+    title, rows = one
+    table = Table(title=title, title_justify="left", show_header=False)
+    for heading, value in rows.items():
+        table.add_row(heading, value)
+    terminal().print(table)
+
+
+def current_fmu(fmu: NativeFmu | None = None) -> Path:
+    """The FMU of the module, or another: see builder.current_fmu."""
+    from .fmu.builder import MODULE_FMU
+    from .fmu.builder import current_fmu as current
+
+    return current(fmu or MODULE_FMU, progress=aside)
+
+
+def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
+    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.keys.checked."""
+    from .scene.keys import checked
+
+    try:
+        return checked(text, unit, **limits)
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from None
+
+
+def share(option: str, text: str | None) -> float | None:
+    """An error given on the command line, such as 0.01 or "1 %"."""
+    return None if text is None else quantity_of(option, text, "1", maximum=1.0, above=0.0)
+
+
+def turning(text: str) -> float:
+    """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
+    from .contract.variables import LARGEST_SPEED
+
+    allowed = f"a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
+    try:
+        omega1 = to_si(text, "rad/s")
+    except ValueError as error:
+        raise ValueError(f"--speed must be {allowed}: {error}") from None
+    if not 0.0 < abs(omega1) <= LARGEST_SPEED:
+        raise ValueError(f"--speed must be {allowed}")
+    if not split_quantity(text)[1]:
+        typer.echo(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}", err=True)
+    return omega1
+
+
+def speed_text(omega1: float) -> str:
+    """A speed, rad/s, in the units in which speeds are given."""
+    return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
+
 
 # name of the page of a scene
 PAGE = "page.html"
@@ -53,23 +209,14 @@ Workers = Annotated[
 
 
 @command
-def build(context: typer.Context, output: OutputFolder = None) -> Answer:
+def build(output: OutputFolder = None) -> Answer:
     """Build the FMUs and the kernel for pages.
 
     Each is whole or not there (in build/ without -o). Exit code 1 if one is skipped.
     """
-    from rich.text import Text
+    from .fmu.builder import build as build_fmus
 
-    from ..fmu.builder import build as build_fmus
-
-    with terminal().status("building") as status:
-
-        def stage(text: str) -> None:
-            status.update(Text(text))
-            if not context.params["as_json"]:
-                typer.echo(text)
-
-        built = build_fmus(output or BUILD_FOLDER, stage)
+    built = build_fmus(output or BUILD_FOLDER, aside)
     fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
 
@@ -86,7 +233,7 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
     and once with it.
     """
-    from ..harness.loading import check_fmu
+    from .harness.loading import check_fmu
 
     report = check_fmu(fmu)
 
@@ -94,9 +241,7 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
-    found = {"facts": report.facts, "problems": report.problems, "warnings": report.warnings}
-    told = {"fmu": str(fmu), **found, "outputs": report.outputs}
-    return Answer(told, shown, failed=bool(report.problems))
+    return Answer({"fmu": str(fmu), **asdict(report)}, shown, failed=bool(report.problems))
 
 
 @command
@@ -107,11 +252,11 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
     module and its shaft.
     """
-    from ..export.systems import export as write
-    from ..scene.run import scene_plan
+    from .export.systems import export as write
+    from .scene.run import scene_plan
 
     folder = folder_for(output, "export", scene.stem)
-    paths = write(scene_plan(load_scene(scene, keys)), folder, lambda stage: typer.echo(stage, err=True))
+    paths = write(scene_plan(load_scene(scene, keys)), folder, aside)
 
     shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, shown)
@@ -131,7 +276,7 @@ def new(
 
     What belongs to it goes along: a measurement, programs that it imports.
     """
-    from ..common.examples import belonging
+    from .common.examples import belonging
 
     source = inertia_module.example(name)
     path = output or Path(source.name)
@@ -181,12 +326,12 @@ def run(
 
     Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
     """
-    from ..contract.variables import COMPUTED
-    from ..figures.scenes import shaft_figure
-    from ..fmu.builder import SHAFT_FMU
-    from ..page.html import html_file, template
-    from ..scene import ShaftScene, load_any_scene, run_shaft_scene
-    from ..scene.keys import keys_of
+    from .contract.variables import COMPUTED
+    from .figures.scenes import shaft_figure
+    from .fmu.builder import SHAFT_FMU
+    from .page.html import html_file, template
+    from .scene import ShaftScene, load_any_scene, run_shaft_scene
+    from .scene.keys import keys_of
 
     choice, page = None, None
     folder = folder_for(output, scene.stem)
@@ -225,7 +370,7 @@ def run(
 
 def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
     """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
-    from ..fidelity.trials import choose
+    from .fidelity.trials import choose
 
     allowed = share("--error", error)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
@@ -254,10 +399,10 @@ def view(
     It is one HTML file, with the kernel in it. What the page cannot integrate itself, a load that follows
     the motion or a controller, is run here first and played in it.
     """
-    from ..contract.variables import COMPUTED
-    from ..page.html import checked_path, html_file, is_exact, template
-    from ..scene import Scene, load_any_scene
-    from ..scene.keys import keys_of
+    from .contract.variables import COMPUTED
+    from .page.html import checked_path, html_file, is_exact, template
+    from .scene import Scene, load_any_scene
+    from .scene.keys import keys_of
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
     template()
@@ -296,9 +441,9 @@ def tradeoff(
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
     """
-    from ..fidelity.levels import failure_lines, print_levels
-    from ..fidelity.levels import recommend as choose_cheapest
-    from ..fidelity.trials import leave_rows, measured_rows, trial_rows, with_worst
+    from .fidelity.levels import failure_lines, print_levels
+    from .fidelity.levels import recommend as choose_cheapest
+    from .fidelity.trials import leave_rows, measured_rows, trial_rows, with_worst
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
@@ -336,7 +481,7 @@ def chart(
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
     one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
-    from ..harness.chart import NOMINAL_SPEED, converter_table, efficiency_map
+    from .harness.chart import NOMINAL_SPEED, converter_table, efficiency_map
 
     folder = folder_for(output, "chart")
     names = [scene.stem for scene in scenes]
@@ -403,8 +548,8 @@ def orders(
     Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
     (out/orders/SCENE without -o).
     """
-    from ..figures.jobs import order_figure
-    from ..jobs.orders import BASES
+    from .figures.jobs import order_figure
+    from .jobs.orders import BASES
 
     folder = folder_for(output, "orders", scene.stem)
     read = load_scene(scene, keys)
@@ -516,7 +661,7 @@ def sweep(
     Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
     in journal.jsonl of the folder and is not done again.
     """
-    from ..figures.jobs import sweep_figure
+    from .figures.jobs import sweep_figure
 
     folder = folder_for(output, f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
@@ -556,8 +701,8 @@ def design(
     Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
     and so on, in a folder (out/SPEC_design without -o).
     """
-    from ..jobs.spec import read_spec
-    from ..scene.keys import keys_of
+    from .jobs.spec import read_spec
+    from .scene.keys import keys_of
 
     folder = folder_for(output, f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
@@ -576,3 +721,51 @@ def design(
     shown.append(found.verdict())
     numbers = {"designs": len(found.rows), "new": found.new, "chosen": len(found.chosen)}
     return Answer({"spec": str(spec), **numbers, "verdict": found.verdict()}, shown, files)
+
+
+# --- the program ---
+
+app = typer.Typer(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    no_args_is_help=True,
+    rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
+    pretty_exceptions_enable=False,
+)
+for one in (build, check, export, orders, fit, new, run, tradeoff, chart, sweep, design, view):
+    app.command()(one)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"inertia-module {inertia_module.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
+
+
+def main() -> None:
+    """Entry of the console script.
+
+    A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
+    pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
+    """
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
+    try:
+        app()
+        code: object = 0
+    except SystemExit as leave:
+        code = leave.code
+    if isinstance(code, str):
+        sys.stderr.write(code + "\n")
+        code = 1
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code if isinstance(code, int) else 0)

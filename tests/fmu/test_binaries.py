@@ -1,0 +1,129 @@
+"""The libraries in the FMUs, read by lief: each needs what its platform brings, and offers co-simulation."""
+
+import re
+import struct
+from types import SimpleNamespace
+
+import lief
+import pytest
+
+from inertia_module import __version__
+from inertia_module.compiling.linking import with_kernel
+from inertia_module.compiling.targets import TARGETS
+from inertia_module.contract.models import DRIVEN_SHAFT
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU
+from inertia_module.fmu.linking import header_folder
+from inertia_module.fmu.native_fmu import library_path
+
+lief.logging.disable()  # it tells of every table that is empty
+
+NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
+# of model exchange
+LEFT_OUT = {
+    *("EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep", "SetTime"),
+    *("SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates"),
+    "GetNominalsOfContinuousStates",
+}
+PROCESSORS = {"x86_64": "X86_64", "aarch64": "ARM64"}
+# Apple's kern/cs_blobs.h
+SIGNATURE, CODE_DIRECTORY, AD_HOC = 0xFADE0CC0, 0xFADE0C02, 2
+
+
+def required_by(fmi):
+    """Functions from the header of FMI: of 2.0 those for co-simulation; of 3.0 hosts look for all."""
+    text = (header_folder() / f"fmi{fmi}FunctionTypes.h").read_text()
+    names = set(re.findall(rf"\bfmi{fmi}(\w+)TYPE\b", text)) - (LEFT_OUT if fmi == 2 else set())
+    return {f"fmi{fmi}{name}" for name in names}
+
+
+def read(path, processor="X86_64"):
+    """What lief reads, with the names it needs and offers, and where its loader writes addresses."""
+    whole = lief.MachO.parse(str(path))  # which has to stay as long as a part of it
+    if path.suffix == ".dylib":
+        (binary,) = (part for part in whole if part.header.cpu_type.name == processor)
+        assert binary.header.file_type == lief.MachO.Header.FILE_TYPE.DYLIB
+        laid_out, why = lief.MachO.check_layout(binary)
+        assert laid_out, why
+        own = lief.MachO.LoadCommand.TYPE.ID_DYLIB
+        needs = {library.name for library in binary.libraries if library.command != own}
+        offers = {symbol.name.removeprefix("_") for symbol in binary.exported_symbols}
+        parts = {binary.segment_from_virtual_address(found.address).name for found in binary.relocations}
+        parts |= {found.segment.name for found in binary.bindings}
+    elif path.suffix == ".dll":
+        binary = lief.PE.parse(str(path))
+        needs = {name.lower() for name in binary.libraries}
+        offers = {entry.name for entry in binary.get_export().entries}
+        padding = lief.PE.RelocationEntry.BASE_TYPES.ABS
+        entries = [entry for block in binary.relocations for entry in block.entries if entry.type != padding]
+        parts = {binary.section_from_rva(entry.address).name for entry in entries}
+    else:
+        binary = lief.ELF.parse(str(path))
+        needs = {str(name) for name in binary.libraries}
+        offers = {symbol.name for symbol in binary.exported_symbols}
+        parts = {binary.section_from_virtual_address(found.address).name for found in binary.relocations}
+    return SimpleNamespace(whole=whole, binary=binary, needs=needs, offers=offers, loader_writes_to=parts)
+
+
+def glibc_versions(library):
+    """Versions of the symbols of Linux that a library needs."""
+    needed = library.binary.symbols_version_requirement
+    return {symbol.name for part in needed for symbol in part.get_auxiliary_symbols()}
+
+
+def is_ad_hoc(signature):
+    """Whether a signature of macOS holds a directory of the code, marked as ad hoc."""
+    magic, _, count = struct.unpack_from(">III", signature)
+    assert magic == SIGNATURE
+    blobs = dict(struct.unpack_from(">II", signature, 12 + 8 * n) for n in range(count))
+    directory, _, _, flags = struct.unpack_from(">IIII", signature, blobs[0])
+    return directory == CODE_DIRECTORY and bool(flags & AD_HOC)
+
+
+def test_the_headers_name_the_functions_of_co_simulation():
+    of_2, of_3 = required_by(2), required_by(3)
+    assert {"fmi2Instantiate", "fmi2DoStep", "fmi2GetBooleanStatus", "fmi2DeSerializeFMUstate"} <= of_2
+    assert {"fmi3InstantiateCoSimulation", "fmi3DoStep", "fmi3GetAdjointDerivative"} <= of_3
+    assert (len(of_2), len(of_3)) == (34, 75)
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)
+@pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
+def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(fmu, opened, target):
+    processor = PROCESSORS[target.compiler.split("-", 1)[0]]
+    found = read(opened(fmu.identifier)[1] / library_path(fmu, target), processor)
+    required = required_by(fmu.fmi)
+    assert required <= found.offers
+    if target.suffix == ".so":
+        # of 2012, the loader beside it, which changes no code
+        assert found.needs <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1"}
+        versions = {tuple(map(int, name[len("GLIBC_") :].split("."))) for name in glibc_versions(found)}
+        assert max(versions) <= (2, 17)
+        assert {".data.rel.ro"} <= found.loader_writes_to <= {".data.rel.ro", ".got", ".got.plt"}
+        assert "__stack_chk_fail" in {symbol.name for symbol in found.binary.imported_symbols}
+        others = {"inertia_module_kernel", "_init", "_fini", "__bss_start", "_edata", "_end"}
+        assert found.offers - required <= others
+    elif target.suffix == ".dll":
+        assert found.needs == {"ucrtbase.dll"}
+        assert found.loader_writes_to == {".rdata"}
+        (version,) = found.binary.resources_manager.version
+        (texts,) = version.string_file_info.children
+        says = {entry.key: entry.value for entry in texts.entries}
+        assert says["FileDescription"] == fmu.model.title
+        assert says["FileVersion"] == says["ProductVersion"] == __version__
+        assert __version__.startswith("{}.{}.".format(*divmod(version.file_info.file_version_ms, 1 << 16)))
+        assert says["OriginalFilename"] == f"{fmu.identifier}.dll"
+    else:
+        assert found.needs == {"/usr/lib/libSystem.B.dylib"}
+        assert found.binary.build_version.minos[:2] == [11, 0]
+        assert found.loader_writes_to == {"__DATA", "__DATA_CONST"}
+        assert "___stack_chk_fail" in {symbol.name for symbol in found.binary.imported_symbols}
+        signed = found.binary.has_code_signature
+        assert processor == "X86_64" or signed
+        assert not signed or is_ad_hoc(bytes(found.binary.code_signature.content))
+    assert found.binary.abstract.header.architecture.name == processor
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)
+def test_kernel_alone_is_linked_for_every_platform(target, compiled):
+    library = with_kernel(DRIVEN_SHAFT, target, f"kernel{target.suffix}", {})
+    assert b"inertia_module_kernel" in library
