@@ -34,8 +34,6 @@ TWIST_SHARE = 1e-1
 STIFF_ERROR, STIFF_SHARE = 7, 0.1
 # ... and how much more of it a swing of the shaft that is as wide as the output is fast
 SWING = 10.0
-# ... and the energy that this swing may hold, as a share of what the mechanism can impart, in tolerances
-OF_SWING = 0.1
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -43,9 +41,8 @@ FROM_REST = 0.01
 OF_LOSSES = 0.1
 # share of its largest inertia below which a link has a cusp: errors grow there as its speed does
 CUSP = 1e-2
-# share of the tolerance where an output swings without losses by more than a share of what it moves with:
-# nothing damps an error of its phase
-SWINGING, WIDE = 0.15, 0.1
+# share of the tolerance where an output swings without losses: nothing damps an error of its phase
+SWINGING = 0.15
 # share of a scale that is rounding
 ROUNDING = 1e-13
 
@@ -77,25 +74,20 @@ def speed_of_torque(d, x, w, fastest):
     return (pulses + abs(w.load) + held) / damping
 
 
-def swing_and_speed(x, w, rate):
-    """Largest speeds of the shaft's swing, of this rate, and of what it swings behind, rad/s."""
-    change = w.change
-    swing = max(abs(x.relative), abs(x.relative + change.relative), abs(w.rates[0].relative) / rate)
-    return swing, max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
-
-
-def leniency(d, x, w, rate, speed, fastest):
+def leniency(d, x, w, rate, fastest):
     """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
 
     A swing wider than pulses make it has been excited by a load, and is followed.
 
     Args:
-        rate: of the shaft between hub and driven mass, rad/s. speed: that the mechanism can impart, rad/s.
+        rate: of the shaft between hub and driven mass, rad/s.
     """
-    swing, moved = swing_and_speed(x, w, rate)
-    pulses = d.harmonic * d.k * fastest * speed / rate
-    little = math.sqrt(OF_SWING * w.tolerance) * speed
-    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses, little) else 1.0
+    change = w.change
+    swing = max(abs(x.relative), abs(x.relative + change.relative))
+    swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
+    moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
+    pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
+    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
 
 
 def scale_of(d, x, w, n, fastest):
@@ -116,7 +108,7 @@ def scale_of(d, x, w, n, fastest):
         if d.F_by_alpha1 == 0.0:
             speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
-            speed *= leniency(d, x, w, rate, speed, fastest)
+            speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
@@ -163,9 +155,7 @@ def step_error(d, x, w, fastest):
         return 1e300
     tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
     if d.elastic != 0.0 and d.losses == 0.0 and w.pair != THIRDS:
-        swing, moved = swing_and_speed(x, w, shaft_frequency(d, 1.0 / d.J3))
-        if swing >= WIDE * moved:
-            tolerance *= SWINGING
+        tolerance *= SWINGING
     sum5 = 0.0
     sum3 = 0.0
     count = 0
