@@ -71,7 +71,7 @@ SELECTION = {
         test_averaged_losses.py::test_locked_to_link_1_friction_and_drag_alone_are_lost
     """,
     "driven_shaft/": "test_driven_shaft.py",
-    "^shaft|rosenbrock": """
+    "rosenbrock": """
         test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
         test_elastic.py::test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance[0.1-400.0-overdamped]
         test_elastic.py::test_a_stiff_step_is_of_its_order_in_all_that_is_followed
@@ -83,6 +83,7 @@ SELECTION = {
     """,
     "equations/|events/|tableau|^links": f"""
         {CHECK_VALUES} test_methods.py test_rates.py
+        test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
         test_reference.py::test_losses_of_several_satellites_follow_the_tolerance
         test_reference.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
         test_losses.py::test_meshes_that_jam_are_refused
@@ -96,7 +97,7 @@ SELECTION = {
         test_reference.py::test_accounts_are_held_to_the_tolerance_whatever_the_steps
         test_freewheels.py {MEANS} {DIPS}
     """,
-    "timestepping|link_step|hub_step|satellite_step": """
+    "fixed_steps": """
         test_timestepping.py::test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches
         test_timestepping.py::test_fixed_steps_come_to_what_events_say
         test_timestepping.py::test_many_pulses_in_a_step_make_no_energy
@@ -104,12 +105,11 @@ SELECTION = {
         test_timestepping.py::test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond
         test_timestepping.py::test_energy_audit_shows_the_error_and_closes_with_the_step
     """,
-    "^(audit|step)": f"""
+    "^step": f"""
         test_audit.py {MEANS}
     """,
-    "^bodies": "test_multibody.py",
-    "^(inertia|layout|derive|sine|accumulate|clearance)": f"""
-        {CHECK_VALUES} test_clearance.py test_rates.py test_reduced_inertia.py
+    "^(inertia|layout|derive|sine|accumulate)": f"""
+        {CHECK_VALUES} test_clearance.py test_rates.py test_reduced_inertia.py test_multibody.py
         test_angles.py::test_both_are_within_one_and_a_half_units_all_around
         test_angles.py::test_a_sum_keeps_what_rounding_has_lost
         test_angles.py::test_wrapped_angles_are_within_one_turn
@@ -117,7 +117,7 @@ SELECTION = {
     """,
     "": f"""
         {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py
-        {MEANS}
+        {MEANS} test_multibody.py
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
         test_rates.py::test_rates_of_the_outputs test_freewheels.py
         test_reference.py::test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem
@@ -137,12 +137,12 @@ events/stages.py: rates.lost[WINDAGE] = {|0.5 * }m.windage
 links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
 inertia.py: b1 = mass * (y * z2 {-|+} z * y2)
 inertia.py: b1 {-|+}= d.body_b * sin_a
-bodies.py: sine * (across * cosine {-|+} own * spin)
-bodies.py: d.J1 += {0.5|1.0} * (own - across)
-bodies.py: alpha1 {-|+} across * rate_q * omega1
+derive.py: sine * (across * cosine {-|+} own * spin)
+derive.py: d.J1 += {0.5|1.0} * (own - across)
+loads.py: alpha1 {-|+} across * rate_q * omega1
 layout.py: {+|-} coriolis * y1
 layout.py: across2 = tangential2 {+|-} 2.0 * radial1
-derive.py: 1.0 + 2.0 * s * {cosine|sine} + s * s
+derive.py: arm * (1.0 + 2.0 * s * {cosine|sine} + s * s
 derive.py: d.harmonic = 2.0 + {2.0|0.0} * d.s
 derive.py: return (fixed + moving * offset {*|+} offset)
 derive.py: omega_out {<|<=} omega2
@@ -158,23 +158,23 @@ events/stages.py: rates.square = m.output {*|+} m.output
 tableau.py: *(0.11846{3|4}
 links.py: d.b1 * omega1 * omega1 {+|-} d.bq * rate_q * rate_q + friction
 engine.py: w.load = {x.load_torque|abs(x.load_torque)}
-audit.py: put_in - put_out {-|+} lost
-audit.py: LEAST = 1e-{6|5}
-audit.py: max(LEAST, {min|max}(TOLERANCES
-audit.py: p.fidelity {>=|>} RIGID and
+step.py: put_in - put_out {-|+} lost
+step.py: LEAST = 1e-{6|5}
+step.py: max(LEAST, {min|max}(TOLERANCES
+outputs.py: p.fidelity {>=|>} RIGID and
 step.py: MORE_CARE = 1e-{3|0}
 step.py: PRECISE) if operation == STEP_PRECISELY else {d|w}.tolerance
-fixed_steps/link_step.py: centre * centre {+|-} weight * push
-fixed_steps/link_step.py: (rise {-|+} change * per_root * slip)
-fixed_steps/link_step.py: mean1 {+|-}= answer1 * turned
-fixed_steps/link_step.py: w.lost_by_load = {|0.5 * }friction * turned
-fixed_steps/satellite_step.py: {k * |}(journals + spun +
-fixed_steps/satellite_step.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
-fixed_steps/link_step.py: missing = mean_coupling * turned {-|+} 0.5
-fixed_steps/hub_step.py: damping -= {0.5|0.75} * d.stiffness
+fixed_steps/motion.py: centre * centre {+|-} weight * push
+fixed_steps/motion.py: (rise {-|+} change * per_root * slip)
+fixed_steps/motion.py: mean1 {+|-}= answer1 * turned
+fixed_steps/motion.py: w.lost_by_load = {|0.5 * }friction * turned
+fixed_steps/motion.py: {k * |}(journals + spun +
+fixed_steps/motion.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
+fixed_steps/motion.py: missing = mean_coupling * turned {-|+} 0.5
+fixed_steps/motion.py: damping -= {0.5|0.75} * d.stiffness
 fixed_steps/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
 fixed_steps/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
-fixed_steps/hub_step.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
+fixed_steps/motion.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
 impulse.py: else 0.0) - {|0.5 * }omega2) / change
 impulse.py: (omega4 {+|-} 0.5 * change4)
 impulse.py: output = mesh {-|+} d.J2 * change
@@ -189,8 +189,8 @@ step.py: x.output_square / h {-|+} mean * mean
 step.py: h * (start1 + {0.5|1.0} * x.alpha1
 inputs.py: torque + {0.5|1.0} * h * rate
 inputs.py: slope = (speed {-|+} x.held_input)
-rates.py: begin) * {4.0|2.0} - (y
-clearance.py: 2.0 * s * cosine {+|-} s * s
+entry.py: begin) * {4.0|2.0} - (y
+derive.py: max(0.0, 1.0 + 2.0 * s * cosine {+|-} s * s
 events/advance.py: change.theta1 {-|+} change.q / d.k)
 events/step_size.py: safety * error ** ({-|}1.0 / order)
 events/advance.py: if which == {HOUSING|OUTPUT}:\n        x.omega2 = 0.0
@@ -203,7 +203,7 @@ events/error.py: sum5 {+|-}= found5 * found5
 tableau.py: 0.20136540080403034, 0.0447{1|2}
 events/search.py: if value {<|>} -zero:\n                sigma
 events/kinematic.py: * d.machine.output * d.machine.omega{2|1}
-shaft.py: square / (half {+|-} math.sqrt
+links.py: square / (half {+|-} math.sqrt
 events/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
 events/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
 events/search.py: value_low *= {0.5|1.0} if
@@ -258,7 +258,7 @@ events/kinematic.py: m.q = x.q + d.k * (1.0 {-|+} d.ratio)
 events/search.py: elif sigma {==|!=} high:\n            return -1.0
 events/search.py: if value {<|>} -zero:\n            fallen
 equations/motion.py: rest {+|-}= m.weight_q
-driven_shaft/propagator.py: three += share * left * left / {2.0|3.0}
+driven_shaft/motion.py: three += share * left * left / {2.0|3.0}
 driven_shaft/motion.py: one + d.rate * {two|one}
 driven_shaft/entry.py: * momentum {-|+} x.hub_slope * moment
 driven_shaft/entry.py: add(x.slip, x.slip_low, jump {-|+} push)

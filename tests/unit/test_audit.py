@@ -6,7 +6,6 @@ import pytest
 from scenes import PLANAR, advanced, started
 
 from inertia_module.kernel import step
-from inertia_module.kernel.audit import audit
 from inertia_module.kernel.codes import NOT_BALANCED, OK
 from inertia_module.memory import Refused
 
@@ -41,7 +40,7 @@ def audited(tolerance, **energies):
         setattr(before, name, value)
     for name, value in AFTER.items():
         setattr(x, name, energies.get(name, value))
-    return audit(d, x, before, x.energy_stored, tolerance)
+    return step.audit(d, x, before, x.energy_stored, tolerance)
 
 
 @pytest.mark.parametrize("name", AFTER)

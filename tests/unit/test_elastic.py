@@ -10,7 +10,7 @@ from scenes import ELASTIC, REFERENCE, advanced, started
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.events import advance, rosenbrock, stages
-from inertia_module.kernel.shaft import slowest_rate
+from inertia_module.kernel.links import slowest_rate
 from inertia_module.kernel.tableau import LONG
 
 # damping over the critical one

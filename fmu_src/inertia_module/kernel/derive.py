@@ -1,20 +1,28 @@
-"""Constants derived once from the parameters: ratios, lengths, periods, bounds (docs/mechanics.md)."""
+"""Constants derived once from the parameters: ratios, lengths, periods, bounds (docs/mechanics.md).
+
+And warnings of what is computed all the same, but cannot be built: room is said of the pitch circles (planar)
+and the pitch cones (bevel) of one module, and no body has an inertia above the sum of the other two.
+"""
 
 import math
 
-from .bodies import add_bodies
 from .codes import (
     AVERAGED,
     BAD_START_HOUSING,
     BAD_START_OUTPUT,
     BAD_START_RIGID,
+    BEVEL_OUTSIDE,
+    BEVEL_OVERLAP,
     DRIVE_TORQUE,
     ELASTIC,
+    GEAR_TOO_FLAT,
     KINEMATIC,
     NO_INPUT_INERTIA,
     NO_RECTIFIER,
     NO_WINDAGE,
     OK,
+    PLANAR_OUTSIDE,
+    PLANAR_OVERLAP,
     PRESCRIBED,
     SINGULAR,
     TIMESTEPPING,
@@ -26,6 +34,8 @@ TWO_PI_LOW = 2.4492935982947064e-16
 # the leading 30 bits of 2 pi: a whole number below 2**23 times this is exact
 TWO_PI_LEADING = 6.283185303211212
 SINGULAR_RATIO = 1e-12
+# parts that touch do not overlap
+ROUNDING = 1e-12
 
 
 def greatest_common_divisor(m, n):
@@ -129,6 +139,44 @@ def derive_general(p, d):
         # its own equations; the weights' mean over turns of link 1 is nothing
         d.lossy = 1.0 if d.viscous + by_load - d.weight + drag > 0.0 else 0.0
         d.weight = 0.0
+
+
+def add_bodies(p, d):
+    """Set what the turning satellite gears add to J1, J16, I, B and the bounds of |F|; d is there but for it.
+
+    Their inertia is Ja about their own axes, Jt across (docs/mechanics.md, Bodies). Of the energy of a gear's
+    rotation what is the same at every angle is added to J1 and J16: only what goes with the azimuth A of its
+    axis is left to the reduced inertia.
+    T = Jt |w|^2 / 2 + (Ja - Jt) (w e)^2 / 2 with w = omega1 x + q' (z + s e), e the axis of the gear. In the
+    planar layout it is parallel to the central one.
+    """
+    d.bodies = 0.0
+    d.body_i = 0.0
+    d.body_b = 0.0
+    number = p.modules * p.satellites
+    own = number * p.satellite_inertia
+    across = number * p.satellite_transverse_inertia
+    if d.planar != 0.0:
+        across = 0.0
+    if own + across == 0.0:
+        return
+    if d.planar == 0.0:
+        d.bodies = 1.0
+        sine = math.sin(p.shaft_angle)
+        cosine = math.cos(p.shaft_angle)
+        spin = d.s + cosine
+        d.J1 += across
+        # the sum of cos^2 A in I is half their number for three or more, that of cos A in B 0 for two or more
+        if d.paired != 0.0:
+            d.body_i = (own - across) * sine * sine
+        else:
+            d.J1 += 0.5 * (own - across) * sine * sine
+        if d.single != 0.0:
+            d.body_b = sine * (across * cosine - own * spin)
+        own = own * spin * spin + across * sine * sine
+    d.J16 += own
+    d.F_by_speed += d.k * abs(d.body_i)
+    d.F_by_alpha1 += d.k * (abs(d.body_b) + (1.0 + d.k) * own)
 
 
 def derive_harmonic(p, d):
@@ -242,3 +290,39 @@ def derive(p, d):
     if singular:
         return SINGULAR
     return check_start(p)
+
+
+def satellites_overlap(p, reach):
+    """Tell whether neighbouring satellites overlap.
+
+    Planar: circles of radius r, their centres R0 + r from the axis and 2 (R0 + r) sin(pi/n) apart.
+    Bevel: cones of half angle phi with one apex, their axes inclined by Sigma and delta apart:
+    sin(delta/2) = sin(Sigma) sin(pi/n) against sin(phi) = sin(Sigma) / sqrt(1 + 2 s cos(Sigma) + s^2).
+    An internal satellite (phi > pi/2) leaves no room for a second one; its root is below 1.
+
+    Args:
+        p: parameters. reach: (R0 + r) / r, or that root.
+    """
+    return p.satellites > 1.0 and reach * math.sin(math.pi / p.satellites) < 1.0 - ROUNDING
+
+
+def warnings(p):
+    """Sum of the warnings that hold for parameters that are each within their range."""
+    found = 0
+    if p.layout != 0.0:
+        if satellites_overlap(p, 1.0 + p.sun_radius / p.satellite_radius):
+            found += PLANAR_OVERLAP
+        if p.eccentricity > p.satellite_radius * (1.0 + ROUNDING):
+            found += PLANAR_OUTSIDE
+        return found
+    s = p.z17 / p.z6
+    cosine = math.cos(p.shaft_angle)
+    # never negative but by rounding
+    if satellites_overlap(p, math.sqrt(max(0.0, 1.0 + 2.0 * s * cosine + s * s))):
+        found += BEVEL_OVERLAP
+    # the rim of an internal satellite is outside its pitch cone
+    if s + cosine > 0.0 and p.a > min(1.0, p.b) * (1.0 + ROUNDING):
+        found += BEVEL_OUTSIDE
+    if p.satellite_inertia > 2.0 * p.satellite_transverse_inertia * (1.0 + ROUNDING):
+        found += GEAR_TOO_FLAT
+    return found

@@ -11,8 +11,7 @@ from .equations.states import GEARED
 from .events.advance import advance_general
 from .events.kinematic import advance_kinematic, keep_ratio, prescribe
 from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
-from .links import prescribed_at_input
-from .shaft import fastest_own_rate
+from .links import fastest_own_rate, prescribed_at_input
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9

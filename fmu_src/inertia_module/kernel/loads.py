@@ -7,7 +7,6 @@ nothing for it. Of a long one, with its many pulses, only a share is seen from s
 
 import math
 
-from .bodies import momentum_rate
 from .derive import TWO_PI
 from .layout import acceleration, imbalance, imbalance_in_fixed_frame, to_fixed_frame
 
@@ -51,6 +50,30 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     moment.omega2 = omega2
     moment.alpha1 = alpha1
     moment.alpha2 = alpha2
+
+
+def momentum_rate(p, omega1, alpha1, rate_q, rate2_q, azimuth):
+    """Rate of the angular momentum of one gear's rotation in the frame of link 1, N m (bevel).
+
+    L = Jt v + h e with v = omega1 x + q' z of the drive, h = Jt s q' + (Ja - Jt) (w e) and e' = v x e.
+
+    Args:
+        p: parameters. omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''. azimuth: A of its axis, rad.
+    """
+    sine = math.sin(p.shaft_angle)
+    axial = math.cos(p.shaft_angle)
+    along = -sine * math.cos(azimuth)
+    across = -sine * math.sin(azimuth)
+    own = p.satellite_inertia
+    transverse = p.satellite_transverse_inertia
+    spin = own * (p.z17 / p.z6 + axial) - transverse * axial
+    h = spin * rate_q + (own - transverse) * along * omega1
+    h_rate = spin * rate2_q + (own - transverse) * (along * alpha1 - across * rate_q * omega1)
+    return (
+        transverse * alpha1 + h_rate * along - h * rate_q * across,
+        -transverse * omega1 * rate_q + h_rate * across + h * (rate_q * along - omega1 * axial),
+        transverse * rate2_q + h_rate * axial + h * omega1 * across,
+    )
 
 
 def write_loads(p, d, x, y, alpha2):

@@ -4,15 +4,16 @@ A shell may leave the late ones until they are read.
 """
 
 from .accumulate import lost_in_all
-from .audit import is_audited
 from .averaged.run import averaged_energy, write_averaged
 from .codes import (
     AVERAGED,
     ELASTIC,
+    EVENT,
     FREEWHEEL,
     JOURNAL,
     KINEMATIC,
     MESH,
+    RIGID,
     SHAFT,
     VISCOUS,
     WINDAGE,
@@ -20,9 +21,13 @@ from .codes import (
 from .derive import TWO_PI
 from .engine import solve_now
 from .equations.motion import stored_besides
-from .links import kinetic_energy
+from .links import kinetic_energy, stored_in_shaft
 from .loads import write_loads
-from .shaft import stored_in_shaft
+
+
+def is_audited(p):
+    """Tell whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
+    return p.fidelity >= RIGID and p.method == EVENT
 
 
 def shaft_in_energy(p, x):

@@ -1,9 +1,12 @@
-"""Start, and advance by a communication step."""
+"""Start, and advance by a communication step, whose energies are looked at before it is answered.
+
+What the input has put in goes out, is lost or is stored. Whatever has gone wrong in a step that nobody has
+thought of, energy from nowhere, a freewheel that let go too late, shows in their balance.
+"""
 
 import math
 
 from .accumulate import add, copy, lost_in_all, turn_output, wrap_drive_angle, wrap_input_angle
-from .audit import audit, is_audited
 from .averaged.balance import jump_averaged, takes_up_jump
 from .averaged.legs import RESTING
 from .averaged.run import end_step, run_averaged, speed_at_start
@@ -24,17 +27,24 @@ from .codes import (
 )
 from .derive import derive
 from .engine import follow_parameters, follow_torque, run_events, switch_now
-from .equations.jam import jams
+from .equations.satellites import jams
 from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import begin_here, run_timestepping
 from .impulse import jump_input
 from .inputs import begin, check_inputs, check_rates, input_speed
 from .limits import LARGEST_STEP
-from .outputs import stored_energy, write_late_outputs, write_outputs
-from .shaft import is_stiff
+from .links import is_stiff
+from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
+# share of the energies of the step and of the speeds that may be missing: so many tolerances, but neither
+# rounding nor a tenth
+TOLERANCES = 1e3
+LEAST = 1e-6
+MOST = 0.1
+# J: less than that is rounding of any machine that moves
+NOTHING = 1e-30
 # tolerance of a step whose results are to be differenced
 PRECISE = 1e-11
 
@@ -164,6 +174,31 @@ def advance(p, d, u, x, y, w, h, operation):
     if operation != STEP_ONLY and operation != STEP_TO_SWITCH:
         write_late_outputs(p, d, x, y)
     return OK
+
+
+def change(after, after_low, before, before_low):
+    """Change of a compensated sum."""
+    return (after - before) + (after_low - before_low)
+
+
+def audit(d, x, before, stored, tolerance):
+    """Tell whether the energies of the step balance: OK or NOT_BALANCED.
+
+    Args:
+        x, before: state after and before the step; x.energy_stored is set. stored: energy stored after it, J.
+        tolerance: that the step was made with.
+    """
+    put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
+    put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
+    lost = x.step_lost
+    missing = put_in - put_out - lost - (stored - before.energy_stored)
+    energies = abs(put_in) + abs(put_out) + abs(lost) + abs(stored) + abs(before.energy_stored)
+    x.energy_stored = stored
+    fastest = max(abs(x.omega1), abs(before.omega1))
+    share = max(LEAST, min(TOLERANCES * tolerance, MOST))
+    slow = share * fastest  # speeds that may be missing: of a slow swing all that there is
+    allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
+    return OK if abs(missing) <= allowed + NOTHING else NOT_BALANCED
 
 
 def apply_jump(p, d, u, x, h, jump):

@@ -26,8 +26,7 @@ from ..codes import (
 )
 from ..inputs import mean_torque, take_speed
 from ..limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
-from .motion import end, integral, keep_step, square_integral
-from .propagator import characteristic
+from .motion import characteristic, end, integral, keep_step, square_integral
 
 
 def check_inputs(u):

@@ -6,7 +6,7 @@ STATE = (
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
 )
 # all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow and
-# fast are tells propagator.characteristic. Then the step last taken, the responses to it and its Gramian
+# fast are tells motion.characteristic. Then the step last taken, the responses to it and its Gramian
 CONSTANTS = ("rate", "square", "swing", "slow", "fast", "step", ("responses", 7), ("gramian", 16))
 # z1 to z4 of the motions over the step in hand, room for the Gramian (motion), the state before the step
 WORKSPACE = (

@@ -4,8 +4,7 @@ import math
 
 from ..codes import JOURNAL, MESH
 from ..equations.states import LOCKED, WOUND
-from ..links import kinetic_energy, response
-from ..shaft import shaft_frequency
+from ..links import kinetic_energy, response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from .stages import (
     LOST,

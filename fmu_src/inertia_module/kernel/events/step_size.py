@@ -3,7 +3,7 @@
 import math
 
 from ..equations.states import is_rough
-from ..shaft import fastest_own_rate
+from ..links import fastest_own_rate
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
 from .guards import how_many_guards, is_clear, is_watched

@@ -16,9 +16,7 @@ from ..inertia import reduced_inertia
 from ..limits import MAX_STEPS
 from ..links import inertia_of_link1, inertia_of_link2
 from ..loads import sample_load
-from .hub_step import drive_mass, load_hub, turn_shaft
-from .link_step import move_links
-from .satellite_step import end_fall, find_friction, mesh_impulse, weigh
+from .motion import drive_mass, end_fall, find_friction, load_hub, mesh_impulse, move_links, turn_shaft, weigh
 
 # parts of a step that are too short to be told from none
 SHORTEST = 1e-6
