@@ -17,11 +17,11 @@ from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations.choice import choose_states
 from inertia_module.kernel.equations.states import LOCKED, OPEN
 from inertia_module.kernel.events.advance import begin_step
-from inertia_module.kernel.events.guards import fit_guard, general_guard, is_exact
-from inertia_module.kernel.events.stages import exact_guard, make_inside, make_step
+from inertia_module.kernel.events.guards import general_guard, is_exact
+from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.links import friction_power, inertia_at_output, kinetic_energy, prescribed_at_input
-from inertia_module.kernel.tableau import LONG
+from inertia_module.kernel.tableau import END, LONG, STAGES, fit
 from studies.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
@@ -126,9 +126,9 @@ def test_guards_in_an_explicit_step(values, chance, mode):
     x.slip_sign, x.rates_cached = 1.0, 0.0
     begin_step(d, x, w)
     make_step(d, x, w, LONG, step)
-    make_inside(d, x, w)
+    evaluate_stages(d, x, w, END + 1, STAGES - 1)
     for which in range(2):
-        fit_guard(w, which)
+        fit(w.step, w.watched[which].rate, w.watched[which].dense)
         w.watched[which].value[0] = max(w.watched[which].value[0], 0.0)  # what lacks of zero is left out
         # the slope of a torque is a difference
         assert_guard_rates(d, x, w, which, rel=1e-4, share=1e-6)

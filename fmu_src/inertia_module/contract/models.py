@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 from ..common.errors import Named, must_be
 from ..common.files import content_hash, sources
 from ..kernel import codes, entry, fields
-from ..kernel.driven_shaft import entry as shaft_entry
-from ..kernel.driven_shaft import fields as shaft_fields
+from ..kernel.driven_shaft import entry as shaft
 from . import messages, variables
 from .records import Field, place, size
 from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
@@ -172,8 +171,8 @@ DRIVEN_SHAFT = Model(
         " balancer; the elastic output of the inertia module alone"
     ),
     variables=variables.OF_SHAFT,
-    call=shaft_entry.call,
-    records=(_P, shaft_fields.CONSTANTS, _U, shaft_fields.STATE, _Y, shaft_fields.WORKSPACE),
+    call=shaft.call,
+    records=(_P, shaft.CONSTANTS, _U, shaft.STATE, _Y, shaft.WORKSPACE),
     messages=messages.of_inputs(variables.OF_SHAFT),
     traced=("omega_out", "twist"),
     terminals=variables.TERMINALS_OF_SHAFT,

@@ -27,13 +27,6 @@ def lost_in_all(x):
     return total
 
 
-def time_later(time, low, passed):
-    """Time and what rounding has kept from it, the time passed later. Returns (time, low)."""
-    passed += low
-    new = time + passed
-    return new, passed - (new - time)
-
-
 def copy(target, source):
     """Fill an array with the numbers of another, at least as long."""
     for n in range(len(target)):

@@ -3,7 +3,7 @@
 The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
 """
 
-from .accumulate import copy, time_later
+from .accumulate import add, copy
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .equations.choice import GOES_ON, choose_next_states, choose_states
 from .equations.motion import evaluate, recall, take_state
@@ -44,13 +44,6 @@ def follow_parameters(p, d, x):
     elif p.fidelity != AVERAGED:
         choose_states(d, x, 0.0)
         follow_torque(d, x)
-
-
-def stop_here(x, time):
-    """End the communication step just before a switch, so long after its beginning, s."""
-    x.switching = 1.0
-    x.length = time
-    x.held_step = time
 
 
 def switch_now(d, x):
@@ -94,7 +87,7 @@ def run_events(d, x, w, h):
         if passed >= remaining:
             time = h
         else:
-            time, low = time_later(time, low, passed)
+            time, low = add(time, low, passed)
         if d.by_torque == 0.0:
             x.omega1 = start1 + w.prescribed * time
             x.omega1_low = 0.0
@@ -108,7 +101,8 @@ def run_events(d, x, w, h):
             changed = choose_next_states(d, x)
             if changed and w.stops != 0.0 and time > SHORTEST * h:
                 copy(x.numbers, w.kept.numbers)
-                stop_here(x, time)
+                x.switching = 1.0
+                x.length = x.held_step = time
                 return OK
             stalls = 0 if changed else stalls + 1
             allowed = SWITCHES_PER_PULSE * d.harmonic * travel

@@ -42,7 +42,7 @@ STATE = (
     *("torque_ripple", "torque_peak"),
     *("switches", "evaluations", "output_angle", "output_angle_low", "output_turns"),
     # the communication step in hand, or the last one: its length, the state it began with
-    *("length", "begin_q", "begin_omega1", "begin_omega2"),
+    *("length", "begin_q", "begin_omega2"),
     *("begin_theta1", "begin_input_turns", "begin_drive_turns"),
     # ... and sums over it: impulses, angle of the output
     *("input_impulse", "output_impulse", "mesh_impulse", "output_square", "turned3"),

@@ -72,7 +72,6 @@ def begin(p, u, x, h):
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h
     x.begin_q = x.q
-    x.begin_omega1 = x.omega1
     x.begin_omega2 = x.omega2
     x.step_lost = 0.0
     x.begin_theta1 = x.theta1

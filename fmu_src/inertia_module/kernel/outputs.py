@@ -30,17 +30,14 @@ def is_audited(p):
     return p.fidelity >= RIGID and p.method == EVENT
 
 
-def shaft_in_energy(p, x):
-    """Speed with which J3 enters the energy: prescribed motion ends at the output, before J3."""
-    return 0.0 if p.fidelity == KINEMATIC else x.omega3
-
-
 def stored_energy(p, d, x):
     """Kinetic energy of the mechanism and the energy of an elastic output, J."""
     if p.fidelity == AVERAGED:
         return averaged_energy(d, x)
     besides = stored_besides(d, x) if d.losses != 0.0 else 0.0
-    stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, shaft_in_energy(p, x))
+    # prescribed motion ends at the output, before J3
+    omega3 = 0.0 if p.fidelity == KINEMATIC else x.omega3
+    stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
     return stored + stored_in_shaft(d, x) if p.fidelity == ELASTIC else stored
 
 

@@ -140,16 +140,6 @@ def dense_rate(dense, sigma):
     return slope * sigma + dense[0] + y * rest
 
 
-def dense_fourth_bound(dense):
-    """Bound of the fourth derivative of dense_change in sigma."""
-    return 24.0 * abs(dense[3]) + 72.0 * (abs(dense[4]) + abs(dense[5])) + 96.0 * abs(dense[6])
-
-
-def dense_rate_fourth_bound(dense):
-    """Bound of the fourth derivative of dense_rate in sigma."""
-    return 120.0 * abs(dense[4]) + 360.0 * abs(dense[5]) + 720.0 * abs(dense[6])
-
-
 def write_inside_weights(sigma, weights):
     """Write the weights of the rates at the stages in dense_change at the fraction sigma into weights."""
     rest = 1.0 - sigma

@@ -12,10 +12,7 @@ from ..tableau import (
     PARTS,
     THIRDS,
     dense_change,
-    dense_fourth_bound,
     dense_rate,
-    dense_rate_fourth_bound,
-    fit,
     last_stage,
 )
 
@@ -87,12 +84,6 @@ def value_and_rate(d, x, m, which):
     return m.output + d.output_drag, m.output + d.output_drag
 
 
-def watch(d, x, w, n, lossy):
-    """Keep the guards at stage n."""
-    for which in range(how_many_guards(d) if lossy else SLIP):
-        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, d.machine, which)
-
-
 def is_clear(x, w, which):
     """Tell whether a guard does not fall in the step, by its stages.
 
@@ -139,11 +130,6 @@ def fit_through(x, w, which):
         one.dense[3] = 2.25 * (first + second - begin - end)
 
 
-def fit_guard(w, which):
-    """Fit the inside of the step in hand."""
-    fit(w.step, w.watched[which].rate, w.watched[which].dense)
-
-
 def general_guard(x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma, from its fit.
 
@@ -165,8 +151,6 @@ def general_guard(x, w, which, sigma):
 def general_fourth_bound(x, w, which):
     """Bound of the fourth derivative of the fit."""
     dense = w.watched[which].dense
-    return (
-        dense_fourth_bound(dense)
-        if is_speed(x, which) or w.pair == THIRDS
-        else dense_rate_fourth_bound(dense) / w.step
-    )
+    if is_speed(x, which) or w.pair == THIRDS:
+        return 24.0 * abs(dense[3]) + 72.0 * (abs(dense[4]) + abs(dense[5])) + 96.0 * abs(dense[6])
+    return (120.0 * abs(dense[4]) + 360.0 * abs(dense[5]) + 720.0 * abs(dense[6])) / w.step

@@ -13,9 +13,8 @@ from ..equations.choice import torques_at
 from ..equations.motion import recall
 from ..equations.states import is_rough
 from ..links import response
-from ..tableau import PARTS, THIRDS
+from ..tableau import END, PARTS, STAGES, THIRDS, fit
 from .guards import (
-    fit_guard,
     fit_through,
     general_fourth_bound,
     general_guard,
@@ -28,7 +27,7 @@ from .guards import (
     value_and_rate,
 )
 from .rosenbrock import look_inside, make_stiff_step, set_part
-from .stages import exact_guard, make_inside, solve_changed
+from .stages import evaluate_stages, exact_guard, solve_changed
 from .step_size import STEP_PHASE, advance_of_phase
 
 CROSSING_LOOKS = 100
@@ -71,34 +70,18 @@ def next_look(low, rate_low, high, rate_high):
     return 0.5 * (low + high)
 
 
-def find_crossing(d, x, w, which, zero, low, high, value, rate):
-    """Fraction where the guard falls below -zero; it is not below at low, and is at high, with this rate."""
-    sigma = high
-    for _ in range(CROSSING_LOOKS):
-        if -4.0 * zero <= value < -zero:
-            return sigma
-        move = sigma - (value + 2.0 * zero) / rate if rate < 0.0 else low
-        sigma = move if low < move < high else 0.5 * (low + high)
-        if not low < sigma < high:
-            return high
-        value, rate = general_guard(x, w, which, sigma)
-        if value < -zero:
-            high = sigma
-        else:
-            low = sigma
-    return high
-
-
-def find_exactly(d, x, w, which, zero, low, high, sigma):
-    """Fraction where a guard falls by the equations, or -1 if it does not between low and high.
+def find_crossing(d, x, w, which, zero, low, high, sigma, exact):
+    """Fraction where the guard falls below -zero between low, where it has not, and high; -1 if it does not.
 
     Args:
-        sigma: where it does by its fit, which falls where a torque may not.
+        sigma: where it is looked for first. exact: whether by the equations, where its fit falls but a torque
+            may not, or by its fit, which has fallen at high.
     """
-    fallen = False
+    fallen = not exact
     for _ in range(CROSSING_LOOKS):
-        value = exact_guard(d, x, w, which, sigma)
-        _, rate = general_guard(x, w, which, sigma)
+        value, rate = general_guard(x, w, which, sigma)
+        if exact:
+            value = exact_guard(d, x, w, which, sigma)
         if -4.0 * zero <= value < -zero:
             return sigma
         if value < -zero:
@@ -141,9 +124,9 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
                 high = next_look(low, rate_low, high, rate)
                 continue
             if value < -zero:
-                sigma = find_crossing(d, x, w, which, zero, low, high, value, rate)
+                sigma = find_crossing(d, x, w, which, zero, low, high, high, False)
                 if w.pair != THIRDS and is_exact(x, which):
-                    sigma = find_exactly(d, x, w, which, zero, low, high, sigma)
+                    sigma = find_crossing(d, x, w, which, zero, low, high, sigma, True)
                 if sigma >= 0.0:
                     return sigma
         low = high
@@ -180,9 +163,9 @@ def first_event(d, x, w, fastest, cleared):
             fit_through(x, w, guard)
         else:
             if not inside:
-                make_inside(d, x, w)
+                evaluate_stages(d, x, w, END + 1, STAGES - 1)
                 inside = True
-            fit_guard(w, guard)
+            fit(w.step, w.watched[guard].rate, w.watched[guard].dense)
         zero = guard_tolerance(d, x, w, guard, fastest)
         sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):

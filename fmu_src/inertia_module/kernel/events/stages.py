@@ -8,7 +8,7 @@ from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
 from ..links import friction_power
 from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
-from .guards import value_and_rate, watch
+from .guards import SLIP, how_many_guards, value_and_rate
 
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
@@ -95,7 +95,8 @@ def rates_of(d, x, w, n, lossy):
         rates.lost[JOURNAL] = m.journals * turned
         rates.lost[WINDAGE] = m.windage
         rates.lost[FREEWHEEL] = power_of_freewheels(d, x, m)
-    watch(d, x, w, n, lossy)
+    for which in range(how_many_guards(d) if lossy else SLIP):
+        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
 def weighed_rate(w, row, count, which):
@@ -193,13 +194,8 @@ def make_step(d, x, w, pair, h):
     set_changes(d, x, w, w.change, h, last, FEWEST)
 
 
-def make_inside(d, x, w):
-    """Evaluate the stages for the inside of the step in hand."""
-    evaluate_stages(d, x, w, END + 1, STAGES - 1)
-
-
-def take_changed(d, x, changes):
-    """The motion with these changes into d.machine."""
+def solve_changed(d, x, w, changes):
+    """Solve the equations for the motion with these changes, into d.machine."""
     m = d.machine
     m.q = x.q + changes.q
     m.theta1 = x.theta1 + changes.theta1
@@ -211,11 +207,6 @@ def take_changed(d, x, changes):
         m.relative = x.relative + changes.relative
         m.wound_housing = x.wound_housing + changes.wound_housing
         m.wound_output = x.wound_output + changes.wound_output
-
-
-def solve_changed(d, x, w, changes):
-    """Solve the equations for the motion with these changes, into d.machine."""
-    take_changed(d, x, changes)
     solve_motion(d, x, w)
 
 
