@@ -7,6 +7,7 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
+from scenes import ALL_LOSSES, ELASTIC, REFERENCE, WIND_UP
 
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.loading import Slave, messages_of_others, pass_on
@@ -14,28 +15,23 @@ from inertia_module.harness.loading import Slave, messages_of_others, pass_on
 # the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
-R1 = {"omega1": 100.0, "load_torque": 10.0}
-ELASTIC = {"output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
-LOSSES = {
-    **{"mesh_efficiency": 0.97, "satellite_mesh_efficiency": 0.98, "journal_friction": 1e-3},
-    **{"housing_drag": 0.3, "output_drag": 0.2, "output_drag_viscous": 0.01, "link2_friction": 0.01},
-}
-WIND_UP = {"housing_stiffness": 1e4, "freewheel_stiffness": 1e4, "freewheel_damping": 1.0}
 TUNED = {
     **{"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2},
     **{"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5, "kinematic_ratio": 0.7},
 }
+R1 = REFERENCE
+FIXED = {"method": 1, "max_step": 1e-3}
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
 # each fidelity and method, by speed and, where that can make the motion, by torque
 LEVELS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
     "averaged": {"fidelity": 1},
     "rigid": {"fidelity": 2},
-    "timestepping": {"fidelity": 2, "method": 1, "max_step": 1e-3},
-    "elastic": {"fidelity": 3, **ELASTIC},
-    "elastic, timestepping": {"fidelity": 3, "method": 1, "max_step": 1e-3, **ELASTIC},
-    "rigid with losses": {"fidelity": 2, **LOSSES},
-    "elastic with losses": {"fidelity": 3, **ELASTIC, **LOSSES, **WIND_UP},
+    "timestepping": {"fidelity": 2, **FIXED},
+    "elastic": ELASTIC,
+    "elastic, timestepping": {**ELASTIC, **FIXED},
+    "rigid with losses": {"fidelity": 2, **ALL_LOSSES},
+    "elastic with losses": {**ELASTIC, **ALL_LOSSES, **WIND_UP},
 }
 LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
 

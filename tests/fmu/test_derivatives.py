@@ -3,16 +3,17 @@
 import math
 
 import pytest
+from scenes import ELASTIC
 
-from .conftest import BY_TORQUE, ELASTIC, R1
+from .conftest import BY_TORQUE, R1
 from .conftest import LEVELS as ALL_LEVELS
 
 FLAVOURS = ("InertiaModule", "InertiaModule3")
 START = {**R1, "drive_torque": 20.0}
 LEVELS = {
     **{name: settings for name, settings in ALL_LEVELS.items() if "losses" not in name},
-    "stiff": {"fidelity": 3, **ELASTIC, "shaft_stiffness": 1e9},
-    "stiff, by torque": {"fidelity": 3, **ELASTIC, "shaft_stiffness": 1e9, **BY_TORQUE},
+    "stiff": {**ELASTIC, "shaft_stiffness": 1e9},
+    "stiff, by torque": {**ELASTIC, "shaft_stiffness": 1e9, **BY_TORQUE},
 }
 for name in ("averaged", "averaged, by torque"):
     LEVELS[name] = LEVELS[name] | {"omega_out_start": 5.0}
@@ -192,6 +193,8 @@ def test_absurd_rates_are_discarded(instance, name, rate):
     [
         (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "must be that of an output, is "),
         (lambda i: i.directional(("omega2",), ("omega2",), (1.0,)), "must be that of an input, is "),
+        # a known at the start alone
+        (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "must be that of an input, is "),
         (
             lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),
             "a direction must be finite, is nan",

@@ -213,18 +213,13 @@ def test_a_state_is_freed_once_however_often_it_is_asked_for(instance):
     assert not instance.is_discarded(0.1)
 
 
+KINDS = ("Real", "Integer", "Boolean", "String")
+# None: a pointer that is NULL
 NULL_ARGUMENTS = {
-    **{
-        f"{call}{kind}": (1, None)
-        for call in ("Get", "Set")
-        for kind in ("Real", "Integer", "Boolean", "String")
-    },
-    "GetFMUstate": (),
-    "SetFMUstate": (),
-    "SerializedFMUstateSize": (None,),
-    "SerializeFMUstate": (None, 100),
-    "DeSerializeFMUstate": (100, None),
-    "GetRealStatus": None,
+    **{f"{call}{kind}": (None, 1, None) for call in ("Get", "Set") for kind in KINDS},
+    **{"GetFMUstate": (None,), "SetFMUstate": (None,), "SerializedFMUstateSize": (None, None)},
+    **{"SerializeFMUstate": (None, None, 100), "DeSerializeFMUstate": (None, 100, None)},
+    "GetRealStatus": (2, None),
 }
 
 
@@ -233,9 +228,7 @@ def test_null_pointers_are_refused_and_the_instance_goes_on(instance, call):
     instance.start(omega1=100.0)
     instance.step(0.1)
     before = instance.all_values()
-    others = NULL_ARGUMENTS[call]
-    # of sizes, for a size is as wide as a pointer
-    given = [2, None] if others is None else [None, *others]
+    given = NULL_ARGUMENTS[call]
     arguments = [ctypes.c_void_p(value) if value is None else ctypes.c_size_t(value) for value in given]
     function = instance.fmu.dll[f"fmi2{call}"]
     with messages_of_others() as messages:
@@ -243,5 +236,5 @@ def test_null_pointers_are_refused_and_the_instance_goes_on(instance, call):
     assert messages == [f"the arguments of fmi2{call} must be given, one is NULL"]
     assert instance.all_values() == before
     assert not instance.is_discarded(0.1)
-    if call.endswith(("Real", "Integer", "Boolean", "String")):
+    if call.endswith(KINDS):
         assert function(ctypes.c_void_p(instance.fmu.component), None, ctypes.c_size_t(0), None) == fmi2OK

@@ -6,8 +6,9 @@ from pathlib import Path
 import control as ct
 import numpy as np
 import pytest
+from scenes import ELASTIC
 
-from inertia_module import bridge, loops
+from inertia_module import bridge
 from inertia_module.contract.variables import (
     BY_NAME,
     DRIVE_ANGLE,
@@ -18,15 +19,13 @@ from inertia_module.contract.variables import (
     with_causality,
 )
 from inertia_module.harness.fmu import Fmu, FmuError
+from studies.coupling import URBAN_MODULE
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
 START = {"omega1": 100.0, "load_torque": 10.0}
-ELASTIC = {"fidelity": "elastic", "output_inertia": 0.02, "driven_inertia": 0.5, "shaft_stiffness": 400.0}
-ELASTIC |= {"shaft_damping": 0.05}
 OUTPUTS = ("omega_out", "input_torque_mean", "output_torque_mean")
-PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
-PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
+PLANAR = {**URBAN_MODULE, "output_inertia": 4.78}
 
 
 SPEEDS, TORQUES, HUB = ((name, "load_torque") for name in ("omega1", "drive_torque", "hub_speed"))
@@ -131,28 +130,6 @@ def test_same_state_and_input_give_the_same_whatever_came_before(built, name, pa
 
 
 # --- with the tools of control ---
-
-
-def test_pi_controller_closes_the_loop_by_interconnect_as_in_a_loop_by_hand(fmu):
-    steps, start = 300, {"omega1": 60.0, "load_torque": 10.0}
-    controller = loops.pi_speed_controller(STEP, 3.0, 2.0, (0.0, 300.0))
-    integral, by_hand = np.zeros(1), []
-    with Fmu(fmu, {}, start, 1e-9) as module:
-        for _ in range(steps):
-            by_hand.append(module["omega_out"])
-            seen = [20.0, by_hand[-1]]
-            module.set(omega1=float(controller.output(0.0, integral, seen)[0]), load_torque=10.0)
-            module.advance(STEP)
-            integral = controller.dynamics(0.0, integral, seen)
-    with bridge.fmu_system(
-        fmu, step=STEP, start=start, tolerance=1e-9, state="whole", outputs=["omega_out"], name="module"
-    ) as plant:
-        system = ct.interconnect(
-            [controller, plant.system], inputs=["reference", "load_torque"], outputs=["omega_out"]
-        )
-        given = np.array([[20.0], [10.0]]) * np.ones(steps)
-        found = run(system, given, np.concatenate([[0.0], plant.start]))
-    assert (found[0] == by_hand).all()
 
 
 def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(fmu):

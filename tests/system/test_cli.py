@@ -14,16 +14,15 @@ from typer.testing import CliRunner
 from inertia_module import __version__
 from inertia_module.cli import app, show
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.compiling import CompilationUnavailable
 from inertia_module.fidelity.levels import Row as Measured
 from inertia_module.fidelity.levels import print_levels
-from inertia_module.fmu import native_fmu
-from inertia_module.fmu.builder import FMUS
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.harness.results import Result
 from tests.system.programs import command, process
 
-ROOT = Path(__file__).parents[2]
-REFERENCE = str(ROOT / "examples" / "reference.toml")
+EXAMPLES = Path(__file__).parents[2] / "examples"
+REFERENCE = str(EXAMPLES / "reference.toml")
+RIG = [EXAMPLES / "fit_rig.csv", EXAMPLES / "fit_rig.toml"]
 
 
 def own_process(*arguments, folder):
@@ -40,24 +39,7 @@ def workshop(built, tmp_path):
     return tmp_path
 
 
-SCENE = """
-[drive]
-kind = "constant"
-omega1 = "100 rad/s"
-[load]
-kind = "torque"
-torque = "10 N.m"
-[run]
-stop_time = "0.1 s"
-communication_step = "1 ms"
-"""
-
-
-@pytest.fixture
-def scene(tmp_path):
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    return path
+SHORT = (REFERENCE, "--set", "run.stop_time=0.1 s", "--set", "run.communication_step=1 ms")
 
 
 # --- what commands leave ---
@@ -71,25 +53,8 @@ def test_build_leaves_the_fmus_in_build_and_tells_machines(tmp_path):
         assert (tmp_path / "build" / fmu.file_name).is_file()
 
 
-def test_build_without_a_compiler_fails_and_names_the_extra(monkeypatch, tmp_path):
-    missing = "ziglang is not installed; it comes with the extra inertia-module[fast]"
-
-    def tool_versions(*names):
-        raise CompilationUnavailable(missing)
-
-    monkeypatch.setattr(native_fmu, "tool_versions", tool_versions)
-    done = command("build", "-o", tmp_path)
-    assert done.exit_code == 1
-    assert f"InertiaModule.fmu: {missing}" in done.stderr
-    assert (tmp_path / "InertiaModulePy.fmu").is_file()
-    assert not (tmp_path / "InertiaModule.fmu").exists()
-    done = command("build", "-o", tmp_path, "--json")
-    assert done.exit_code == 1
-    assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(json.loads(done.stdout)["skipped"])
-
-
-def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(scene, tmp_path):
-    done = own_process("run", scene, "-o", tmp_path / "out", folder=tmp_path)
+def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(tmp_path):
+    done = own_process("run", *SHORT, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
@@ -104,9 +69,9 @@ def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(scene, tm
     assert "omega out final" in done.stdout
 
 
-def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
+def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
     auto = ("--fidelity", "auto", "--error", "5 %")
-    done = command("run", scene, *auto, "-o", tmp_path / "out", folder=workshop)
+    done = command("run", *SHORT, *auto, "-o", tmp_path / "out", folder=workshop)
     assert done.exit_code == 0, done.stderr
     for words in ("chosen: ", "where 0.05 was asked for", "next level: "):
         assert words in done.stdout
@@ -116,22 +81,22 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, scene, tmp_path):
     assert choice["chosen"]["fidelity"] == "rigid"
 
 
-def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, scene, tmp_path):
-    scene.write_text(SCENE + "[mechanism]\nsatellites = 6\na = 1.5\n")
-    done = command("run", scene, "-o", tmp_path / "out", folder=workshop)
+def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
+    scene = (*SHORT, "--set", "satellites=6", "--set", "a=1.5")
+    done = command("run", *scene, "-o", tmp_path / "out", folder=workshop)
     assert done.exit_code == 0, done.stderr
     assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 2
     assert "the 6 satellites of a module overlap" in done.stderr
     assert "a must be at most 1 and at most b = 1, is 1.5" in done.stderr
-    printed = json.loads(command("run", scene, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
+    printed = json.loads(command("run", *scene, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
     assert printed["summary"]["simulated_time"] == 0.1
     assert Path(printed["files"]["table"]).is_file()
     assert [f"warning: {warning}" for warning in printed["warnings"]] == done.stderr.splitlines()
 
 
-def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
+def test_tradeoff_of_a_scene_for_machines(tmp_path):
     arguments = ("--recommend", "1 %", "--wanted", "omega_out", "--json")
-    done = command("tradeoff", scene, *arguments, "-o", tmp_path / "out", folder=tmp_path)
+    done = command("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["recommendation"]["chosen"]["error"] <= 0.01
@@ -143,20 +108,13 @@ def test_tradeoff_of_a_scene_for_machines(scene, tmp_path):
     assert all(Path(file).stat().st_size > 500 for file in found["files"].values())
 
 
-@pytest.mark.parametrize(
-    "name, run",
-    [
-        ("InertiaModule", command),
-        ("InertiaModule3", command),
-        ("InertiaModulePy", own_process),  # that of a Python FMU is left in a way of its own
-        ("DrivenShaft3", command),
-    ],
-)
-def test_check_finds_no_problem_in_ours(workshop, name, run):
-    done = run("check", f"build/{name}.fmu", folder=workshop)
+@pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
+def test_check_finds_no_problem_in_ours(built, tmp_path, fmu):
+    # the process of a Python FMU is left in a way of its own
+    done = (own_process if fmu is PYTHON_FMU else command)("check", built / fmu.file_name, folder=tmp_path)
     assert done.exit_code == 0
     assert "no problems found" in done.stdout
-    assert ("with event mode" in done.stdout) == (name == "InertiaModule3")
+    assert ("with event mode" in done.stdout) == (fmu.identifier == "InertiaModule3")
 
 
 def test_check_tells_what_is_wrong_with_another(built, tmp_path):
@@ -172,18 +130,19 @@ def test_check_tells_what_is_wrong_with_another(built, tmp_path):
     assert any("furlong" in problem for problem in json.loads(done.stdout)["problems"])
 
 
+# files and options of a job, and what it is told
 OPTIONS = {
     "sweep": (
-        [*("--vary", "a=1:2", "--sample", "latin:3", "--seed", "7"), *("--sensitivity", "8")],
+        [REFERENCE, "--vary=a=1:2", "--sample=latin:3", "--seed=7", "--sensitivity=8"],
         {"sample": "latin:3", "sensitivity": 8, "seed": 7},
     ),
-    "design": ([], {}),
+    "design": ([EXAMPLES / "design_car.toml"], {}),
     "fit": (
-        [*("--free", "a", "--column", "omega2", "--starts", "3", "--seed", "7")],
+        [*RIG, "--free=a", "--column=omega2", "--starts=3", "--seed=7"],
         {"columns": ["omega2"], "starts": 3, "seed": 7},
     ),
     "orders": (
-        [*("--of", "pulses", "--signal", "omega2", "--highest", "5", "--turns", "6"), "--from", "1 s"],
+        [REFERENCE, "--of=pulses", "--signal=omega2", "--highest=5", "--turns=6", "--from=1 s"],
         {"of": "pulses", "signals": ["omega2"], "highest": 5.0, "turns": 6.0, "begin": 1.0, "end": None},
     ),
 }
@@ -191,7 +150,7 @@ CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, scene, tmp_path, monkeypatch):
+def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_path, monkeypatch):
     told = {}
 
     def stand_in(*arguments, **options):
@@ -199,14 +158,11 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, scene, 
         raise RuntimeError("the work\nis not done")
 
     monkeypatch.setattr(importlib.import_module(f"inertia_module.jobs.{name}"), name, stand_in)
-    options, expected = OPTIONS[name]
+    arguments, expected = OPTIONS[name]
     if name in ("sweep", "design"):
-        options = [*options, *CLUSTER]
+        arguments = [*arguments, *CLUSTER]
         expected = {**expected, "scheduler": "tcp://host:1", "workers": 2}
-    if name == "design":
-        scene.write_text(SCENE + '[free]\na = "0.5:0.9"\n[figures]\nenergy_in = { goal = "least" }\n')
-    first = [scene.with_suffix(".csv"), scene] if name == "fit" else [scene]
-    done = command(name, *first, *options, "--fmu", "x.fmu", "-o", tmp_path / "out")
+    done = command(name, *arguments, "--fmu", "x.fmu", "-o", tmp_path / "out")
     assert (done.exit_code, done.stderr) == (1, "error: the work is not done\n")
     assert {key: told[key] for key in expected} == expected
 
@@ -215,14 +171,14 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, scene, 
 
 CHOOSING = ("run", "--fidelity", "auto")
 REFUSED = [
-    (("run",), ('kind = "constant"', 'kind = "konstant"'), ("drive.kind must be one of", "is 'konstant'")),
-    (CHOOSING, None, ("accuracy.error must be given",)),
-    (("run", "--error", "1 %"), None, ("--error = 1 % must come with fidelity auto",)),
-    ((*CHOOSING, "--error", "much"), None, ("--error must be a number above 0", "is 'much'")),
-    (("run", "--fidelity", "exact"), None, ("mechanism.fidelity must be 0 (kin", "or auto, is 'exact'")),
-    ((*CHOOSING, "--error", "1e-15"), None, ("error = 1e-15", "met by no level of fidelity")),
-    (("tradeoff", "--recommend", "0"), None, ("--recommend must be a number above 0", "is '0'")),
-    (("tradeoff", "--wanted", "speed"), None, ("run.outputs", "'speed'")),
+    (("run", "--set", "drive.kind=konstant"), ("drive.kind must be one of", "is 'konstant'")),
+    (CHOOSING, ("accuracy.error must be given",)),
+    (("run", "--error", "1 %"), ("--error = 1 % must come with fidelity auto",)),
+    ((*CHOOSING, "--error", "much"), ("--error must be a number above 0", "is 'much'")),
+    (("run", "--fidelity", "exact"), ("mechanism.fidelity must be 0 (kin", "or auto, is 'exact'")),
+    ((*CHOOSING, "--error", "1e-15"), ("error = 1e-15", "met by no level of fidelity")),
+    (("tradeoff", "--recommend", "0"), ("--recommend must be a number above 0", "is '0'")),
+    (("tradeoff", "--wanted", "speed"), ("run.outputs", "'speed'")),
 ]
 
 
@@ -232,11 +188,10 @@ def is_one_line(done, *words):
     assert all(word in done.stderr for word in words), done.stderr
 
 
-@pytest.mark.parametrize("arguments, change, words", REFUSED)
-def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, scene, tmp_path, arguments, change, words):
-    scene.write_text(SCENE.replace(*change) if change else SCENE)
+@pytest.mark.parametrize("arguments, words", REFUSED)
+def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, tmp_path, arguments, words):
     name, *options = arguments
-    is_one_line(command(name, scene, *options, "-o", tmp_path / "out", folder=workshop), *words)
+    is_one_line(command(name, *SHORT, *options, "-o", tmp_path / "out", folder=workshop), *words)
     assert not (tmp_path / "out").exists()
 
 
@@ -291,11 +246,8 @@ def places(folder):
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_place_that_cannot_be_written_is_refused_before_the_work(name, tmp_path, monkeypatch):
-    def worked(*_, **__):
-        raise AssertionError("the work was begun, and what it gives would be lost")
-
     arguments, work = COMMANDS[name]
-    monkeypatch.setattr(f"inertia_module.{work}", worked)
+    monkeypatch.setattr(f"inertia_module.{work}", lambda *_, **__: pytest.fail("the work was begun"))
     for place, words in places(tmp_path).items():
         demand = f"error: {place} must be a folder that can be written to: "
         is_one_line(command(*arguments, "-o", place), demand, words)

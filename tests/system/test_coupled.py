@@ -4,8 +4,8 @@ import csv
 import math
 import re
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -32,8 +32,6 @@ SAMPLE = 5e-3
 INTERFACE = 0.1
 PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
 SPEED, TORQUE_STEP = 100.0, 1.0
-# scheme, and what the engine reckons with, over the interface inertia
-LIMITED = [(Scheme.JACOBI, 0.0), (Scheme.MODULE_FIRST, 0.0), (Scheme.INERTIA, 0.5)]
 
 
 @cache
@@ -79,48 +77,44 @@ def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
     return changes
 
 
-def is_stable(scheme, ratio, step, fmu, share, count=300):
-    changes = speed_changes(scheme, ratio, step, fmu, share, count)
-    if len(changes) < count:
-        return False
-    unrest = [abs(b - a) for a, b in pairwise(changes)]
-    return max(unrest[-20:]) < max(*unrest[20:40], 1e-3 * abs(changes[-1]))
+@pytest.mark.parametrize(
+    "scheme, share, ratio, step, stable",
+    [
+        # what the engine reckons with, over the interface inertia; shorter steps do not move the limit
+        *(
+            (scheme, share, ratio, step, ratio < 1.0)
+            for scheme, share in ((Scheme.JACOBI, 1.0), (Scheme.MODULE_FIRST, 1.0), (Scheme.INERTIA, 0.5))
+            for ratio in (0.3, 0.95, 1.05, 3.0)
+            for step in (1e-5, 5e-3)
+        ),
+        # there is none
+        *(
+            (Scheme.INERTIA, share, ratio, 1e-3, True)
+            for share in (0.75, 1.0)
+            for ratio in (0.3, 3.0, 1000.0)
+        ),
+        *((Scheme.IMPLICIT, 1.0, ratio, 1e-3, True) for ratio in (0.3, 3.0, 1000.0)),
+    ],
+)
+def test_changes_of_speed_follow_the_characteristic_polynomial_to_either_side_of_its_limit(
+    fmu, scheme, share, ratio, step, stable
+):
+    polynomial = np.array(characteristic(scheme, ratio, share * ratio))
+    changes = np.array(speed_changes(scheme, ratio, step, fmu, share, 12)[:12])
+    # an error of the module's torque moves a small engine the more
+    unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min() * max(1.0, 0.01 * ratio)
+    for n in range(4, unrest.size - polynomial.size):
+        window = unrest[n : n + polynomial.size][::-1]
+        terms = np.abs(polynomial * window).sum()
+        assert abs(polynomial @ window) < 1e-3 * terms + rounding
+    assert (np.abs(np.roots(polynomial)).max() < 1.0) == stable
 
 
 @pytest.mark.parametrize("scheme", Scheme)
-def test_changes_of_speed_follow_the_characteristic_polynomial_to_those_of_all_the_inertia(fmu, scheme):
-    for ratio, share in ((0.3, 1.0), (3.0, 0.6)):
-        polynomial = np.array(characteristic(scheme, ratio, share * ratio))
-        changes = np.array(speed_changes(scheme, ratio, 1e-3, fmu, share, 12)[:12])
-        unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min()
-        for n in range(4, unrest.size - polynomial.size):
-            window = unrest[n : n + polynomial.size][::-1]
-            terms = np.abs(polynomial * window).sum()
-            assert abs(polynomial @ window) < 1e-3 * terms + rounding
+def test_changes_of_speed_tend_to_those_of_all_the_inertia(fmu, scheme):
     ratio, step = 0.2, 1e-4
     acceleration = speed_changes(scheme, ratio, step, fmu)[-1] / step
     assert TORQUE_STEP / acceleration - INTERFACE / ratio == pytest.approx(INTERFACE, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    "scheme, share, steps, stable, unstable",
-    [
-        # shorter steps do not move the limit
-        *((scheme, share, (1e-5, 5e-3), 0.95, 1.05) for scheme, share in LIMITED),
-        # there is none
-        *((Scheme.INERTIA, share, (1e-3,), 1000.0, None) for share in (0.75, 1.0)),
-        (Scheme.IMPLICIT, 1.0, (1e-3,), 1000.0, None),
-    ],
-)
-def test_a_scheme_is_stable_up_to_its_limit_of_inertia(fmu, scheme, share, steps, stable, unstable):
-    def growth(ratio):
-        return np.abs(np.roots(characteristic(scheme, ratio, share * ratio))).max()
-
-    assert growth(stable) < 1.0
-    assert unstable is None or growth(unstable) > 1.0
-    for step in steps:
-        assert is_stable(scheme, stable, step, fmu, share or 1.0)
-        assert unstable is None or not is_stable(scheme, unstable, step, fmu, share or 1.0)
 
 
 def test_interface_inertia_is_that_of_a_rolling_satellite():
@@ -158,29 +152,7 @@ def test_by_torque_steps_that_miss_the_samples_see_the_speed_late(fmu):
     assert 1e-4 < errors[0] < errors[1] < errors[2]
 
 
-@pytest.mark.parametrize("name, order", [*zip(SCHEMES, (1.0, 1.0, 2.0, 2.0), strict=True)])
-def test_error_falls_with_the_order_of_the_scheme(fmu, name, order):
-    expected = reference("planar", 0.3)
-    errors = [trial(planar(0.3), name, step, expected, fmu).output_error for step in (1e-3, 2.5e-4)]
-    assert math.log(errors[0] / errors[1]) / math.log(4.0) > 0.85 * order
-
-
 # --- momentum, energy, cost ---
-
-
-@pytest.mark.parametrize("scheme", Scheme)
-def test_no_angular_momentum_is_lost_with_step_means(fmu, scheme):
-    """What one side has given and the other not yet got stays bounded: it is the exchange of one step."""
-    case = planar(0.2)
-    with coupled_engine(case, scheme, fmu) as coupled:
-        got = largest = bound = 0.0
-        for _ in range(500):
-            coupled.advance(1e-3)
-            impulse = 1e-3 * coupled.fmu["input_torque_mean"]
-            got += impulse
-            largest = max(largest, abs(coupled.engine.state.impulse_out - got))
-            bound = max(bound, abs(impulse))
-    assert largest < 1.5 * bound + case.interface.middle * 0.1 * case.speed
 
 
 @pytest.mark.parametrize(
@@ -201,15 +173,6 @@ def test_every_joule_of_the_engine_is_on_one_of_the_accounts(fmu, scheme, step, 
         if scheme is None:  # by torque no rotor is in between
             assert worked == pytest.approx(given, rel=1e-12)
             assert abs(left) < 1e-7 * worked
-
-
-def test_cost_counts_steps_that_were_taken_back(fmu):
-    with coupled_engine(planar(0.3), Scheme.IMPLICIT, fmu) as coupled:
-        for _ in range(10):
-            coupled.advance(1e-3)
-        assert coupled.fmu.time == pytest.approx(0.01)
-        ledger = coupled.ledger
-        assert (ledger.steps, ledger.fmu_steps, ledger.cost) == (10, 20, 40)
 
 
 def test_by_torque_angle_and_speed_of_the_engine_are_those_of_link_1_and_its_torque_keeps_its_map(fmu):
@@ -253,7 +216,7 @@ def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheape
     for row in (row for row in rows if row.step == 1e-3):
         of_page = told[row.case, f"{row.ratio:g}", row.scheme, f"{row.step:g}"]
         assert of_page["stable"] == str(row.stable)
-        for column in ("speed_error", "output_error", "energy_error") if row.stable else ():
+        for column in ("speed_error", "output_error", "energy_error", "cost") if row.stable else ():
             assert float(of_page[column]) == pytest.approx(getattr(row, column), rel=0.02, abs=1e-6)
     fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.worst)
     assert [row.scheme for row in fine] == [TORQUE, *reversed(SCHEMES)]
@@ -303,6 +266,14 @@ def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_p
     for row in rows:
         worst = max(abs(float(row[f"{name}_error"])) for name in ("speed", "output", "energy"))
         assert worst < 0.015, row
+
+
+@pytest.mark.parametrize("name, order", [*zip(SCHEMES, (1.0, 1.0, 2.0, 2.0), strict=True)])
+def test_error_falls_with_the_order_of_the_scheme_in_the_rows_of_the_page(name, order):
+    wanted = {"case": "planar", "ratio": "0.3", "scheme": name}
+    rows = [row for row in read_rows(TABLE) if wanted.items() <= row.items()]
+    errors = {float(row["step"]): float(row["output_error"]) for row in rows}
+    assert math.log(errors[1e-3] / errors[2e-4]) / math.log(5.0) > 0.85 * order
 
 
 # --- the urban cycle ---
@@ -381,14 +352,11 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu, nam
 
 
 def test_an_implicit_step_refused_half_way_is_taken_back(fmu, monkeypatch):
-    def refuse(*_):
-        raise FmuError("no derivative")
-
     with coupled_engine(planar(0.3), Scheme.IMPLICIT, fmu) as coupled:
         coupled.advance(1e-3)
         names = ("omega_out", "energy_in", "input_angle")
         before = coupled.fmu.time, coupled.engine.state, coupled.read(names)
-        monkeypatch.setattr(coupled.fmu, "jacobian", refuse)
+        monkeypatch.setattr(coupled.fmu, "jacobian", Mock(side_effect=FmuError("no derivative")))
         with pytest.raises(FmuError, match="no derivative"):
             coupled.advance(1e-3)
         assert (coupled.fmu.time, coupled.engine.state, coupled.read(names)) == before

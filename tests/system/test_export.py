@@ -1,6 +1,5 @@
 """Systems for other tools: the SSP file in four readers, the OSP structure in libcosim, FMPy's container."""
 
-import contextlib
 import functools
 import io
 import json
@@ -14,12 +13,13 @@ import pytest
 from fmpy import read_model_description, simulate_fmu
 from fmpy.ssp.ssd import read_ssd
 from fmpy.validation import validate_fmu
-from scenes import ELASTIC
+from scenes import ELASTIC, MECHANISMS
+from scenes import REFERENCE as INPUTS
 
 from inertia_module.contract.variables import REAL
 from inertia_module.export.systems import Plan, container, export, make_plan
 from inertia_module.fmu.builder import FMUS
-from inertia_module.harness.fmu import Fmu
+from inertia_module.harness.system import Node, WiredFmus
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
@@ -27,18 +27,9 @@ from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
 BY_TORQUE = {"drive": 1.0, "input_inertia": 0.3}
-PLANAR = {
-    "layout": 1.0,
-    "sun_radius": 0.05,
-    "satellite_radius": 0.03,
-    "eccentricity": 0.02,
-    "satellites": 3.0,
-    "housing_freewheel": 0.0,
-}
-INPUTS = {"omega1": 100.0, "load_torque": 10.0}
 # mechanism and inputs: a choice, a number, a Boolean that is false, and wires are among them
 SYSTEMS = {
-    "module alone": (PLANAR, INPUTS),
+    "module alone": (MECHANISMS["planar"] | {"housing_freewheel": 0.0}, INPUTS),
     "driven by torque": (ELASTIC | BY_TORQUE, INPUTS | {"drive_torque": 25.0, "load_torque": 7.0}),
     "turning at the start": (ELASTIC | {"omega_out_start": 20.0}, INPUTS),
 }
@@ -68,20 +59,15 @@ def exported(request, tmp_path_factory):
 
 def looped(plan, folder, tolerance=None):
     """Outputs shown at the end of a plain loop over the FMUs, by 'part.output'."""
-    with contextlib.ExitStack() as stack:
-        fmus = {}
-        for part in plan.parts:
-            kinds = {"parameter": {}, "input": {}}
-            for name, value in part.values.items():
-                kinds[part.variable(name).causality][name] = value
-            path = folder / "osp" / part.fmu.file_name
-            fmus[part.name] = stack.enter_context(Fmu(path, *kinds.values(), tolerance=tolerance))
-        for _ in range(round(STOP / STEP)):
-            for wire, value in [(wire, fmus[wire.source][wire.output]) for wire in plan.wires]:
-                fmus[wire.sink].set(**{wire.input: value})
-            for fmu in fmus.values():
-                fmu.advance(STEP)
-        return {f"{part}.{output}": fmus[part][output] for part, output in plan.outputs}
+    nodes = {}
+    for part in plan.parts:
+        kinds = {"parameter": {}, "input": {}}
+        for name, value in part.values.items():
+            kinds[part.variable(name).causality][name] = value
+        nodes[part.name] = Node(folder / "osp" / part.fmu.file_name, *kinds.values(), tolerance)
+    with WiredFmus(nodes, plan.wires, STEP) as system:
+        table = system.run(STOP, plan.outputs)
+    return {f"{part}.{output}": table[f"{part}.{output}"][-1] for part, output in plan.outputs}
 
 
 def program(reader):

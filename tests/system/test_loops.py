@@ -79,13 +79,6 @@ def test_elastic_load_follows_a_turning_shaft_exactly():
     )
 
 
-def test_undamped_coupling_neither_gains_nor_loses_over_many_swings():
-    load = loops.shaft_load(0.005, 0.5, coupling=loops.Coupling(500.0, 0.0))
-    table = spin(Shaft(0.5, speed=10.0), load, 20.0)
-    swing = table["omega_out"] - table["load_speed"]
-    assert np.abs(swing[-400:]).max() == pytest.approx(np.abs(swing[:400]).max(), rel=0.01)
-
-
 @pytest.mark.parametrize(
     ("stiffness", "damping", "stable"),
     [(500.0, 0.0, True), (500.0, 5.0, True), (500.0, 2000.0, False), (60000.0, 0.0, False)],
@@ -96,6 +89,10 @@ def test_check_coupling_tells_what_a_run_shows(stiffness, damping, stable):
     assert bool(np.abs(table["omega_out"]).max() < 3.0) == stable
     if stable:
         load.check_step(0.5)
+        if damping == 0.0:  # over many swings it neither gains nor loses
+            table = spin(Shaft(0.5, speed=10.0), load, 20.0)
+            swing = np.abs(table["omega_out"] - table["load_speed"])
+            assert swing[-400:].max() == pytest.approx(swing[:400].max(), rel=0.01)
     else:
         with pytest.raises(ValueError, match=r"the step must be shorter, is 0.005 s"):
             load.check_step(0.5)
@@ -300,9 +297,7 @@ def test_progress_and_units():
     table = loops.ClosedLoop(Shaft(1.0), surroundings, ["omega_out"]).run(5.0, seen.append)
     assert seen[0] == 0.0
     assert seen[-1] == 1.0
-    assert table.units["vehicle_speed"] == "m/s"
-    assert table.units["load_torque"] == "N.m"
-    assert table.units["omega_out"] == "rad/s"
+    assert {"vehicle_speed": "m/s", "load_torque": "N.m", "omega_out": "rad/s"}.items() <= table.units.items()
 
 
 # --- the elementary urban cycle ---

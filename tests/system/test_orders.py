@@ -15,39 +15,22 @@ from inertia_module.harness.results import Result, read_columns
 from inertia_module.jobs.orders import pulses_a_turn, spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
-from inertia_module.scene import load_scene, read_scene, run_scene
+from inertia_module.scene import load_scene, run_scene
 from tests.system.programs import command, left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OMEGA1 = 100.0
 # the output is too heavy to move: link 2 is at rest
-HELD = """
-[mechanism]
-output_inertia = 1e9
-{mechanism}
-[drive]
-kind = "constant"
-omega1 = {omega1}
-[load]
-kind = "torque"
-torque = 0
-[accuracy]
-tolerance = 1e-8
-[run]
-stop_time = {stop}
-communication_step = "0.5 ms"
-"""
-PLANAR = """layout = "planar"
-sun_radius = 0.1
-satellite_radius = 0.06
-eccentricity = 0.04
-satellites = 3
-link2_inertia = 0.01"""
+HELD = {"mechanism.output_inertia": 1e9, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
+PLANAR = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
+PLANAR |= {"satellites": 3, "link2_inertia": 0.01}
 
 
-def held(mechanism="", stop=4.0, omega1=OMEGA1):
-    return read_scene(HELD.format(mechanism=mechanism, stop=stop, omega1=omega1), Path())
+def held(stop=4.0, omega1=OMEGA1, **mechanism):
+    keys = {f"mechanism.{name}": value for name, value in mechanism.items()}
+    keys |= {"run.stop_time": stop, "drive.omega1": omega1}
+    return load_scene(EXAMPLES / "reference.toml").with_keys(HELD | keys)
 
 
 def imbalance_lines(scene, turns):
@@ -148,7 +131,7 @@ def test_orders_of_r1_held_follow_from_its_teeth(fmu):
 
 
 def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
-    scene = held(PLANAR)
+    scene = held(**PLANAR)
     k, expected = imbalance_lines(scene, 1)
     (sine,) = expected.values()
     found = jobs.orders(scene, fmu, signals=["output_torque"], turns=30.0, highest=9.0)
@@ -165,8 +148,7 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
 def test_over_pulses_the_first_order_is_the_pulse_whatever_the_output_does(fmu, omega1):
-    text = HELD.replace("1e9", "3.0").format(mechanism=PLANAR, stop=1.0, omega1=omega1)
-    scene = read_scene(text, Path())
+    scene = held(1.0, omega1, **PLANAR, output_inertia=3.0)
     assert pulses_a_turn(scene.parameters()) == 1.0
     assert pulses_a_turn(held().parameters()) == 3.6  # R1: as often as its reduced inertia rises
     found = jobs.orders(scene, fmu, of="pulses", signals=["mesh_torque"], turns=8.0, end=0.9)
@@ -194,7 +176,7 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
 
 
 def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path):
-    scene = held(PLANAR, stop=1.0)
+    scene = held(1.0, **PLANAR)
     assert set(jobs.orders(scene, fmu).amplitude) == {"input_torque", "output_torque"}
     found = jobs.orders(scene, fmu, signals=["input_torque", "shaking_force_x", "omega1"])
     assert set(found.amplitude) == {"input_torque", "shaking_force_x", "omega1"}
@@ -225,7 +207,7 @@ def test_what_is_sure_to_be_refused_is_refused_before_the_run(fmu, monkeypatch, 
         return run_scene(scene, *others)
 
     monkeypatch.setattr(order_run, "run_scene", run)
-    scene = held("input_inertia = 0.1", stop=1.0).replaced(drive=drive)
+    scene = held(1.0, input_inertia=0.1).replaced(drive=drive)
     with pytest.raises(Refused, match=words):
         jobs.orders(scene, fmu, **options)
     assert sum(steps) <= order_run.TRIED
@@ -235,7 +217,7 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu):
     with pytest.raises(Refused, match="signals must swing, of omega2, input_speed none does"):
         jobs.orders(held(stop=1.0), fmu, signals=["omega2", "input_speed"])
     with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
-        jobs.orders(held('fidelity = "averaged"'), fmu)
+        jobs.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
     with pytest.raises(Refused, match=r"must rise, does not at .* s: choose other times"):
         jobs.orders(locked, fmu, of="pulses")

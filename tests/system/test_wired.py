@@ -65,13 +65,19 @@ def test_jacobi_does_not_depend_on_the_order_of_the_fmus_and_gauss_seidel_does(n
     assert ends(GAUSS_SEIDEL, forward) != ends(GAUSS_SEIDEL, backward)
 
 
-def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
-    def loaded(*_, **__):
-        raise AssertionError("an FMU was loaded")
+def by_torque(module, drive):
+    parameters = HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"}
+    return module._replace(parameters=parameters, inputs={"drive_torque": 9.0, "omega1": 1.0})
 
-    monkeypatch.setattr("inertia_module.harness.system.Fmu", loaded)
+
+def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
+    idle = Wire("shaft", "omega_out", "module", "omega1")
+    driven = nodes | {"module": by_torque(nodes["module"], "torque")}
+    monkeypatch.setattr("inertia_module.harness.system.Fmu", lambda *_: pytest.fail("an FMU was loaded"))
     with pytest.raises(WiringError, match=r"module\.load_torque must be driven by"):
         WiredFmus(nodes, (SPEED,), 1e-3)
+    with pytest.raises(WiringError, match="the input must be drive_torque, omega1 has no effect"):
+        WiredFmus(driven, (SPEED, TORQUE, idle), 1e-3)
     with pytest.raises(WiringError, match="order must be Jacobi or Gauss-Seidel, is 'implicit'"):
         WiredFmus(nodes, (SPEED, TORQUE), 1e-3, "implicit")
     with pytest.raises(FmuError, match="no such file"):
@@ -79,6 +85,8 @@ def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
 
 
 def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
+    with pytest.raises(FmuError, match="drive must be one of speed, torque"):
+        WiredFmus(nodes | {"module": by_torque(nodes["module"], "much")}, (SPEED, TORQUE), 1e-3)
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         system.set("shaft", load_torque=3.0)
         for refused, words in (
@@ -104,22 +112,6 @@ def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
     for refused in (lambda: system.run(0.01, ENDS), system.advance, lambda: system.set("module", omega1=1.0)):
         with pytest.raises(WiringError, match="an FMU must be of a system that is open, is 'module'"):
             refused()
-
-
-@pytest.mark.parametrize(
-    "drive, kind, words",
-    [
-        ("torque", WiringError, "the input must be drive_torque, omega1 has no effect"),
-        ("much", FmuError, "drive must be one of speed, torque"),
-    ],
-)
-def test_the_drive_of_a_module_may_be_named(nodes, drive, kind, words):
-    parameters = HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"}
-    module = nodes["module"]._replace(parameters=parameters, inputs={"drive_torque": 9.0, "omega1": 1.0})
-    with pytest.raises(kind, match=words):
-        WiredFmus(
-            nodes | {"module": module}, (SPEED, TORQUE, Wire("shaft", "omega_out", "module", "omega1")), 1e-3
-        )
 
 
 # --- in each of the ways, against the elastic module in one piece ---
