@@ -1,11 +1,10 @@
 """The trade of speed for accuracy of an open-loop case: levels and peers against the converged kernel.
 
-How far that can be trusted the independent reference says (see agreement).
+How far that can be trusted the independent reference says (tests/studies/test_trade.py).
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,13 +21,10 @@ from inertia_module.memory import Module
 from inertia_module.scene.schema import at_fidelity, is_elastic
 
 from .reference.geometry import Array
-from .reference.motion import Reference
 
 TOLERANCE = 1e-13
 # communication steps of the converged kernel
 _STEPS = 100
-# sampling intervals of its comparison with the reference
-_COMPARED = 20
 
 
 @dataclass(frozen=True)
@@ -158,36 +154,14 @@ def errors(trajectory: Trajectory, exact: Trajectory) -> dict[str, float]:
     }
 
 
-def _fidelity(case: Case) -> int:
-    return ELASTIC if is_elastic(case.parameters) else RIGID
-
-
 def converged(case: Case) -> Trajectory:
     """Run the kernel from event to event at tolerance 1e-13; elastic where the case is.
 
     Raises:
         Refused: the module refuses the case.
     """
-    settings = {"fidelity": _fidelity(case), "tolerance": TOLERANCE}
+    settings = {"fidelity": ELASTIC if is_elastic(case.parameters) else RIGID, "tolerance": TOLERANCE}
     return by_kernel(case, settings, case.stop_time / min(case.points, _STEPS), timed=False)
-
-
-def agreement(case: Case) -> float:
-    """Compare the converged kernel with the reference: other equations, other integrator, other events.
-
-    Returns:
-        The largest difference of omega_out, relative to the largest omega_out.
-
-    Raises:
-        Unavailable: the reference does not take the case (see motion.py).
-    """
-    coarse = dataclasses.replace(case, points=_COMPARED)
-    parameters = {**case.parameters, "fidelity": _fidelity(case)}
-    second, speeds = Reference(parameters, case.omega1, case.load_torque), []
-    for time in coarse.times:
-        second.advance(time)
-        speeds.append(second.omega_out)
-    return float(np.abs(converged(coarse).omega_out - speeds).max() / np.abs(speeds).max())
 
 
 def measure(
