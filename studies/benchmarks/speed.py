@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 
 from pythonfmu import FmuBuilder
+from rich.progress import track
 
 from inertia_module.compiling.linking import COMPILER
 from inertia_module.fidelity.trials import kernel_time, median_time
@@ -137,7 +138,7 @@ def seconds_of_r1(module, python, folder):
     rows = []
     for runs, rounds in ((fast, ROUNDS), (slow, 1)):
         settings = {}
-        for case, (run, tolerances) in runs.items():
+        for case, (run, tolerances) in track(runs.items(), "measuring"):
             errors = ((tolerance, abs(run(tolerance)[0] / wanted[0] - 1.0)) for tolerance in tolerances)
             settings[case] = next(pair for pair in errors if pair[1] <= WANTED)
         ways = {case: partial(run, settings[case][0]) for case, (run, _) in runs.items()}

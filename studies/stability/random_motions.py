@@ -97,17 +97,11 @@ SWINGING = 100.0
 SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
 
 
-def held(
-    apart: float, bound: float, beside: Iterable[Motion], distance_of: Callable[[Motion], float]
-) -> Figure:
-    """A distance held to a bound; beyond it also to the distances that changes of the problem make.
-
-    Args:
-        beside: the motion, changed by the tolerance. distance_of: one of them from the motion.
-    """
+def held(apart: float, bound: float, sensitivity: Callable[[], float]) -> Figure:
+    """A distance held to a bound; beyond it also to the distance that a change of the problem makes."""
     if apart <= bound:
         return Figure(apart, bound)
-    spread = max(map(distance_of, beside), default=0.0)
+    spread = sensitivity()
     wider = SENSITIVE if spread > LARGEST_ERROR else min(bound + EXPLAINED * spread, LARGEST_ERROR)
     return Figure(apart, wider, explained=apart <= wider)
 
@@ -139,12 +133,11 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
     bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
 
-    def spread(beside: Motion) -> float:
-        other = run(beside, make)
-        return 0.0 if other.refused else distance(found, other, *swinging)
+    def sensitivity() -> float:
+        others = (run(beside, make) for beside in motion.nudged(tolerance))
+        return max((distance(found, other, *swinging) for other in others if not other.refused), default=0.0)
 
-    apart = distance(found, short, *swinging)
-    return {STEPS: held(apart, bound, motion.nudged(tolerance), spread)}
+    return {STEPS: held(distance(found, short, *swinging), bound, sensitivity)}
 
 
 def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
@@ -231,12 +224,11 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
     if precise.refused:
         return {name: Figure(math.inf, 0.0)}
     ours = np.array([[point[name] for name in COMPARED] for point in precise.points[1:]])
-    beside = motion.nudged(REFERENCE_TOLERANCE)
-    return {
-        name: held(
-            error(ours), REFERENCE_ERROR, beside, lambda other: error(_by_reference(other, 2.0 * most))
-        )
-    }
+
+    def sensitivity() -> float:
+        return max(error(_by_reference(one, 2.0 * most)) for one in motion.nudged(REFERENCE_TOLERANCE))
+
+    return {name: held(error(ours), REFERENCE_ERROR, sensitivity)}
 
 
 CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_reference)
