@@ -82,19 +82,14 @@ ENGINE_INERTIA, IDLE_SPEED = 0.15, 80.0
 ENGINE_MAP = EngineMap(
     (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
 )
-# of the urban cycle: coupling, and substeps of the scene's communication step
-RUNS = (
-    (TORQUE, 4),
-    (TORQUE, 2),
-    (TORQUE, 1),
-    ("implicit ramp", 5),
-    ("implicit ramp", 1),
-    ("inertia module first ramp", 10),
-    ("mean module first held", 10),
-    ("mean module first held", 1),
-    ("mean jacobi held", 10),
-    ("mean jacobi held", 1),
-)
+# of the urban cycle: by coupling the substeps of the scene's communication step
+RUNS = {
+    TORQUE: (4, 2, 1),
+    "implicit ramp": (5, 1),
+    "inertia module first ramp": (10,),
+    "mean module first held": (10, 1),
+    "mean jacobi held": (10, 1),
+}
 
 
 def governor(inertia: float) -> Governor:
@@ -154,11 +149,6 @@ class Course(NamedTuple):
     omega_out: Array
     work: float
     ledger: Ledger
-
-    @property
-    def stable(self) -> bool:
-        """Tell whether it reached its end."""
-        return bool(np.isfinite(self.omega_out).all())
 
 
 def one_piece(case: CoupledCase) -> Course:
@@ -276,8 +266,9 @@ def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path
         found.work / reference.work - 1.0,
         found.ledger.cost / STOP_TIME,
     )
-    known = errors if found.stable else [math.nan] * len(errors)
-    return Trial(case.name, case.ratio, name, step, found.stable, *known)
+    stable = bool(np.isfinite(found.omega_out).all())
+    known = errors if stable else [math.nan] * len(errors)
+    return Trial(case.name, case.ratio, name, step, stable, *known)
 
 
 def coupling_map(fmu_path: Path, quick: bool, progress: Progress = lambda done: None) -> list[Trial]:
@@ -377,11 +368,12 @@ def urban_runs(
 ) -> list[UrbanRun]:
     """Drive all of RUNS (arguments of urban_run)."""
     scene, found = urban_scene(scene_path), list[UrbanRun]()
+    runs = [(name, substeps) for name, numbers in RUNS.items() for substeps in numbers]
 
     def report(done: float) -> None:
-        progress((len(found) + done) / len(RUNS))
+        progress((len(found) + done) / len(runs))
 
-    for name, substeps in RUNS:
+    for name, substeps in runs:
         found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
     return found
 

@@ -83,20 +83,9 @@ class Trajectory:
         return self.motion[:, 2]
 
 
-@dataclass(frozen=True)
-class Peer:
-    """Another way to integrate a case, with the settings it is to be tried at.
-
-    Attributes:
-        name: one curve of the plots, such as "LSODA, clutch 1e4".
-        settings: what integrate takes, by its label, such as "rtol 1e-8"; from coarse to fine.
-        integrate: of (case, setting) the trajectory. May raise ValueError, RuntimeError (Unavailable,
-            NotInstalled) or ArithmeticError: it is then listed as a failure.
-    """
-
-    name: str
-    settings: Mapping[str, Any]
-    integrate: Callable[[Case, Any], Trajectory]
+# another way to integrate a case: one curve of the plots, such as "LSODA, clutch 1e4"; its setting, such as
+# "rtol 1e-8"; and what does it, or raises one of levels.FAILURES and is listed as a failure
+Peer = tuple[str, str, Callable[[Case], Trajectory]]
 
 
 def by_kernel(case: Case, settings: Mapping[str, float], step: float, timed: bool = True) -> Trajectory:
@@ -199,8 +188,6 @@ def measure(
         (level.row(step), compared(by_kernel, level.values, step)) for step in lengths for level in chosen
     ]
     attempts += [
-        (Row(PEER, peer.name, label, case.stop_time), compared(peer.integrate, setting))
-        for peer in peers
-        for label, setting in peer.settings.items()
+        (Row(PEER, name, label, case.stop_time), compared(integrate)) for name, label, integrate in peers
     ]
     return attempt_all(attempts, progress)

@@ -78,15 +78,14 @@ def test_refused_settings_and_steps_are_rows_with_the_reason(failed, tmp_path):
         assert words in written
 
 
-def peer(integrate):
-    return trade.Peer("somebody", {"loose": 1e-3, "tight": 1e-6}, integrate)
-
-
 def test_peers_are_measured_by_the_same_errors(reference):
-    def integrate(case, setting):
-        return dataclasses.replace(reference, motion=reference.motion * (1.0 + setting), wall_time=0.2)
+    def off_by(share):
+        return lambda case: dataclasses.replace(
+            reference, motion=reference.motion * (1.0 + share), wall_time=0.2
+        )
 
-    loose, tight = trade.measure(CASE, reference, [], [peer(integrate)])
+    peers = [("somebody", "loose", off_by(1e-3)), ("somebody", "tight", off_by(1e-6))]
+    loose, tight = trade.measure(CASE, reference, [], peers)
     assert (loose.fidelity, loose.method, loose.setting) == ("peer", "somebody", "loose")
     assert loose.errors["omega_out_final"] == pytest.approx(1e-3, rel=1e-9)
     assert tight.errors["omega_out_worst"] == pytest.approx(1e-6, rel=1e-6)
@@ -94,15 +93,17 @@ def test_peers_are_measured_by_the_same_errors(reference):
 
 
 def test_peers_that_fail_or_have_other_samples_are_listed(reference):
-    for error in (Unavailable, ValueError, RuntimeError, ZeroDivisionError):
-
-        def integrate(case, setting, error=error):
+    def failing(error):
+        def integrate(case):
             raise error("no such thing")
 
-        rows = trade.measure(CASE, reference, [], [peer(integrate)])
-        assert [row.failure for row in rows] == ["no such thing"] * 2
-    short = peer(lambda case, setting: dataclasses.replace(reference, motion=np.zeros((3, 3))))
-    assert all("has 3" in row.failure for row in trade.measure(CASE, reference, [], [short]))
+        return "somebody", error.__name__, integrate
+
+    errors = Unavailable, ValueError, RuntimeError, ZeroDivisionError
+    rows = trade.measure(CASE, reference, [], list(map(failing, errors)))
+    assert [row.failure for row in rows] == ["no such thing"] * len(errors)
+    short = "somebody", "", lambda case: dataclasses.replace(reference, motion=np.zeros((3, 3)))
+    assert "has 3" in trade.measure(CASE, reference, [], [short])[0].failure
 
 
 def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():
