@@ -5,26 +5,30 @@ Run: python -m studies papers, stability or coupling, at the root of the project
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich import box
+from rich.table import Table
 
-from inertia_module.cli import (
-    Answer,
-    OutputFolder,
-    command,
-    current_fmu,
-    folder_for,
-)
+from inertia_module.cli import Answer, OutputFolder, Shown, command, current_fmu, folder_for
 from inertia_module.common.files import write_figure
-from inertia_module.common.terminal import progress_bar
+from inertia_module.common.terminal import progress_bar, terminal
 
 CAR_SCENE = Path("examples/urban.toml")
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def print_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Print rows below their headings; of numbers that are not whole three digits."""
+    table = Table(*headings, title=title, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for row in rows:
+        table.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row))
+    terminal(200).print(table)
 
 
 @app.command()
@@ -79,27 +83,43 @@ def stability(
     rows = verdicts.rows_of(found)
     files = {
         "verdicts": verdicts.write_rows(folder / "stability.csv", rows),
-        "cases": verdicts.write_cases(folder / "cases.csv", found),
-        "map": write_figure(folder / "stability.png", verdicts.verdict_map(rows)),
         "summary": write_figure(folder / "stability_summary.png", verdicts.summary(rows)),
     }
+    counted = [
+        (axis, level, *(count[name] for name in verdicts.OUTCOMES), largest)
+        for axis, here in verdicts.by_axis(rows).items()
+        for level, (count, largest) in verdicts.counts(here).items()
+    ]
+    headings = "axis", "level of fidelity", *verdicts.OUTCOMES, "error up to"
+    total = Counter(verdict.outcome for verdict in found)
+    shown: list[Shown] = [
+        partial(print_table, "", headings, counted),
+        *verdicts.reasons(rows),
+        ", ".join(f"{total[name]} {name}" for name in verdicts.OUTCOMES),
+    ]
     told = {"verdicts": [verdict.as_record() for verdict in found]}
-    broken = any(verdict.outcome == "broken" for verdict in found)
-    return Answer(told, [partial(verdicts.print_rows, rows)], files, broken)
+    return Answer(told, shown, files, total[verdicts.BROKEN] > 0)
 
 
 def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answer:
     """Run random motions, print what does not hold with what reproduces it, write the counts."""
     from inertia_module.harness.results import write_rows
 
-    from .stability.random_motions import HEADINGS, findings, print_outcomes, rows_of, run_random
+    from .stability.random_motions import HEADINGS, findings, rows_of, run_random
 
     with progress_bar("trying random motions") as progress:
         outcomes = run_random(number, seed, folder, progress, losses)
+    rows, found = rows_of(outcomes), findings(outcomes)
     path = folder / ("random_losses.csv" if losses else "random.csv")
-    files = {"invariants": write_rows(path, HEADINGS, rows_of(outcomes))}
-    failed = any(outcome.finding.failed for outcome in outcomes)
-    return Answer({"findings": findings(outcomes)}, [partial(print_outcomes, outcomes)], files, failed)
+    files = {"invariants": write_rows(path, HEADINGS, rows)}
+    shown: list[Shown] = [
+        partial(print_table, "", HEADINGS, rows),
+        *(
+            "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}".format(**one)
+            for one in found
+        ),
+    ]
+    return Answer({"findings": found}, shown, files, any(one.finding.failed for one in outcomes))
 
 
 @app.command()
@@ -116,7 +136,7 @@ def coupling(
 
     In out/coupling without -o.
     """
-    from .coupling import MAP, PARTS, coupling_map, print_rows, urban_runs, write_part
+    from .coupling import MAP, PARTS, URBAN, coupling_map, urban_runs, write_part
 
     folder = folder_for(output, "coupling")
     if only is not None and only not in PARTS:
@@ -124,18 +144,18 @@ def coupling(
     # the cycle is not quick
     chosen = (only,) if only else (MAP,) if quick else PARTS
     fmu_path = current_fmu()
+    measured: dict[str, Callable[..., Sequence[Any]]] = {
+        MAP: partial(coupling_map, fmu_path, quick),
+        URBAN: partial(urban_runs, fmu_path, scene),
+    }
     told: dict[str, Any] = {}
-    shown: list[partial[None]] = []
+    shown: list[Shown] = []
     files: dict[str, Path] = {}
     for name in chosen:
         with progress_bar(f"measuring: {name}") as progress:
-            rows: Sequence[Any] = (
-                coupling_map(fmu_path, quick, progress)
-                if name == MAP
-                else urban_runs(fmu_path, scene, progress)
-            )
-        told[name] = [asdict(row) for row in rows]
-        shown.append(partial(print_rows, name, rows))
+            rows = measured[name](progress)
+        told[name] = [row._asdict() for row in rows]
+        shown.append(partial(print_table, name, rows[0]._fields, rows))
         files |= write_part(folder, name, rows)
     return Answer({"rows": told}, shown, files)
 

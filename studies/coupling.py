@@ -5,14 +5,14 @@ Each part gives rows, which are written as CSV; the map is drawn too.
 
 from __future__ import annotations
 
-import dataclasses
+import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -34,7 +34,6 @@ from inertia_module.loops import (
     Ledger,
     Scheme,
     TorqueDrivenEngine,
-    connect,
     initial_inputs,
     interface_inertia,
     torque_driven,
@@ -46,6 +45,12 @@ from .reference.geometry import Array
 from .reference.motion import Reference
 
 MAP, URBAN = PARTS = ("map", "urban")
+# of columns of their tables
+UNITS = {
+    MAP: {"step": "s", "cost": "1/s"},
+    URBAN: {"step": "s", "speed_error": "m/s", "cost": "1/s"}
+    | dict.fromkeys(("engine", "output", "stored", "lost"), "J"),
+}
 # a launch lasts as long, and speeds are averaged and compared over windows, s
 STOP_TIME, WINDOW = 1.0, 0.02
 WINDOWS = round(STOP_TIME / WINDOW)
@@ -62,7 +67,6 @@ COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
-QUICK_CASES, QUICK_RATIOS, QUICK_STEPS = ("planar",), (0.5,), (1e-3, 5e-3)
 SCENE = Path("examples") / "urban.toml"
 URBAN_MODULE = {
     "layout": 1.0,
@@ -78,19 +82,14 @@ ENGINE_INERTIA, IDLE_SPEED = 0.15, 80.0
 ENGINE_MAP = EngineMap(
     (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
 )
-# of the urban cycle: coupling, and substeps of the scene's communication step
-RUNS = (
-    (TORQUE, 4),
-    (TORQUE, 2),
-    (TORQUE, 1),
-    ("implicit ramp", 5),
-    ("implicit ramp", 1),
-    ("inertia module first ramp", 10),
-    ("mean module first held", 10),
-    ("mean module first held", 1),
-    ("mean jacobi held", 10),
-    ("mean jacobi held", 1),
-)
+# of the urban cycle: by coupling the substeps of the scene's communication step
+RUNS = {
+    TORQUE: (4, 2, 1),
+    "implicit ramp": (5, 1),
+    "inertia module first ramp": (10,),
+    "mean module first held": (10, 1),
+    "mean jacobi held": (10, 1),
+}
 
 
 def governor(inertia: float) -> Governor:
@@ -126,17 +125,13 @@ class CoupledCase:
         return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 
-def planar(ratio: float) -> CoupledCase:
-    """Module of the urban scene, launching 1 kg.m2."""
-    return CoupledCase("planar", {**URBAN_MODULE, "output_inertia": 1.0}, 200.0, 8.0, ratio)
-
-
-def bevel(ratio: float) -> CoupledCase:
-    """Module of scene R1."""
-    return CoupledCase("bevel", {}, 100.0, 10.0, ratio)
-
-
-CASES = {"planar": planar, "bevel": bevel}
+# by name and greatest interface inertia over that of the engine
+CASES: dict[str, Callable[[float], CoupledCase]] = {
+    # module of the urban scene, launching 1 kg.m2; scene R1
+    "planar": partial(CoupledCase, "planar", {**URBAN_MODULE, "output_inertia": 1.0}, 200.0, 8.0),
+    "bevel": partial(CoupledCase, "bevel", {}, 100.0, 10.0),
+}
+planar = CASES["planar"]
 
 
 # --- a launch ---
@@ -154,11 +149,6 @@ class Course(NamedTuple):
     omega_out: Array
     work: float
     ledger: Ledger
-
-    @property
-    def stable(self) -> bool:
-        """Tell whether it reached its end."""
-        return bool(np.isfinite(self.omega_out).all())
 
 
 def one_piece(case: CoupledCase) -> Course:
@@ -185,17 +175,21 @@ def one_piece(case: CoupledCase) -> Course:
 @contextmanager
 def coupled(
     fmu_path: Path,
-    engine: Engine,
-    parameters: Mapping[str, float],
     scheme: Scheme | None,
-    start: Mapping[str, float],
+    engine: Engine,
     inertia: float,
-    tolerance: float | None,
+    parameters: Mapping[str, float],
+    *given: Any,
     substeps: int = 1,
 ) -> Iterator[EnginePlant]:
-    """Engine and module at their start by a scheme, its interface inertia in kg.m2; without one by torque."""
-    given = parameters if scheme is not None else torque_driven(parameters, engine.inertia)
-    with Fmu(fmu_path, given, start, tolerance) as fmu:
+    """Engine and module at their start by a scheme; without one by torque.
+
+    Args:
+        inertia: of the interface, kg.m2, that the scheme reckons with. parameters: of the module.
+        given: what Fmu takes besides, inputs and tolerance. substeps: in each step.
+    """
+    values = parameters if scheme is not None else torque_driven(parameters, engine.inertia)
+    with Fmu(fmu_path, values, *given) as fmu:
         if scheme is None:
             yield TorqueDrivenEngine(fmu, engine, substeps)
         else:
@@ -207,7 +201,8 @@ def coupled_engine(
 ) -> AbstractContextManager[EnginePlant]:
     """Engine and module at the start of a case."""
     start = {"omega1": case.speed, "load_torque": case.load_torque}
-    return coupled(fmu_path, case.engine(), case.parameters, scheme, start, case.interface.middle, tolerance)
+    inertia = case.interface.middle
+    return coupled(fmu_path, scheme, case.engine(), inertia, case.parameters, start, tolerance)
 
 
 def course(
@@ -232,8 +227,7 @@ def course(
         return Course(omega1, omega_out, engine.state.work_in, plant.ledger)
 
 
-@dataclass(frozen=True)
-class Trial:
+class Trial(NamedTuple):
     """Errors of a run against the reference, what it loses and costs; errors are NaN where it is unstable.
 
     Attributes:
@@ -243,8 +237,6 @@ class Trial:
         energy_error: energy lost on the bond over the work of the engine. work_error: of that work.
         cost: see Ledger.cost, for a simulated second.
     """
-
-    UNITS: ClassVar[dict[str, str]] = {"step": "s", "cost": "1/s"}
 
     case: str
     ratio: float
@@ -260,9 +252,8 @@ class Trial:
     @property
     def worst(self) -> float:
         """Worst of the errors of speed, output speed and energy; infinite if unstable."""
-        if not self.stable:
-            return math.inf
-        return max(self.speed_error, self.output_error, abs(self.energy_error))
+        errors = self.speed_error, self.output_error, abs(self.energy_error)
+        return max(errors) if self.stable else math.inf
 
 
 def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path: Path) -> Trial:
@@ -275,30 +266,28 @@ def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path
         found.work / reference.work - 1.0,
         found.ledger.cost / STOP_TIME,
     )
-    known = errors if found.stable else [math.nan] * len(errors)
-    return Trial(case.name, case.ratio, name, step, found.stable, *known)
+    stable = bool(np.isfinite(found.omega_out).all())
+    known = errors if stable else [math.nan] * len(errors)
+    return Trial(case.name, case.ratio, name, step, stable, *known)
 
 
-def coupling_map(fmu_path: Path, quick: bool, progress: Progress | None = None) -> list[Trial]:
+def coupling_map(fmu_path: Path, quick: bool, progress: Progress = lambda done: None) -> list[Trial]:
     """Measure all couplings over step, inertia ratio and case; quick: a corner of it."""
-    names = QUICK_CASES if quick else tuple(CASES)
-    ratios, steps = (QUICK_RATIOS, QUICK_STEPS) if quick else (RATIOS, STEPS)
-    total = len(names) * len(ratios) * len(COUPLINGS)
+    names, ratios, steps = (("planar",), (0.5,), (1e-3, 5e-3)) if quick else (CASES, RATIOS, STEPS)
     rows: list[Trial] = []
-    for case in (CASES[name](ratio) for name in names for ratio in ratios):
+    for name, ratio in itertools.product(names, ratios):
+        case = CASES[name](ratio)
         reference = one_piece(case)
-        for coupling in COUPLINGS:
-            rows += [trial(case, coupling, step, reference, fmu_path) for step in steps]
-            if progress is not None:
-                progress(len(rows) / len(steps) / total)
+        for coupling, step in itertools.product(COUPLINGS, steps):
+            rows.append(trial(case, coupling, step, reference, fmu_path))
+            progress(len(rows) / (len(names) * len(ratios) * len(COUPLINGS) * len(steps)))
     return rows
 
 
 # --- the urban cycle: engine, module and car in closed loop ---
 
 
-@dataclass(frozen=True)
-class UrbanRun:
+class UrbanRun(NamedTuple):
     """Energies of a run, J, but for the shares.
 
     Attributes:
@@ -310,10 +299,6 @@ class UrbanRun:
         outside: share of the time out of the tolerance of the cycle.
         speed_error: rms of the car's speed against the cycle, m/s. cost: see Ledger.cost, for a second.
     """
-
-    UNITS: ClassVar[dict[str, str]] = {"step": "s", "speed_error": "m/s", "cost": "1/s"} | dict.fromkeys(
-        ("engine", "output", "stored", "lost"), "J"
-    )
 
     scheme: str
     step: float
@@ -348,15 +333,14 @@ def urban_run(
         substeps: in each step of the scene.
         stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
     """
-    surroundings = connect(list(scene.systems()))
     parameters = {**scene.parameters(), "input_hold": 0.0}
-    start = initial_inputs(surroundings)
+    start = initial_inputs(scene.surroundings)
     interface, speed = interface_inertia(parameters), start["omega1"]
     engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
-    given = COUPLINGS[name], start, interface.middle, scene.accuracy.tolerance
-    with coupled(fmu_path, engine, parameters, *given, substeps) as plant:
+    given = interface.middle, parameters, start, scene.accuracy.tolerance
+    with coupled(fmu_path, COUPLINGS[name], engine, *given, substeps=substeps) as plant:
         before = plant.energy_stored
-        loop = ClosedLoop(plant, surroundings, ("omega_out",), scene.signal_units)
+        loop = ClosedLoop(plant, scene.surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
         output, lost = plant.read(("energy_out", "energy_lost"))
         worked, stored = engine.state.work_in, plant.energy_stored - before
@@ -379,15 +363,17 @@ def urban_run(
     )
 
 
-def urban_runs(fmu_path: Path, scene_path: Path = SCENE, progress: Progress | None = None) -> list[UrbanRun]:
+def urban_runs(
+    fmu_path: Path, scene_path: Path = SCENE, progress: Progress = lambda done: None
+) -> list[UrbanRun]:
     """Drive all of RUNS (arguments of urban_run)."""
     scene, found = urban_scene(scene_path), list[UrbanRun]()
+    runs = [(name, substeps) for name, numbers in RUNS.items() for substeps in numbers]
 
     def report(done: float) -> None:
-        if progress is not None:
-            progress((len(found) + done) / len(RUNS))
+        progress((len(found) + done) / len(runs))
 
-    for name, substeps in RUNS:
+    for name, substeps in runs:
         found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
     return found
 
@@ -440,25 +426,10 @@ def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, Path]:
     Returns:
         Paths by what they are.
     """
-    names = [heading(one.name, rows[0].UNITS.get(one.name, "")) for one in dataclasses.fields(rows[0])]
+    names = [heading(column, UNITS[name].get(column, "")) for column in rows[0]._fields]
     # six digits: further ones depend on the machine
-    cells = ([f"{v:.6g}" if isinstance(v, float) else v for v in dataclasses.astuple(row)] for row in rows)
+    cells = ([f"{value:.6g}" if isinstance(value, float) else value for value in row] for row in rows)
     written = {name: write_rows(folder / f"coupling_{name}.csv", names, cells)}
     if name == MAP:
         written["picture of the map"] = write_figure(folder / "coupling.png", map_figure(rows))
     return written
-
-
-def print_rows(name: str, rows: Sequence[Any]) -> None:
-    """Print rows as a table."""
-    from rich.table import Table
-
-    from inertia_module.common.terminal import terminal
-
-    table = Table(title=name, title_justify="left")
-    for field in dataclasses.fields(rows[0]):
-        table.add_column(field.name.replace("_", " "), no_wrap=True)
-    for row in rows:
-        values = dataclasses.astuple(row)
-        table.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in values))
-    terminal(200).print(table)

@@ -21,6 +21,8 @@ from studies.benchmarks.figures import R1, in_turns
 HERE = Path(__file__).parent / "native"
 ROUNDS = 5
 STEP = 1e-3
+# what the C host is told: step, s; steps, and how many are timed together; repeats; tolerance
+HOST = (STEP, 20000, 500, 3, 1e-6)
 # an input inertia with which omega1 hardly changes: the same motion as with omega1 given
 TORQUE = {"drive_torque": 15.0, "load_torque": 10.0, "omega1": 100.0, "input_inertia": 100.0}
 STANDSTILL = {"omega1": 0.0, "load_torque": 10.0}
@@ -35,14 +37,6 @@ class Library(NamedTuple):
     references: dict[str, int]
     folder: str
     identifier: str
-
-
-class Timed(NamedTuple):
-    """Wall time of a step with two values set and two read, and the worst step, ns; both outputs."""
-
-    step: float
-    worst: float
-    outputs: tuple[float, ...]
 
 
 def compile_c(source, target, *options):
@@ -69,25 +63,16 @@ def empty_fmu(workshop):
     return Library(str(library), "", {"u": 0, "v": 1, "y": 2, "z": 3}, str(folder), "empty")
 
 
-def timed(
-    loop, library, values, outputs, step=STEP, steps=20000, tolerance=1e-6, batch=500, repeats=0, **whole
-):
-    """One run of the C host."""
+def timed(loop, library, values, outputs, **whole):
+    """Wall time of a step with two values set and two read, and of the worst step, ns, in a run of the C host."""
     numbers = library.references
     given = [f"{numbers[name]}={value!r}" for name, value in values.items()]
     given += [f"i{numbers[name]}={value}" for name, value in whole.items()]
     read = [str(numbers[name]) for name in outputs]
-    counts = [str(number) for number in (step, steps, batch, repeats, tolerance)]
-    done = subprocess.run(
-        [str(loop), library.path, library.guid, *counts, *read, *given],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    *batches, found, worst = done.stdout.splitlines()
-    return Timed(
-        statistics.median(map(float, batches)), float(worst.split()[1]), tuple(map(float, found.split()[1:]))
-    )
+    command = [str(loop), library.path, library.guid, *map(str, HOST), *read, *given]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    *batches, _, worst = done.stdout.splitlines()
+    return statistics.median(map(float, batches)), float(worst.split()[1])
 
 
 OUTPUTS = ("omega_out", "output_torque_mean")
@@ -107,13 +92,13 @@ CASES = {
 
 def c_loop(loop, module, shaft, empty):
     """Measure the time of a step, ns, and the worst step, us, of each case."""
-    cost = partial(timed, loop, repeats=3)
+    cost = partial(timed, loop)
     ways = {"empty native FMU": partial(cost, empty, {"u": 1.0, "v": 2.0}, ("y", "z"))}
     for name, (values, whole) in CASES.items():
         ways[name] = partial(cost, module, values, OUTPUTS, **whole)
     ways["DrivenShaft"] = partial(cost, shaft, SHAFT, ("omega_out", "shaft_torque_mean"))
     return {
-        name: (statistics.median(run.step for run in runs), min(run.worst for run in runs) / 1e3)
+        name: (statistics.median(step for step, _ in runs), min(worst for _, worst in runs) / 1e3)
         for name, runs in in_turns(ways, ROUNDS).items()
     }
 

@@ -29,7 +29,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from inertia_module.memory import DrivenShaft
 from inertia_module.scene.shaft import stepping_speed
 
 from .engine import Equation, Forms, compared, largest, tables
@@ -310,25 +309,3 @@ def lowered(criteria: Criteria, phase: int = 1) -> Any:
     """Factors by which the balancer lowers amplitude and peak of the free oscillation."""
     without, balanced = (free_oscillation(criteria, KAPPA2, beta, phase) for beta in (0.0, 1.0))
     return np.array(without) / balanced
-
-
-def under_load(Pi: float, load: float) -> float:
-    """Work on a load over all work put in, the balancer's too, by the driven shaft of the FMU at nu = 8.
-
-    Args:
-        Pi: damping. load: torque that the mass turns against, over the largest inertia torque 2 pi J4.
-    """
-    stiffness, torque = REFERENCE.nu**2, load * TWO_PI
-    times = np.linspace(0.0, 6.0, 601)
-    speeds, step = law_of_motion(times, KAPPA2)[1], times[1]
-    mass = {"driven_inertia": 1.0, "driven_friction": 2.0 * Pi, "balancer": 1.0, "load_torque": torque}
-    spring = {"shaft_stiffness": stiffness, "shaft_damping": 0.0, "twist_start": torque / stiffness}
-    shaft = DrivenShaft().start(**mass, **spring)
-    balancer = 0.0
-    for speed, gain in zip(speeds, np.diff(speeds), strict=False):
-        before = shaft["omega_out"]
-        shaft.set(hub_speed=float(speed))
-        shaft.set_rates(hub_speed=float(gain / step))
-        shaft.advance(step)
-        balancer += gain * 0.5 * (before + shaft["omega_out"])
-    return shaft["energy_out"] / (shaft["energy_in"] + balancer)

@@ -25,23 +25,18 @@ _INTEGRATORS: tuple[tuple[str, str, tuple[float, ...], tuple[float, ...]], ...] 
 )
 
 
-PEERS: tuple[Peer, ...] = (
-    *(
-        Peer(
-            name if stiffness is None else f"{name}, clutch {stiffness:.0e}",
-            {f"rtol {value:.0e}": value for value in tolerances},
-            # of (case, tolerance)
-            partial(integrators.simulate, method=method, stiffness=stiffness),
-        )
-        for name, method, tolerances, stiffnesses in _INTEGRATORS
-        for stiffness in stiffnesses or (None,)
-    ),
-    *(
-        Peer(
-            f"MuJoCo {integrator}",
-            {f"step {step:.0e}": step for step in (1e-3, 1e-4, 1e-5)},
-            partial(mujoco_model.simulate, integrator=integrator),
-        )
-        for integrator in ("Euler", "RK4")
-    ),
-)
+PEERS: list[Peer] = [
+    (
+        name if stiffness is None else f"{name}, clutch {stiffness:.0e}",
+        f"rtol {tolerance:.0e}",
+        partial(integrators.simulate, tolerance=tolerance, method=method, stiffness=stiffness),
+    )
+    for name, method, tolerances, stiffnesses in _INTEGRATORS
+    for stiffness in stiffnesses or (None,)
+    for tolerance in tolerances
+]
+PEERS += [
+    (f"MuJoCo {name}", f"step {step:.0e}", partial(mujoco_model.simulate, timestep=step, integrator=name))
+    for name in ("Euler", "RK4")
+    for step in (1e-3, 1e-4, 1e-5)
+]

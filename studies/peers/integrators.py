@@ -1,4 +1,4 @@
-"""Others' integrators over the module's equations: from event to event, or with clutches, and their audit.
+"""Others' integrators over the module's equations: from event to event, or with clutches.
 
 SciPy's solve_ivp and odeint, and CVODE of SUNDIALS (scikit-sundae; Hindmarsh et al., ACM TOMS 31 (2005)). The
 equations are those of the independent reference without losses, compiled by numba: generous to the peers.
@@ -23,7 +23,7 @@ from inertia_module.fidelity.trials import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.memory import Module
 
-from ..reference.cases import HOUSING, OMEGA1, OMEGA4, OUTPUT, SUMS, Machine, Q
+from ..reference.cases import HOUSING, OUTPUT, Machine
 from ..reference.geometry import Array, Unavailable
 from ..trade import Case, Trajectory
 
@@ -178,41 +178,13 @@ class Problem:
             y[2] = y[1]
         self.choose(y)
 
-    def residual(self, segment: Segment) -> float:
-        """Energy that a segment leaves open, J: input - output - stored.
-
-        While link 2 is held the input works into the kinetic energy of the links alone; else M1 - load is the
-        rate of the angular momentum of links, imbalances and shaft.
-        """
-        omega1, load, k, inertia2, inertia3 = self.data[0][SPEED:STIFFNESS]
-        time, (y0, y1) = segment.time - segment.begin, (segment.first, segment.state)
-
-        def energy(y: Array, omega3: float) -> float:
-            full = np.zeros(SUMS)
-            full[Q], full[OMEGA1 : OMEGA4 + 1] = y[0], (omega1, y[1], omega3, omega3)
-            return self.machine.energy(full)
-
-        def momentum(y: Array) -> float:
-            torques, _, _ = self.machine.work(y[0])
-            return float(torques[0, :2] @ [omega1, y[1]] + inertia2 * y[1] + inertia3 * y[2])
-
-        housing, output = segment.closed
-        if housing:
-            work = energy(y1, 0.0) - energy(y0, 0.0)
-        else:
-            work = omega1 * (momentum(y1) - momentum(y0) + load * time)
-        turned = 0.5 * (y0[2] + y1[2]) * time
-        if output and not housing:
-            turned = omega1 * time - (y1[0] - y0[0]) / k
-        return float(work - load * turned - energy(y1, y1[2]) + energy(y0, y0[2]))
-
 
 class Segment(NamedTuple):
     """Motion while no freewheel switches.
 
     Attributes:
         time, state: at its end. guard: which fell there, or None. samples: states at the output times.
-        evaluations: right-hand sides. begin, first: time and state before it. closed: the freewheels.
+        evaluations: right-hand sides.
     """
 
     time: float
@@ -220,9 +192,6 @@ class Segment(NamedTuple):
     guard: int | None
     samples: Array
     evaluations: int
-    begin: float = 0.0
-    first: Array = np.empty(0)
-    closed: tuple[float, float] = (0.0, 0.0)
 
 
 # integrates (time, state, output times not before time, the last of them the end)
@@ -330,9 +299,8 @@ def _run(problem: Problem, times: Array, integrate: Integrator) -> list[Segment]
     problem.choose(state)
     times = times[1:]
     while len(found) < EVENTS_ALLOWED:
-        closed = tuple(problem.data[0][list(CLOSED)])
         segment = integrate(time, state, times)
-        found.append(segment._replace(begin=time, first=state, closed=closed))
+        found.append(segment)
         times = times[len(segment.samples) :]
         time, state = segment.time, segment.state.copy()
         if segment.guard is None:
@@ -362,15 +330,9 @@ def simulate(case: Case, tolerance: float, method: str, stiffness: float | None 
         integrate = _by_solve_ivp(problem, method, tolerance)
     segments = _run(problem, case.times, integrate)
     samples = [problem.start[None, :], *(segment.samples for segment in segments)]
-    q, omega2, omega3 = np.concatenate(samples).T
     return Trajectory(
-        time=case.times,
-        drive_angle=q,
-        omega2=omega2,
-        omega_out=omega3,
-        switches=np.array([segment.time for segment in segments[:-1]]) if problem.events else None,
+        motion=np.concatenate(samples),
         evaluations=sum(segment.evaluations for segment in segments),
-        energy_residual=sum(map(problem.residual, segments)) if problem.events else None,
         wall_time=median_time(lambda: _run(problem, case.times[[0, -1]], integrate)),
-        number_of_switches=len(segments) - 1 if problem.events else math.nan,
+        switches=len(segments) - 1 if problem.events else math.nan,
     )

@@ -12,7 +12,8 @@ Source: MuJoCo, "Computation": constraint model, reference acceleration and impe
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -115,9 +116,10 @@ def mechanism(
 
 
 def _model_text(
-    p: Parameters, drives: list[str], satellites: dict[str, str], step: float, integrator: str
+    case: Case, drives: Iterable[str], satellites: Mapping[str, str], step: float, integrator: str
 ) -> str:
-    """The mechanism with its gears and freewheels."""
+    """The mechanism with its gears and freewheels; satellites: by name the name of the drive each is on."""
+    p = case.all_parameters
     k, s = ratio(p), satellite_ratio(p)
     soft = f'="0 {-1.0 / step!r}"', f'="{IMPEDANCE} {IMPEDANCE} 1"'
     rigid = f"solref{soft[0]} solimp{soft[1]}"
@@ -142,73 +144,6 @@ def _model_text(
     )
 
 
-class ForwardModel:
-    """A case in MuJoCo, ready to be stepped.
-
-    Args:
-        case: of the rigid module. step: s. integrator: as MuJoCo names it.
-    """
-
-    def __init__(self, case: Case, step: float, integrator: str) -> None:
-        self.engine, self.case = library("mujoco", "peers"), case
-        self.p = p = case.all_parameters
-        modules, satellites = range(int(p["modules"])), range(int(p["satellites"]))
-        places = [f"{module} {n}" for module in modules for n in satellites]
-        self.drives = [f"drive {place}" for place in (places if p["layout"] else modules)]
-        drive_of = {f"satellite {place}": f"drive {place.split()[0]}" for place in places}
-        self.satellites = {} if p["layout"] else drive_of
-        text = _model_text(p, self.drives, self.satellites, step, integrator)
-        self.model = self.engine.MjModel.from_xml_string(text)
-        self.model.tendon_invweight0[:] = INVERSE_INERTIA
-        self.model.dof_invweight0[:] = INVERSE_INERTIA
-        for name in self.satellites | dict.fromkeys(self.drives):
-            self.model.dof_armature[self.model.joint(name).dofadr[0]] = ARMATURE
-        self.data = self.engine.MjData(self.model)
-        self.reset()
-
-    def reset(self) -> None:
-        """Back to the beginning."""
-        p, s = self.p, satellite_ratio(self.p)
-        start, rate = p["drive_angle_start"], ratio(p) * (self.case.omega1 - p["omega2_start"])
-        self.engine.mj_resetData(self.model, self.data)
-        motion = {
-            **{"link 1": (0.0, self.case.omega1), "link 2": (0.0, p["omega2_start"])},
-            **{"output": (0.0, p["omega_out_start"])},
-            **dict.fromkeys(self.drives, (start, rate)),
-            **dict.fromkeys(self.satellites, (s * start, s * rate)),
-        }
-        for name, (angle, speed) in motion.items():
-            joint = self.data.joint(name)
-            joint.qpos[0], joint.qvel[0] = angle, speed
-        self.data.joint("output").qfrc_applied[0] = -self.case.load_torque
-
-    def advance(self, steps: int) -> None:
-        """Make some steps.
-
-        Raises:
-            RuntimeError: MuJoCo has given up and started anew.
-        """
-        warn = self.engine.get_mju_user_warning()
-        # else MuJoCo writes a log file where the user is
-        self.engine.set_mju_user_warning(lambda text: None)
-        try:
-            self.engine.mj_step(self.model, self.data, steps)
-        finally:
-            self.engine.set_mju_user_warning(warn)
-        if any(warning.number for warning in self.data.warning):
-            raise RuntimeError("MuJoCo gave up: its state was no longer finite")
-
-    def read(self) -> tuple[float, float, float]:
-        """(q, omega2, omega3), rad and rad/s."""
-        joint = self.data.joint
-        return joint(self.drives[0]).qpos[0], joint("link 2").qvel[0], joint("output").qvel[0]
-
-    def energy(self) -> float:
-        """Kinetic energy, the flywheel's with it, and the work done on the load, J."""
-        self.engine.mj_forward(self.model, self.data)
-        return float(self.data.energy[1] + self.case.load_torque * self.data.joint("output").qpos[0])
-
-
 def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
     """Run a case in MuJoCo.
 
@@ -218,29 +153,50 @@ def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
 
     Raises:
         Unavailable: the case is not for it. NotInstalled: mujoco is not.
-        RuntimeError: MuJoCo gives up.
+        RuntimeError: MuJoCo gives up and starts anew.
     """
     Problem(case)
+    engine, p = library("mujoco", "peers"), case.all_parameters
+    places = [f"{m} {n}" for m in range(int(p["modules"])) for n in range(int(p["satellites"]))]
+    drives = {f"drive {place if p['layout'] else place.split()[0]}": None for place in places}
+    satellites = {} if p["layout"] else {f"satellite {one}": f"drive {one.split()[0]}" for one in places}
     interval = case.stop_time / case.points
-    steps = max(1, int(np.ceil(interval / timestep * (1.0 - 1e-12))))
-    model = ForwardModel(case, interval / steps, integrator)
-    samples, energy = [model.read()], model.energy()
-    for _ in range(case.points):
-        model.advance(steps)
-        samples.append(model.read())
-    residual = energy - model.energy()
+    steps = max(1, math.ceil(interval / timestep * (1.0 - 1e-12)))
+    text = _model_text(case, drives, satellites, interval / steps, integrator)
+    model = engine.MjModel.from_xml_string(text)
+    model.tendon_invweight0[:] = model.dof_invweight0[:] = INVERSE_INERTIA
+    for name in (*satellites, *drives):
+        model.dof_armature[model.joint(name).dofadr[0]] = ARMATURE
+    data = engine.MjData(model)
+    start, rate = p["drive_angle_start"], ratio(p) * (case.omega1 - p["omega2_start"])
+    motion = {
+        **{"link 1": (0.0, case.omega1), "link 2": (0.0, p["omega2_start"])},
+        **{"output": (0.0, p["omega_out_start"])},
+        **dict.fromkeys(drives, (start, rate)),
+        **dict.fromkeys(satellites, (satellite_ratio(p) * start, satellite_ratio(p) * rate)),
+    }
 
-    def again() -> None:
-        model.reset()
-        model.advance(steps * case.points)
+    def samples(points: int, steps: int) -> Iterator[tuple[float, float, float]]:
+        """Go through the case from its beginning in so many steps between points: (q, omega2, omega3)."""
+        engine.mj_resetData(model, data)
+        for name, (angle, speed) in motion.items():
+            data.joint(name).qpos[0], data.joint(name).qvel[0] = angle, speed
+        data.joint("output").qfrc_applied[0] = -case.load_torque
+        for n in range(points + 1):
+            engine.mj_step(model, data, steps if n else 0)
+            if any(warning.number for warning in data.warning):
+                raise RuntimeError("MuJoCo gave up: its state was no longer finite")
+            q, omega2 = data.joint(next(iter(drives))).qpos[0], data.joint("link 2").qvel[0]
+            yield q, omega2, data.joint("output").qvel[0]
 
-    q, omega2, omega3 = np.array(samples).T
-    return Trajectory(
-        time=case.times,
-        drive_angle=q,
-        omega2=omega2,
-        omega_out=omega3,
-        evaluations=(4 if integrator == "RK4" else 1) * steps * case.points,
-        energy_residual=residual,
-        wall_time=median_time(again),
-    )
+    warn = engine.get_mju_user_warning()
+    # else MuJoCo writes a log file where the user is
+    engine.set_mju_user_warning(lambda text: None)
+    try:
+        return Trajectory(
+            motion=np.array(list(samples(case.points, steps))),
+            evaluations=(4 if integrator == "RK4" else 1) * steps * case.points,
+            wall_time=median_time(lambda: list(samples(1, steps * case.points))),
+        )
+    finally:
+        engine.set_mju_user_warning(warn)

@@ -34,6 +34,14 @@ IMPULSES = ("input_torque_mean", "output_torque_mean")
 TORQUES = ("load_torque", "input_torque", "mesh_torque", "output_torque", "housing_torque")
 # not the shaft's: a balancer gives energy, and of a shaft too stiff to be followed it is a difference
 LOST = tuple(name for name in LOSSES if name != "energy_lost_shaft")
+# never breached but for rounding, and what a breach is relative to; the first three without drag, the speeds
+# only of freewheels that do not wind up
+SPEED, TORQUE, POWER, REGAINED = BREACHES = (
+    "0 <= omega2 <= omega3",
+    "Th, Tc >= 0",
+    "torque or slip is 0",
+    "lost energy regained",
+)
 
 Parameters = dict[str, int | float]
 Make = Callable[[], Module]
@@ -183,10 +191,8 @@ class Run:
         residual: largest energy residual, J. gained: largest energy from nowhere, J.
         energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
         speed, torque: largest seen, rad/s, N.m.
-        reversal: deepest breach of omega2 >= 0 or omega3 >= omega2, rad/s.
-        pull: deepest breach of Tc >= 0 or Th >= 0, N.m.
-        slipping: largest power of a freewheel, torque by slip, W; all three without its drag.
-        lost: energy lost so far by cause, but the shaft's, J. regained: the most that one of them fell, J.
+        breaches: deepest of each of BREACHES, rad/s, N.m, W, J.
+        lost: energy lost so far by cause, but the shaft's, J.
         phase: advance of what has to be followed, rad. evaluations, steps: what it took.
         fixed_steps: internal steps of method timestepping.
         refused: message of the refusal that ended it, or "".
@@ -202,11 +208,8 @@ class Run:
     energy: float = 0.0
     speed: float = 0.0
     torque: float = 0.0
-    reversal: float = 0.0
-    pull: float = 0.0
-    slipping: float = 0.0
+    breaches: dict[str, float] = field(default_factory=lambda: dict.fromkeys(BREACHES, 0.0))
     lost: dict[str, float] = field(default_factory=dict)
-    regained: float = 0.0
     phase: float = 0.0
     fixed_steps: int = 0
     evaluations: float = 0.0
@@ -214,13 +217,13 @@ class Run:
     refused: str = ""
     broken: str = ""
 
-    @property
-    def shares(self) -> dict[str, float]:
-        """Largest residual and breaches relative to their scales: energy, speed, torque, their power."""
-        power = self.speed * self.torque
-        scales = dict.fromkeys(("residual", "regained"), self.energy)
-        scales |= {"reversal": self.speed, "pull": self.torque, "slipping": power}
-        return {name: relative(getattr(self, name), scale) for name, scale in scales.items()}
+    def share(self, breach: str) -> float:
+        """Deepest breach relative to the largest speed, torque, their product, or energy."""
+        scales = self.speed, self.torque, self.speed * self.torque, self.energy
+        return relative(self.breaches[breach], scales[BREACHES.index(breach)])
+
+    def _breach(self, name: str, value: float) -> None:
+        self.breaches[name] = max(self.breaches[name], value)
 
     def look(self, module: Module) -> None:
         """Take note of what shows at a communication point."""
@@ -236,8 +239,7 @@ class Run:
         self.speed = max(self.speed, abs(link1), *(abs(module[name]) for name in SPEEDS))
         self.torque = max(self.torque, *(abs(module[name]) for name in TORQUES))
         before, self.lost = self.lost, {name: module[name] for name in LOST}
-        falls = (before.get(name, 0.0) - lost for name, lost in self.lost.items())
-        self.regained = max(self.regained, *falls)
+        self._breach(REGAINED, max(before.get(name, 0.0) - lost for name, lost in self.lost.items()))
         elastic = module["fidelity"] == ELASTIC
         if not elastic and module["fidelity"] != RIGID:
             return
@@ -247,10 +249,10 @@ class Run:
                 continue
             drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
             held = module[f"{wheel}_torque"] + drag
-            self.pull = max(self.pull, -held)
+            self._breach(TORQUE, -held)
             if not elastic or module[f"{spring}_stiffness"] == 0.0:  # while it winds up it may turn backwards
-                self.reversal = max(self.reversal, -slip)
-                self.slipping = max(self.slipping, slip * held)
+                self._breach(SPEED, -slip)
+                self._breach(POWER, slip * held)
 
 
 def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:

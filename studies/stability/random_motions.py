@@ -12,8 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
-from itertools import groupby
-from operator import itemgetter
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -22,7 +20,6 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from inertia_module.common.files import content_hash, sources
-from inertia_module.common.terminal import terminal
 from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.levels import Level
 from inertia_module.harness.results import write_text
@@ -34,7 +31,21 @@ from ..reference.geometry import Array, Unavailable, ratio, satellite_ratio
 from ..reference.motion import Reference
 from ..reference.virtual_work import VirtualWork
 from .extremes import TIMESTEPPING_ACCURACY
-from .motion import LEVELS, Figure, Figures, Make, Motion, Parameters, Run, Segment, distance, relative, run
+from .motion import (
+    BREACHES,
+    LEVELS,
+    REGAINED,
+    Figure,
+    Figures,
+    Make,
+    Motion,
+    Parameters,
+    Run,
+    Segment,
+    distance,
+    relative,
+    run,
+)
 from .verdicts import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 
 # digits of every number
@@ -71,14 +82,6 @@ COMPARED = ("input_speed", "omega2", "omega_hub", "omega_out", "energy_stored")
 FACTOR = 4.0  # whose powers are exact
 AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
 AS_TORQUE = ("housing_drag", "output_drag", "gravity")
-# parts of Run.shares by what is told of them
-REGAINED = "lost energy regained"
-BREACHES = {
-    "0 <= omega2 <= omega3": "reversal",
-    "Th, Tc >= 0": "pull",
-    "torque or slip is 0": "slipping",
-    REGAINED: "regained",
-}
 # without losses virtual work is Lagrange's equations: so kept outcomes call it
 REFERENCE, VIRTUAL_WORK, STEPS = "Lagrange's equations", "virtual work", "long and short steps"
 # parameters that make the difference
@@ -94,17 +97,11 @@ SWINGING = 100.0
 SENSITIVE = math.inf  # bound where the motion multiplies errors so much that no method can tell
 
 
-def held(
-    apart: float, bound: float, beside: Iterable[Motion], distance_of: Callable[[Motion], float]
-) -> Figure:
-    """A distance held to a bound; beyond it also to the distances that changes of the problem make.
-
-    Args:
-        beside: the motion, changed by the tolerance. distance_of: one of them from the motion.
-    """
+def held(apart: float, bound: float, sensitivity: Callable[[], float]) -> Figure:
+    """A distance held to a bound; beyond it also to the distance that a change of the problem makes."""
     if apart <= bound:
         return Figure(apart, bound)
-    spread = max(map(distance_of, beside), default=0.0)
+    spread = sensitivity()
     wider = SENSITIVE if spread > LARGEST_ERROR else min(bound + EXPLAINED * spread, LARGEST_ERROR)
     return Figure(apart, wider, explained=apart <= wider)
 
@@ -120,8 +117,8 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
         name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
     beyond = relative(max(energy - rounding, 0.0), found.energy)
     figures[name] = Figure(beyond, energy_bound(accuracy))
-    breaches = BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else {REGAINED: BREACHES[REGAINED]}
-    return figures | {told: Figure(found.shares[part], BREACH) for told, part in breaches.items()}
+    breaches = BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (REGAINED,)
+    return figures | {name: Figure(found.share(name), BREACH) for name in breaches}
 
 
 def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
@@ -136,12 +133,11 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
     bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
 
-    def spread(beside: Motion) -> float:
-        other = run(beside, make)
-        return 0.0 if other.refused else distance(found, other, *swinging)
+    def sensitivity() -> float:
+        others = (run(beside, make) for beside in motion.nudged(tolerance))
+        return max((distance(found, other, *swinging) for other in others if not other.refused), default=0.0)
 
-    apart = distance(found, short, *swinging)
-    return {STEPS: held(apart, bound, motion.nudged(tolerance), spread)}
+    return {STEPS: held(distance(found, short, *swinging), bound, sensitivity)}
 
 
 def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
@@ -228,12 +224,11 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
     if precise.refused:
         return {name: Figure(math.inf, 0.0)}
     ours = np.array([[point[name] for name in COMPARED] for point in precise.points[1:]])
-    beside = motion.nudged(REFERENCE_TOLERANCE)
-    return {
-        name: held(
-            error(ours), REFERENCE_ERROR, beside, lambda other: error(_by_reference(other, 2.0 * most))
-        )
-    }
+
+    def sensitivity() -> float:
+        return max(error(_by_reference(one, 2.0 * most)) for one in motion.nudged(REFERENCE_TOLERANCE))
+
+    return {name: held(error(ours), REFERENCE_ERROR, sensitivity)}
 
 
 CHECKS = (of_one_run, of_steps, of_restore, of_scaling, of_momentum, of_reference)
@@ -558,19 +553,3 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
         told.append({"level": level, "what": what, "count": len(found), **where})
     return told
-
-
-def print_outcomes(outcomes: Sequence[Outcome]) -> None:
-    """Print the rows level by level, and each way to fail or to be refused with what reproduces it."""
-    from rich import box
-    from rich.table import Table
-
-    console = terminal()
-    for level, rows in groupby(rows_of(outcomes), itemgetter(0)):
-        table = Table(*HEADINGS[1:], title=level, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-        for row in rows:
-            table.add_row(*map(str, row[1:]))
-        console.print(table)
-    for found in findings(outcomes):
-        text = "\n{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}".format(**found)
-        console.print(text, soft_wrap=True)

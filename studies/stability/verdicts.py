@@ -12,19 +12,17 @@ import dataclasses
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Picture
 from matplotlib.patches import Patch
 
 from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION
 from inertia_module.common.errors import did_you_mean
-from inertia_module.common.terminal import terminal
 from inertia_module.contract.variables import LARGEST_STEP
 from inertia_module.harness import results
 from inertia_module.harness.simulate import Progress
@@ -32,8 +30,22 @@ from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency, swing_frequency
-from .extremes import MECHANISMS, Case, axes
-from .motion import LEVELS, Figure, Figures, Make, Motion, Run, Segment, distance, run
+from .extremes import Case, axes
+from .motion import (
+    LEVELS,
+    REGAINED,
+    SPEED,
+    TORQUE,
+    Figure,
+    Figures,
+    Make,
+    Motion,
+    Run,
+    Segment,
+    distance,
+    relative,
+    run,
+)
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12
@@ -43,13 +55,8 @@ ENERGY_TOLERANCES = 100.0
 RESULT_ACCURACIES = 3.0
 # no relative error is allowed to be larger, whatever accuracy is asked for: a looser bound would say nothing
 LARGEST_ERROR = 0.1
-# breach of a freewheel, of the largest torque or speed; of what in Run.shares
+# breach of what is never breached but for rounding (see Run.share)
 BREACH = 1e-9
-BREACHES = {
-    "speed against a freewheel": "reversal",
-    "torque against a freewheel": "pull",
-    "lost energy regained": "regained",
-}
 # right-hand sides for each communication step, for each radian of the highest harmonic (by events: they grow
 # slowly with the digits asked for, at eighth order) and for each internal step of timestepping
 STEP_WORK = 100.0
@@ -230,22 +237,6 @@ def cause(message: str) -> str:
     return found.group(1).strip() if found else message.partition(", are ")[0]
 
 
-def measure(trial: Trial, short: Run) -> Figures:
-    """All figures of a trial that ran through, by name."""
-    case, long, tight = trial.case, trial.long, trial.tight
-    result, energy = result_bound(case.accuracy, trial.sensitivity), energy_bound(case.accuracy)
-    runs = {"": long, ", short steps": short}
-    figures = {f"energy residual{told}": Figure(one.shares["residual"], energy) for told, one in runs.items()}
-    figures["long against short steps"] = Figure(distance(long, short), result)
-    for name, part in BREACHES.items():
-        figures[name] = Figure(max(long.shares[part], short.shares[part]), BREACH)
-    for told, one in runs.items():
-        figures[f"work{told}"] = Figure(one.evaluations, work_bound(case, one))
-    if tight is not None:
-        figures |= {f"error{told}": Figure(distance(tight, one), result) for told, one in runs.items()}
-    return figures
-
-
 def judge(trial: Trial) -> Verdict:
     """The verdict on a trial.
 
@@ -254,7 +245,7 @@ def judge(trial: Trial) -> Verdict:
     refusal in short steps of what long ones did, or a refused step that leaves the module changed or
     unusable is broken: a bug.
     """
-    case, long, short = trial.case, trial.long, trial.short
+    case, long, short, tight = trial.case, trial.long, trial.short, trial.tight
     if long.broken:
         return Verdict(case, BROKEN, long.broken)
     if long.refused:
@@ -263,7 +254,17 @@ def judge(trial: Trial) -> Verdict:
         return Verdict(case, BROKEN, "short steps: " + (short.refused if short else "not run"))
     if not (long.finite and short.finite):
         return Verdict(case, BROKEN, "an output is not finite")
-    figures = measure(trial, short)
+    result, energy = result_bound(case.accuracy, trial.sensitivity), energy_bound(case.accuracy)
+    runs = ("", long), (", short steps", short)
+    figures = {
+        f"energy residual{how}": Figure(relative(one.residual, one.energy), energy) for how, one in runs
+    }
+    figures["long against short steps"] = Figure(distance(long, short), result)
+    for name in (SPEED, TORQUE, REGAINED):
+        figures[name] = Figure(max(long.share(name), short.share(name)), BREACH)
+    figures |= {f"work{how}": Figure(one.evaluations, work_bound(case, one)) for how, one in runs}
+    if tight is not None:
+        figures |= {f"error{how}": Figure(distance(tight, one), result) for how, one in runs}
     missed = {name: figure for name, figure in figures.items() if not figure.holds}
     outcome = DEGRADED if missed else EXACT
     if missed and trial.sensitivity > LARGEST_ERROR and set(missed) <= set(COMPARED):
@@ -299,8 +300,7 @@ def run_study(chosen: Sequence[Case], report: Progress = lambda done: None) -> l
 # --- the map: a row for each extreme and layout, a cell for each level ---
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """An extreme with its cells by name of the level (only those it says something about)."""
 
     axis: str
@@ -320,36 +320,17 @@ def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
 
 def write_rows(path: Path, rows: Iterable[Row]) -> Path:
     """Write the rows as CSV, whole or not at all."""
-    lines = (
-        [row.axis, row.value, row.layout, *(row.cells.get(name, "") for name in HEADINGS[3:])] for row in rows
-    )
+    lines = ([*row[:3], *(row.cells.get(level.name, "") for level in LEVELS)] for row in rows)
     return results.write_rows(path, HEADINGS, lines)
 
 
 def read_rows(path: Path) -> list[Row]:
     """Rows that write_rows has written."""
-    _, *lines = csv.reader(path.read_text().splitlines())
-    names = HEADINGS[3:]
-    return [
-        Row(
-            axis,
-            value,
-            layout,
-            {name: Cell.of(text) for name, text in zip(names, texts, strict=True) if text},
-        )
-        for axis, value, layout, *texts in lines
-    ]
-
-
-def write_cases(path: Path, verdicts: Sequence[Verdict]) -> Path:
-    """Write a row for each case with every figure and its bound, as CSV, whole or not at all."""
-    rows = []
-    for record in (verdict.as_record() for verdict in verdicts):
-        for name, figure in record.pop("figures").items():
-            record |= {name: figure["value"], f"{name}, bound": figure["bound"]}
-        rows.append(record)
-    heads = list(dict.fromkeys(head for row in rows for head in row))
-    return results.write_rows(path, heads, ([row.get(head, "") for head in heads] for row in rows))
+    found = []
+    for line in csv.DictReader(path.read_text().splitlines()):
+        axis, value, layout = (line.pop(name) for name in HEADINGS[:3])
+        found.append(Row(axis, value, layout, {name: Cell.of(text) for name, text in line.items() if text}))
+    return found
 
 
 def by_axis(rows: Iterable[Row]) -> dict[str, list[Row]]:
@@ -372,105 +353,17 @@ def counts(rows: Sequence[Row]) -> dict[str, tuple[Counter[str], str]]:
 
 
 def reasons(rows: Iterable[Row]) -> list[str]:
-    """A line for each reason of a verdict that is not exact, with where it is given."""
-    found: dict[tuple[str, str], list[str]] = {}
+    """A line for each reason of a verdict that is not exact on an axis, with where it is given."""
+    found: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         for level, cell in row.cells.items():
             if cell.outcome != EXACT:
-                places = found.setdefault((cell.outcome, cell.reason), [])
+                places = found.setdefault((row.axis, cell.outcome, cell.reason), [])
                 places.append(f"{row.value} ({row.layout}, {level})")
     return [
-        f"{outcome}: {reason}. "
-        + ("; ".join(places) if len(places) <= 6 else f"{len(places)} cases, the first: {places[0]}")
-        + "."
-        for (outcome, reason), places in found.items()
+        f"{axis}: {outcome}: {reason}. {len(places)} cases, such as {'; '.join(places[:6])}."
+        for (axis, outcome, reason), places in found.items()
     ]
-
-
-def print_rows(rows: Sequence[Row]) -> None:
-    """Print a line for each axis and level of fidelity, below them what is not exact, and the counts."""
-    from rich import box
-    from rich.table import Column, Table
-
-    console = terminal()
-    for axis, here in by_axis(rows).items():
-        counted = counts(here)
-        outcomes = [name for name in OUTCOMES if any(count[name] for count, _ in counted.values())]
-        columns = (Column(name, justify="right", no_wrap=True) for name in (*outcomes, "error up to"))
-        first = Column("level of fidelity", no_wrap=True)
-        table = Table(first, *columns, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-        for level, (count, largest) in counted.items():
-            table.add_row(level, *(str(count[name]) for name in outcomes), largest)
-        console.print(f"\n{axis}", style="bold")
-        console.print(table)
-        for line in reasons(here):
-            console.print(f"- {line}")
-    total = sum((count for count, _ in counts(rows).values()), Counter[str]())
-    console.print("\n" + ", ".join(f"{total[name]} {name}" for name in OUTCOMES))
-
-
-# --- drawn ---
-
-LAYOUTS_AND_LEVELS = [f"{mechanism.layout}, {level.name}" for mechanism in MECHANISMS for level in LEVELS]
-# sheets side by side, so that the picture is no ribbon
-SHEETS = 3
-# what is drawn of a place: verdicts, and a text upon them
-Drawn = Mapping[str, tuple[Counter[str], str]]
-
-
-def _draw(sheet: Axes, rows: Sequence[Drawn], columns: Sequence[str], height: int, **text: Any) -> None:
-    """Draw rows downwards: bars in columns, parted by verdicts, with texts upon them."""
-    for y, row in enumerate(rows):
-        for x, column in enumerate(columns):
-            found, told = row.get(column, (Counter[str](), ""))
-            left = x + 0.03
-            for outcome in sorted(found, key=OUTCOMES.index):
-                width = 0.94 * found[outcome] / found.total()
-                sheet.barh(y, width, left=left, color=COLOURS[outcome], height=0.84)
-                left += width
-            sheet.text(x + 0.5, y, told, ha="center", va="center", **text)
-    sheet.set_xlim(0, len(columns))
-    sheet.set_ylim(height - 0.5, -0.5)
-    sheet.set_xticks([x + 0.5 for x in range(len(columns))], columns)
-    sheet.xaxis.tick_top()
-    sheet.tick_params(length=0)
-    sheet.spines[:].set_visible(False)
-
-
-def _with_legend(picture: Picture) -> Picture:
-    handles = [Patch(color=colour, label=outcome) for outcome, colour in COLOURS.items()]
-    picture.legend(handles=handles, loc="outside lower center", ncols=len(COLOURS), fontsize=8, frameon=False)
-    return picture
-
-
-def verdict_map(rows: Sequence[Row]) -> Picture:
-    """Draw every extreme: colours are verdicts, numbers powers of ten of the largest relative error.
-
-    Args:
-        rows: of rows_of or read_rows.
-    """
-    extremes: dict[tuple[str, str], dict[str, tuple[Counter[str], str]]] = {}
-    for row in rows:
-        drawn = extremes.setdefault((row.axis, row.value), {})
-        for level, cell in row.cells.items():
-            power = "" if cell.power is None else str(cell.power)
-            drawn[f"{row.layout}, {level}"] = Counter([cell.outcome]), power
-    sheets = SHEETS if len(extremes) > 60 else 1
-    height = -(-len(extremes) // sheets)
-    picture = Picture(figsize=(5.2 * sheets, 2.2 + 0.17 * height), dpi=120, layout="constrained")
-    names = list(extremes)
-    for n, sheet in enumerate(picture.subplots(1, sheets, squeeze=False)[0]):
-        here = names[n * height : (n + 1) * height]
-        _draw(sheet, [extremes[name] for name in here], LAYOUTS_AND_LEVELS, height, fontsize=5, color="white")
-        for y, (axis, value) in enumerate(here):
-            sheet.text(len(LAYOUTS_AND_LEVELS) + 0.15, y, value, ha="left", va="center", fontsize=6)
-            if y == 0 or here[y - 1][0] != axis:
-                sheet.axhline(y - 0.5, color="black", linewidth=0.6)
-                label = {"ha": "right", "va": "center", "fontsize": 6.5, "fontweight": "bold"}
-                sheet.text(-0.15, y, f"{axis}: ", **label)
-        sheet.tick_params("x", rotation=90, labelsize=6)
-        sheet.set_yticks([])
-    return _with_legend(picture)
 
 
 def summary(rows: Sequence[Row]) -> Picture:
@@ -479,14 +372,25 @@ def summary(rows: Sequence[Row]) -> Picture:
     Args:
         rows: of rows_of or read_rows.
     """
-    names = by_axis(rows)
+    names, levels = by_axis(rows), HEADINGS[3:]
     picture = Picture(figsize=(8.5, 1.0 + 0.24 * len(names)), dpi=120, layout="constrained")
-    drawn = [
-        {level: (count, f"{count[EXACT]} of {count.total()}") for level, (count, _) in counts(here).items()}
-        for here in names.values()
-    ]
     sheet = picture.subplots()
-    _draw(sheet, drawn, HEADINGS[3:], len(names), fontsize=6.5)
+    for y, here in enumerate(names.values()):
+        for level, (found, _) in counts(here).items():
+            x, width = levels.index(level), 0.94 / found.total()
+            left = x + 0.03
+            for outcome in OUTCOMES:
+                sheet.barh(y, width * found[outcome], left=left, color=COLOURS[outcome], height=0.84)
+                left += width * found[outcome]
+            told = f"{found[EXACT]} of {found.total()}"
+            sheet.text(x + 0.5, y, told, ha="center", va="center", fontsize=6.5)
+    sheet.set_xlim(0, len(levels))
+    sheet.set_ylim(len(names) - 0.5, -0.5)
+    sheet.set_xticks([x + 0.5 for x in range(len(levels))], levels)
     sheet.set_yticks(range(len(names)), list(names))
-    sheet.tick_params(labelsize=8)
-    return _with_legend(picture)
+    sheet.xaxis.tick_top()
+    sheet.tick_params(length=0, labelsize=8)
+    sheet.spines[:].set_visible(False)
+    handles = [Patch(color=colour, label=outcome) for outcome, colour in COLOURS.items()]
+    picture.legend(handles=handles, loc="outside lower center", ncols=len(COLOURS), fontsize=8, frameon=False)
+    return picture

@@ -39,12 +39,7 @@ def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
     assert done.exit_code == 0, done.stderr
     printed = json.loads(done.stdout)
     assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
-    assert {path.name for path in (tmp_path / "map").iterdir()} == {
-        "stability.csv",
-        "cases.csv",
-        "stability.png",
-        "stability_summary.png",
-    }
+    assert {path.name for path in (tmp_path / "map").iterdir()} == {"stability.csv", "stability_summary.png"}
     assert all(Path(path).is_file() for path in printed["files"].values())
 
 

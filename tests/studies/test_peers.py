@@ -39,11 +39,9 @@ def run(case, setting, method, stiffness=None):
 def distances(name, *settings):
     """Trajectory of a case and its largest differences from the kernel in q, omega2 and omega3, relative."""
     found, exact = run(CASES[name], *settings), kernel_trajectory(name)
-    scales = {"drive_angle": abs(exact.drive_angle).max()}
-    scales |= dict.fromkeys(("omega2", "omega_out"), exact.omega_out.max())
-    return found, [
-        np.abs(getattr(found, part) - getattr(exact, part)).max() / scale for part, scale in scales.items()
-    ]
+    largest = exact.omega_out.max()
+    scales = abs(exact.motion[:, 0]).max(), largest, largest
+    return found, np.abs(found.motion - exact.motion).max(axis=0) / scales
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -51,8 +49,7 @@ def distances(name, *settings):
 def test_integrators_with_exact_events_follow_the_kernel_and_meet_the_same_events(name, method):
     found, off = distances(name, 1e-10 if method in ("Adams", "BDF") else 1e-9, method)
     assert max(off) < 1e-6
-    assert found.number_of_switches == len(found.switches) == kernel_trajectory(name).number_of_switches
-    assert abs(found.energy_residual) < 1e-4
+    assert found.switches == kernel_trajectory(name).switches
 
 
 @both
@@ -81,11 +78,10 @@ def test_stiff_methods_agree_on_the_clutches(name, method, tolerance, stiffness)
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_kernel(name):
-    found, off = distances(name, 5e-5, "RK4")
+    off = distances(name, 5e-5, "RK4")[1]
     assert max(off) < 2e-3
     if name in ("R1", "planar"):
         assert off[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
-        assert abs(found.energy_residual) < 0.1
 
 
 @pytest.mark.parametrize(
@@ -105,11 +101,11 @@ def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
         integrators.simulate(CASES["no output freewheel"], 1e-6, "odeint", 1e4)
 
 
-def test_every_peer_has_a_name_of_its_own_and_integrates_a_case_at_each_of_its_settings():
-    assert len({peer.name for peer in PEERS}) == len(PEERS)
-    for peer in PEERS:
-        setting = max(peer.settings.values())
+def test_every_peer_and_setting_is_there_once_and_integrates_a_case():
+    assert len({(name, label) for name, label, _ in PEERS}) == len(PEERS)
+    # of each the loosest, which comes first
+    for integrate in {name: integrate for name, _, integrate in reversed(PEERS)}.values():
         try:
-            assert peer.integrate(Case(stop_time=0.002, points=2), setting).omega_out.shape == (3,)
+            assert integrate(Case(stop_time=0.002, points=2)).omega_out.shape == (3,)
         except NotInstalled:
             continue

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.papers import stelmashchuk
 from studies.papers.stelmashchuk import (
     TWO_PI,
     Criteria,
@@ -108,15 +107,3 @@ def test_law_of_motion_is_the_one_of_the_phases(kappa, kappa2):
     assert found == pytest.approx(law_in_words(kappa, kappa2), abs=1e-13)
     # a boundary counts to the later phase
     assert phase_of([-1.0, 0.0, 0.5, 1.2, 1.5, 2.0, 9.0], 1.0).tolist() == [0, 0, 1, 1, 2, 3, 3]
-
-
-# --- a figure of claims, by the FMU's driven shaft ---
-
-
-@pytest.mark.parametrize("load", [1.0, 0.1])
-@pytest.mark.parametrize("Pi", [5.0, 0.1])
-def test_efficiency_of_the_driven_shaft_is_that_of_the_closed_form(Pi, load):
-    velocity = response(stelmashchuk.TIMES, Criteria(8.0, Pi), 1.0).velocity
-    friction = 2.0 * Pi * np.sum(velocity[:-1] ** 2) * stelmashchuk.TIMES[1]
-    out = load * 2.0 * np.pi * 3.0
-    assert stelmashchuk.under_load(Pi, load) == pytest.approx(out / (out + friction), rel=2e-3)

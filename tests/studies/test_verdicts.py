@@ -1,9 +1,7 @@
 """A broken module gets a bad verdict: whatever goes wrong at an extreme, the study sees it."""
 
-import csv
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from faulty import faulty, raising, showing
@@ -15,7 +13,6 @@ from studies.stability import verdicts
 from studies.stability.extremes import Case
 from studies.stability.motion import LEVELS, Motion, Run, Segment
 
-TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
 LEVEL = next(level for level in LEVELS if level.name == "rigid, event")
 SEGMENT = Segment(0.05, REFERENCE["omega1"], REFERENCE["load_torque"])
 CASE = Case("ordinary", "R1", "bevel", Motion(LEVEL.values, (SEGMENT,)), split=10)
@@ -50,9 +47,9 @@ def test_sound_module_at_ordinary_values_is_exact(sound):
         (raising(Refused("omega1 is refused: for no reason")), "broken", "changed the state"),
         # a missed bound, which is named
         (showing(energy_residual=1.0), "degraded", "energy residual"),
-        (showing(omega2=-1e-3), "degraded", "speed against a freewheel"),
-        (showing(housing_torque=-1.0), "degraded", "torque against a freewheel"),
-        (showing(output_torque=-1.0), "degraded", "torque against a freewheel"),
+        (showing(omega2=-1e-3), "degraded", "0 <= omega2 <= omega3"),
+        (showing(housing_torque=-1.0), "degraded", "Th, Tc >= 0"),
+        (showing(output_torque=-1.0), "degraded", "Th, Tc >= 0"),
         (showing(rhs_evaluations=1e7), "degraded", "work"),
         (showing(omega_out=lambda module, step: step), "degraded", "long against short steps"),
         # all step sizes share it: it shows against the tight run
@@ -117,12 +114,6 @@ def test_sensitive_motion_is_exact_where_all_runs_agree_and_excuses_no_open_ener
     assert verdicts.judge(changed_end(sound, sensitivity=1.3, long=leaking)).outcome == "degraded"
 
 
-def test_tables_read_back_with_every_cell_figure_and_bound(tmp_path, sound):
+def test_the_table_reads_back(tmp_path):
     rows = verdicts.rows_of(verdicts.run_study(verdicts.chosen_cases("output locked")[:6]))
     assert verdicts.read_rows(verdicts.write_rows(tmp_path / "table.csv", rows)) == rows
-    found = verdicts.judge(sound)
-    with verdicts.write_cases(tmp_path / "cases.csv", [found]).open() as stream:
-        (line,) = csv.DictReader(stream)
-    for name, figure in found.figures.items():
-        assert float(line[name]) == figure.value
-        assert float(line[f"{name}, bound"]) == figure.bound
