@@ -6,31 +6,17 @@ import numpy as np
 import pytest
 
 from inertia_module.common.errors import Refused
+from inertia_module.common.examples import example
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import axes_of, free_keys, grid, of_shares, shares_sampled
 from inertia_module.jobs.fit import measurement
-from inertia_module.scene import read_scene
-
-SCENE = """
-[mechanism]
-output_friction = 0
-[drive]
-kind = "constant"
-omega1 = "100 rad/s"
-[load]
-kind = "vehicle"
-mass = 900
-wheel_radius = 0.3
-final_drive = 3
-[run]
-stop_time = "1 s"
-communication_step = "10 ms"
-"""
+from inertia_module.scene import load_scene
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return read_scene(SCENE, tmp_path_factory.mktemp("scene"))
+def scene():
+    car = {"kind": "vehicle", "torque": None, "mass": 900, "wheel_radius": 0.3, "final_drive": 3}
+    return load_scene(example("reference")).replaced(mechanism={"output_friction": 0}, load=car)
 
 
 def table(**columns):

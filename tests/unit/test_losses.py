@@ -11,7 +11,6 @@ from scenes import (
     ALL_LOSSES,
     CAUSE,
     ELASTIC,
-    FREEWHEELS,
     FRICTION,
     LOSSES,
     SCENES,
@@ -24,7 +23,6 @@ from scenes import (
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel import codes
 from inertia_module.kernel.equations import jam
-from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module, Refused
 
 LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start": 100.0}
@@ -46,55 +44,6 @@ def test_locked_up_machine_with_friction_stays_so(compiled, method, drive):
             assert module["energy_lost"] == 0.0
             assert module["contact_mode"] == 2
             assert module["energy_out"] == pytest.approx(module["energy_in"], rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "method", [{}, *({"method": 1, "max_step": step} for step in (1e-3, 0.1, 1.0))], ids=str
-)
-@pytest.mark.parametrize("holds", [{"link2_inertia": 1e9}, {"housing_drag": 2.02}], ids=["mass", "drag"])
-def test_drag_of_the_output_freewheel_slows_the_shaft_alone(compiled, holds, method):
-    """Link 2, too heavy to follow or held by the drag of its own freewheel, lets the shaft coast evenly."""
-    coasting = {"omega_out_start": 10.0, "output_inertia": 0.5, "output_drag": 2.0}
-    module = advanced(started(compiled, coasting, holds, method), 1.0)
-    assert module["omega_out"] == pytest.approx(6.0, rel=1e-8)
-    assert module["energy_lost_freewheel"] == pytest.approx(16.0, rel=1e-8)
-    assert module["output_torque_mean"] == pytest.approx(-2.0, rel=1e-12)
-    if "housing_drag" in holds:
-        assert module["omega2"] == 0.0
-        assert module["housing_torque"] == pytest.approx(-2.0, rel=1e-12)
-
-
-def test_even_friction_takes_link_2_along_at_a_constant_rate_and_then_it_sticks(compiled):
-    # imbalances on the axes of their satellites: the journals rub evenly, whatever link 2 does
-    eta, friction, k, inertia = 0.8, 0.05 * 3 * 0.8 * 120.0**2 * 0.08, 0.05 / 0.03, 0.003 + 0.4
-    free = {**FREEWHEELS["no freewheel"], "eccentricity": 0.0, "journal_friction": 0.05}
-    module = started(compiled, SCENES["planar"], free, mesh_efficiency=eta, load_torque=0.0, tolerance=1e-10)
-    torque = k * friction / eta
-    stuck = inertia * 120.0 / torque
-    module.advance(0.5 * stuck)
-    assert module["omega_out"] == pytest.approx(60.0, rel=1e-9)
-    slipped = 90.0 * 0.5 * stuck
-    assert module["energy_lost_journal"] == pytest.approx(friction * k * slipped, rel=1e-9)
-    assert module["energy_lost_mesh"] == pytest.approx((1.0 - eta) * torque * slipped, rel=1e-9)
-    module.advance(stuck)
-    assert module["omega_out"] == module["omega2"] == 120.0
-    assert module["energy_lost"] == pytest.approx(0.5 * inertia * 120.0**2, rel=1e-9)
-    # and a brake that is stronger tears them apart: it slips as fast as the two differ
-    advanced(module, 0.1, load_torque=2.0 * torque)
-    assert module["omega_out"] == pytest.approx(120.0 - 0.1 * torque / inertia, rel=1e-9)
-
-
-def test_lock_up_ends_where_the_load_is_more_than_friction_holds(compiled):
-    """The threshold is that of the journals: |T / k + I' omega1^2 / 2| = mu r s m |a|."""
-    friction = 0.01
-    start = started(compiled, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=0.0)
-    _, i1, *_ = reduced_inertia(start.derived, start.state.q)
-    holds = friction * 1.7 * start["imbalance_acceleration"] - 0.5 * i1 * 100.0**2
-    for share, sticks in ((1.0 - 1e-6, True), (1.0 + 1e-6, False)):
-        module = started(
-            compiled, SCENES["bevel"], LOCKED_UP, journal_friction=friction, load_torque=share * holds
-        )
-        assert (advanced(module, 1e-3)["omega2"] == 100.0) == sticks
 
 
 @pytest.mark.parametrize("layout", SCENES)
