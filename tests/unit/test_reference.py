@@ -349,6 +349,10 @@ def test_elastic_scene_has_its_check_values(compiled):
     assert module["shaft_twist"] == pytest.approx(-1.550114589e-3, abs=1e-9)
 
 
+def test_reference_scene_switches_125_times_in_its_first_second(compiled):
+    assert advanced(started(compiled, SCENES["bevel"]), 1.0)["contact_switches"] == 125
+
+
 def test_error_falls_in_proportion_to_tolerance_and_stays_within_three_in_any_steps(compiled, scene):
     def speed(tolerance, step=DURATION):
         module = started(compiled, scene, tolerance=tolerance)

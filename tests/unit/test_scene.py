@@ -300,6 +300,8 @@ open + [mechanism]\nz2 = 2.5
     mechanism.z2 must be a whole number between 1 and ... is 2.5
 open + [mechanism]\nlayout = "flat"
     mechanism.layout must be 0 (bevel) ... is 'flat'
+open + [mechanism]\nhousing_freewheel = 2
+    mechanism.housing_freewheel must be true or false, is 2
 open + [mechanism]\nlink2_inertia = 0
     mechanism: ... link2_inertia must be above 0 ... is 0
 torque: input_inertia = 0.2 =>
