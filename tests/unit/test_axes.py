@@ -181,18 +181,3 @@ def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
 def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
     with pytest.raises(Refused, match=words):
         measurement(table(**columns), scene)
-
-
-@pytest.mark.parametrize(
-    "text, words",
-    [
-        ("t,omega2\n0,1\n1,2\n", "columns must include time .there are t, omega2"),
-        ("time,omega2 [N.m]\n0,1\n1,2\n", r"omega2 \[N.m\] must be in rad/s or in a unit of the same kind"),
-        ("time,omega2\n0,fast\n", "line 2: omega2 must be a finite number, is 'fast'"),
-    ],
-)
-def test_files_that_cannot_be_are_one_sentence(scene, tmp_path, text, words):
-    file = tmp_path / "measured.csv"
-    file.write_text(text)
-    with pytest.raises(Refused, match=words):
-        measurement(file, scene)

@@ -111,7 +111,8 @@ def cases():
         for layout, drive, shaft in (combinations[n], combinations[-1 - n]):
             yield f"{layout}-{gears}-{n}", drive[layout] | shaft | own | {"drive_angle_start": 0.7}
     for layout, (drive, driven) in product(SCENES, DRIVES.items()):
-        values = driven[layout] | {"windage": 1e-3, "satellites": 2 if drive == "torque" else 1}
+        many = {"satellites": 2, "modules": 3} if drive == "torque" else {"satellites": 1}
+        values = driven[layout] | {"windage": 1e-3} | many
         yield f"{layout}-{drive}-windage", values
         yield f"{layout}-{drive}-windage-and-all", values | SHAFT | ALL_LOSSES
     for losses, loss in LOSSES.items():
