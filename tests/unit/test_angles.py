@@ -1,9 +1,10 @@
-"""Angles are wrapped, whole turns counted apart, nothing is lost; sine and cosine are as the library's."""
+"""Angles are wrapped, turns counted apart, nothing is lost; sine, cosine and inertia keep their digits."""
 
 import math
 from fractions import Fraction
 
 import mpmath
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -12,6 +13,7 @@ from scenes import advanced, drive_angle, started
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.accumulate import add, wrap_drive_angle, wrap_input_angle
+from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.kernel.sine import LARGEST_ANGLE, sine_cosine
 
 # pi to 60 digits
@@ -126,3 +128,27 @@ def test_what_is_no_angle_is_left_to_the_library(x):
     with pytest.raises(ValueError, match=r"math domain error|expected a finite"):
         sine_cosine(x)
     assert all(math.isnan(value) for value in sine_cosine(math.nan))
+
+
+# --- inertia over the drive angle ---
+
+
+@pytest.mark.parametrize("satellites", [1, 2, 3])
+@pytest.mark.parametrize("z17", [34, 20, 13])
+@pytest.mark.parametrize("layout", [0, 1])
+def test_highest_harmonic_is_the_highest_there_is(layout, z17, satellites):
+    d = started("plain", z17=z17, z6=20, layout=layout, a=0.7, b=1.3, satellites=satellites).derived
+    turns = np.arange(256) / 256
+    spectrum = np.abs(np.fft.rfft([reduced_inertia(d, d.period * turn) for turn in turns], axis=0)).max(
+        axis=1
+    )
+    highest = np.flatnonzero(spectrum > 1e-9 * spectrum.max())[-1]
+    assert d.harmonic == pytest.approx(highest / d.period_turns)
+
+
+@given(distance=st.floats(1e-12, 1e-4))
+def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
+    d = started("plain").derived
+    curvature = 2.0 * d.mass * d.s**2 * d.spin
+    g = reduced_inertia(d, distance)[4]
+    assert g == pytest.approx(0.5 * curvature * distance**2, rel=1e-13 + 10.0 * distance**2)

@@ -6,31 +6,17 @@ import numpy as np
 import pytest
 
 from inertia_module.common.errors import Refused
+from inertia_module.common.examples import example
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import axes_of, free_keys, grid, of_shares, shares_sampled
 from inertia_module.jobs.fit import measurement
-from inertia_module.scene import read_scene
-
-SCENE = """
-[mechanism]
-output_friction = 0
-[drive]
-kind = "constant"
-omega1 = "100 rad/s"
-[load]
-kind = "vehicle"
-mass = 900
-wheel_radius = 0.3
-final_drive = 3
-[run]
-stop_time = "1 s"
-communication_step = "10 ms"
-"""
+from inertia_module.scene import load_scene
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    return read_scene(SCENE, tmp_path_factory.mktemp("scene"))
+def scene():
+    car = {"kind": "vehicle", "torque": None, "mass": 900, "wheel_radius": 0.3, "final_drive": 3}
+    return load_scene(example("reference")).replaced(mechanism={"output_friction": 0}, load=car)
 
 
 def table(**columns):
@@ -195,18 +181,3 @@ def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
 def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
     with pytest.raises(Refused, match=words):
         measurement(table(**columns), scene)
-
-
-@pytest.mark.parametrize(
-    "text, words",
-    [
-        ("t,omega2\n0,1\n1,2\n", "columns must include time .there are t, omega2"),
-        ("time,omega2 [N.m]\n0,1\n1,2\n", r"omega2 \[N.m\] must be in rad/s or in a unit of the same kind"),
-        ("time,omega2\n0,fast\n", "line 2: omega2 must be a finite number, is 'fast'"),
-    ],
-)
-def test_files_that_cannot_be_are_one_sentence(scene, tmp_path, text, words):
-    file = tmp_path / "measured.csv"
-    file.write_text(text)
-    with pytest.raises(Refused, match=words):
-        measurement(file, scene)

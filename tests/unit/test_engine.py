@@ -47,14 +47,6 @@ def test_how_a_time_is_cut_into_steps_makes_no_difference(step):
     assert cut.state[5:] == pytest.approx(whole.state[5:], rel=1e-9)
 
 
-def test_what_the_torque_does_is_stored_or_passed_on():
-    one = engine(Governor(3.0, 20.0))
-    before = one.energy_stored
-    for n in range(200):
-        one.advance(0.007, LoadTorque(40.0 * math.sin(n), 0.05))
-    assert one.state.work_in - one.state.work_out == pytest.approx(one.energy_stored - before, rel=1e-10)
-
-
 def test_governor_holds_the_speed_against_a_load_without_error():
     one = engine(Governor(4.0, 20.0))
     for _ in range(400):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
 from inertia_module.fidelity.levels import (
@@ -26,35 +27,18 @@ from inertia_module.fidelity.trials import (
     with_worst,
 )
 from inertia_module.harness.simulate import Result
-from inertia_module.scene import SceneError, read_scene, run_scene
+from inertia_module.scene import SceneError, load_scene, run_scene
 
-SCENE = """
-[mechanism]
-fidelity = "auto"
-[drive]
-kind = "constant"
-omega1 = "100 rad/s"
-[load]
-kind = "shaft"
-inertia = "0.2 kg.m2"
-viscous_friction = "0.1 N.m.s/rad"
-[accuracy]
-error = "2 %"
-window = "0.1 s"
-[run]
-stop_time = "0.2 s"
-communication_step = "5 ms"
-outputs = ["omega_out", "output_torque_mean"]
-"""
-
-
-def scene(text=SCENE):
-    return read_scene(text, Path())
-
-
-def changed(old, new):
-    assert old in SCENE
-    return SCENE.replace(old, new)
+SCENE = load_scene(example("reference")).replaced(
+    mechanism={"fidelity": "auto"},
+    load={"kind": "shaft", "torque": None, "inertia": "0.2 kg.m2", "viscous_friction": "0.1 N.m.s/rad"},
+    accuracy={"tolerance": None, "error": "2 %", "window": "0.1 s"},
+    run={
+        "stop_time": "0.2 s",
+        "communication_step": "5 ms",
+        "outputs": ["omega_out", "output_torque_mean"],
+    },
+)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +57,7 @@ def kept(folder, monkeypatch):
 
 
 def test_another_fidelity_can_be_asked_for():
-    rigid = scene(changed('fidelity = "auto"', 'fidelity = "kinematic"')).with_fidelity("rigid")
+    rigid = SCENE.replaced(mechanism={"fidelity": "kinematic"}).with_fidelity("rigid")
     assert rigid.parameters()["fidelity"] == 2.0
     auto = rigid.with_fidelity("auto", 0.05)
     assert auto.chooses_fidelity
@@ -84,15 +68,7 @@ def test_another_fidelity_can_be_asked_for():
 
 def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
     with pytest.raises(SceneError, match="must be chosen first"):
-        run_scene(scene(), tmp_path / "none.fmu")
-
-
-def test_a_scene_with_columns_from_a_file_can_be_replaced(tmp_path):
-    (tmp_path / "drive.csv").write_text("time,omega1\n0,0\n1,100\n")
-    text = changed('kind = "constant"\nomega1 = "100 rad/s"', 'kind = "table"\nfile = "drive.csv"')
-    found = read_scene(text, tmp_path).replaced(run={"stop_time": 0.1})
-    assert found.run.stop_time == 0.1
-    assert found.drive.signal()(0.5) == 50.0
+        run_scene(SCENE, tmp_path / "none.fmu")
 
 
 # --- the levels of fidelity ---
@@ -108,22 +84,22 @@ def test_names_that_a_level_lacks_are_those_of_the_module_and_have_a_reason():
 
 
 def test_a_level_takes_the_place_of_the_settings_of_a_scene():
-    fixed = 'fidelity = "rigid"\nmethod = "timestepping"\nmax_step = "0.1 ms"'
-    found = trials.at_level(scene(changed('fidelity = "auto"', fixed)), event(2, 1e-6))
+    fixed = {"fidelity": "rigid", "method": "timestepping", "max_step": "0.1 ms"}
+    found = trials.at_level(SCENE.replaced(mechanism=fixed), event(2, 1e-6))
     assert found.accuracy.tolerance == 1e-6
     assert found.parameters()["method"] == 0.0
     assert "max_step" not in found.parameters()
 
 
 def test_a_driven_mass_is_rigid_with_the_hub_where_there_is_no_shaft():
-    shaft = scene(changed("[mechanism]", "[mechanism]\ndriven_inertia = 0.3\noutput_inertia = 0.1"))
+    shaft = SCENE.replaced(mechanism={"driven_inertia": 0.3, "output_inertia": 0.1})
     rigid = trials.at_level(shaft, event(2, 1e-6))
     assert rigid.parameters()["output_inertia"] == pytest.approx(0.1 + 0.3 + 0.2)
     elastic = trials.at_level(shaft, event(3, 1e-6))
     assert elastic.parameters()["output_inertia"] == 0.1
     assert elastic.parameters()["driven_inertia"] == pytest.approx(0.3 + 0.2)
     assert trials.reference_level(shaft).fidelity == 3
-    assert trials.reference_level(scene()).fidelity == 2
+    assert trials.reference_level(SCENE).fidelity == 2
 
 
 # --- errors over windows ---
@@ -159,7 +135,7 @@ def test_errors_are_largest_differences_over_windows(name, ours, exact, window, 
 
 
 def test_the_module_in_process_is_the_plant_of_the_same_loop(built):
-    rigid = trials.at_level(scene(), event(2, 1e-8))
+    rigid = trials.at_level(SCENE, event(2, 1e-8))
     ours = run_in_process(rigid).record
     fmu = run_scene(rigid, built / "InertiaModule.fmu").record
     for name in ("omega_out", "output_torque_mean", "load_torque"):
@@ -168,10 +144,10 @@ def test_the_module_in_process_is_the_plant_of_the_same_loop(built):
 
 @pytest.mark.parametrize("first", ["omega_out", "imbalance_acceleration"])
 def test_the_chosen_level_meets_the_error_in_all_outputs_and_has_them(first):
-    chosen, choice = trials.choose(scene(changed('"omega_out",', f'"{first}",')))
+    chosen, choice = trials.choose(SCENE.replaced(run={"outputs": [first, "output_torque_mean"]}))
     assert not chosen.chooses_fidelity
     fidelity = int(chosen.parameters()["fidelity"])
-    exact = run_in_process(trials.at_level(scene(), event(2, 1e-12))).record
+    exact = run_in_process(trials.at_level(SCENE, event(2, 1e-12))).record
     errors = window_errors(run_in_process(chosen).record, exact, 0.1, fidelity)
     assert choice.wanted == (first, "output_torque_mean")
     assert all(errors[name] <= 0.02 for name in choice.wanted)
@@ -180,22 +156,23 @@ def test_the_chosen_level_meets_the_error_in_all_outputs_and_has_them(first):
 
 
 def test_measurements_are_kept_whatever_error_and_outputs_are_asked_for(monkeypatch):
-    first = trials.trial_rows(scene())
-    assert trials.measurement_file(scene()).exists()
+    first = trials.trial_rows(SCENE)
+    assert trials.measurement_file(SCENE).exists()
 
     def fail(*_):
         raise AssertionError("measured again")
 
     monkeypatch.setattr(trials, "run_in_process", fail)
-    again = trials.trial_rows(scene(changed('"2 %"', '"3 %"').replace('"omega_out", ', "")))
+    other = SCENE.replaced(accuracy={"error": "3 %"}, run={"outputs": ["output_torque_mean"]})
+    again = trials.trial_rows(other)
     assert [row.label for row in again] == [row.label for row in first]
     assert [row.wall_time for row in again] == pytest.approx([row.wall_time for row in first], nan_ok=True)
 
 
 def test_another_mechanism_and_broken_measurements_are_measured_anew():
-    other = scene(changed("[mechanism]", "[mechanism]\nimbalance_mass = 2"))
-    assert trials.measurement_file(scene()) != trials.measurement_file(other)
-    short = scene().replaced(run={"stop_time": 0.05})
+    other = SCENE.replaced(mechanism={"imbalance_mass": 2})
+    assert trials.measurement_file(SCENE) != trials.measurement_file(other)
+    short = SCENE.replaced(run={"stop_time": 0.05})
     trials.measurement_file(short).write_text("{")
     assert trials.trial_rows(short)
 
@@ -203,7 +180,7 @@ def test_another_mechanism_and_broken_measurements_are_measured_anew():
 def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):
     levels = list(all_levels(False))[::6]
     monkeypatch.setattr(trials, "all_levels", lambda *_, **__: levels)
-    short = scene().replaced(run={"stop_time": 0.05})
+    short = SCENE.replaced(run={"stop_time": 0.05})
     rows = with_worst(measured_rows(short), short.run.outputs)
     assert {row.communication_step for row in rows} == {0.005, 0.05}
     done = [row for row in rows if not row.failure]
@@ -216,8 +193,7 @@ def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):
 
 def test_level_that_refuses_the_losses_of_a_scene_is_not_chosen():
     refusing = "elastic, timestepping"
-    wound = changed("[drive]", "freewheel_stiffness = 2e3\n[drive]")
-    lossy = scene(wound.replace('"2 %"', '"100 %"'))
+    lossy = SCENE.replaced(mechanism={"freewheel_stiffness": 2e3}, accuracy={"error": "100 %"})
     rows = trials.trial_rows(lossy)
     assert {row.level for row in rows if "must be" in row.failure} == {refusing}
     chosen, choice = trials.choose(lossy)
@@ -228,17 +204,17 @@ def test_level_that_refuses_the_losses_of_a_scene_is_not_chosen():
 
 
 def test_weights_that_averaged_leaves_out_are_in_its_error():
-    def averaged(text):
-        (row,) = (row for row in trials.trial_rows(scene(text)) if row.level == "averaged")
+    def averaged(scene):
+        (row,) = (row for row in trials.trial_rows(scene) if row.level == "averaged")
         return row.errors["output_torque_mean"]
 
-    assert averaged(changed("[drive]", "gravity = 1000.0\n[drive]")) > 3.0 * averaged(SCENE)
+    assert averaged(SCENE.replaced(mechanism={"gravity": 1000.0})) > 3.0 * averaged(SCENE)
 
 
 def test_measurements_are_made_anew_where_the_equations_of_losses_change(monkeypatch):
     named = []
     monkeypatch.setattr(trials, "sources", lambda *patterns: named.extend(patterns) or {})
-    trials.measurement_file(scene())
+    trials.measurement_file(SCENE)
     assert any(Path("kernel/equations/motion.py").match(pattern) for pattern in named)
 
 

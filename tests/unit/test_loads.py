@@ -1,32 +1,11 @@
 """Forces of the imbalances on mount and bearing; accelerations; means and peaks over a step, with a jump."""
 
-import math
-
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scenes import FREEWHEELS, SCENES, TWO_PI, advanced, motions, started, vector
+from scenes import SCENES, TWO_PI, advanced, motions, started
 
 from inertia_module.kernel.averaged.run import impulse_with_work
 
 STEP_MEANS = ("mesh_torque_mean", "housing_torque_mean")
-# greatest force, moment across Ox and about it of scene R1 at half the speed of link 1, by satellites
-GREATEST = {1: (2928.0, 179.0, 106.0), 2: (2562.0, 256.0, 196.0), 3: (3844.0, 192.0, 124.0)}
-
-
-@pytest.mark.parametrize("satellites", GREATEST)
-def test_scene_r1_shakes_its_mount_as_much_as_computed_by_hand(compiled, satellites):
-    module = started(
-        compiled, SCENES["bevel"], fidelity=0, kinematic_ratio=0.5, load_torque=0.0, satellites=satellites
-    )
-    force = across = about = 0.0
-    for _ in range(20000):
-        advanced(module, TWO_PI * 20 / 100.0 / 20000)
-        _, *moment = vector(module, "shaking_moment")
-        force = max(force, math.hypot(*vector(module, "shaking_force")))
-        across = max(across, math.hypot(*moment))
-        about = max(about, abs(module["shaking_moment_x"]))
-    assert (force, across, about) == pytest.approx(GREATEST[satellites], abs=0.6)
 
 
 @pytest.mark.parametrize("satellites, modules", [(1, 1), (1, 3), (2, 1), (2, 3), (3, 3), (7, 1)])
@@ -44,30 +23,6 @@ def test_moment_about_the_axis_is_what_link_1_and_link_2_are_given(compiled, sce
         assert module["shaking_moment_x"] == pytest.approx(-given_to_both, abs=1e-11 * largest)
 
 
-@pytest.mark.parametrize("name", SCENES)
-@given(jump=st.floats(-80.0, 80.0), before=st.floats(1e-3, 0.05), load=st.floats(0.0, 20.0))
-def test_means_with_a_jump_are_those_with_a_steep_ramp(compiled, name, jump, before, load):
-    duration, short, scene = 0.01, 1e-9, SCENES[name]
-    at_once, steep = (advanced(started(compiled, scene, load_torque=load), before) for _ in range(2))
-    advanced(at_once, duration, omega1=scene["omega1"] + jump)
-    impulses = dict.fromkeys(STEP_MEANS, 0.0)
-    for step, speed, rate in ((short, 0.0, jump / short), (duration - short, jump, 0.0)):
-        steep.set(omega1=scene["omega1"] + speed)
-        steep.set_rates(omega1=rate)
-        steep.advance(step)
-        impulses = {mean: value + step * steep[mean] for mean, value in impulses.items()}
-    largest = max(abs(at_once[mean]) for mean in STEP_MEANS)
-    for mean, impulse in impulses.items():
-        assert impulse / duration == pytest.approx(at_once[mean], abs=1e-4 * largest)
-
-
-@pytest.mark.parametrize("freewheels", FREEWHEELS)
-@pytest.mark.parametrize("layout", SCENES)
-def test_without_a_housing_freewheel_the_housing_takes_nothing(compiled, layout, freewheels):
-    module = advanced(started(compiled, SCENES[layout], FREEWHEELS[freewheels]), 0.1)
-    assert (module["housing_torque_mean"] > 0.0) == (module["housing_freewheel"] != 0.0)
-
-
 @motions(levels=("kinematic", "averaged", "rigid", "elastic"), added=("ideal",), missing=())
 def test_accelerations_are_the_rates_of_the_speeds(compiled, scene):
     module = advanced(started(compiled, scene, load_torque=3.0, drive_angle_start=1.0, tolerance=1e-12), 0.02)
@@ -78,20 +33,6 @@ def test_accelerations_are_the_rates_of_the_speeds(compiled, scene):
     for name, speed in names.items():
         middle = 0.5 * (found[name] + module[name])
         assert (module[speed] - before[name]) / step == pytest.approx(middle, rel=1e-4, abs=1e-2)
-
-
-@motions(levels=("kinematic", "rigid", "elastic", "timestepping"), added=("ideal",), missing=())
-@pytest.mark.parametrize("duration", [1e-3, 1e-2, 0.1])
-def test_peak_on_the_bearing_is_that_of_all_instants(compiled, scene, duration):
-    scene = scene | {"load_torque": 3.0, "drive_angle_start": 1.0}
-    one, many = (advanced(started(compiled, scene), 0.03) for _ in range(2))
-    advanced(one, duration)
-    assert one["satellite_force"] == pytest.approx(one["imbalance_mass"] * one["imbalance_acceleration"])
-    peak = many["satellite_force"]
-    for _ in range(1000):
-        advanced(many, duration / 1000)
-        peak = max(peak, many["satellite_force"])
-    assert 0.97 * peak <= one["satellite_force_peak"] <= 1.01 * peak
 
 
 def test_peak_on_the_bearing_of_a_mean_motion_is_that_of_its_last_instant(compiled):
@@ -120,7 +61,7 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
     one.set_rates(omega1=ramp)
     one.advance(duration)
     names = ("input_torque", "mesh_torque", "housing_torque", "output_torque", "omega_out")
-    means, largest, squares, peak = dict.fromkeys(names, 0.0), 0.0, 0.0, 0.0
+    means, largest, squares, peak, force = dict.fromkeys(names, 0.0), 0.0, 0.0, 0.0, many["satellite_force"]
     for n in range(steps):
         begin = [many[name] for name in names]
         many.set(omega1=scene["omega1"] + ramp * duration * n / steps)
@@ -131,6 +72,7 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
         largest = max(largest, abs(many["mesh_torque"]), abs(many["input_torque"]))
         squares += many["output_torque"] ** 2 / steps
         peak = max(peak, abs(many["output_torque"]))
+        force = max(force, many["satellite_force"])
     turned = means.pop("omega_out") * duration
     if scene.get("drive"):
         means.pop("input_torque")  # it is that of the drive
@@ -139,6 +81,9 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
     assert one["output_angle"] + TWO_PI * one["output_turns"] == pytest.approx(turned, rel=1e-3, abs=1e-5)
     assert one["output_flange_angle"] == pytest.approx(turned, rel=1e-3, abs=1e-5)
     assert one["loss_power_mean"] * duration == pytest.approx(one["energy_lost"], rel=1e-12)
+    assert one["satellite_force"] == pytest.approx(one["imbalance_mass"] * one["imbalance_acceleration"])
+    if one["fidelity"] != 1:  # which knows that of its last instant alone
+        assert 0.97 * force <= one["satellite_force_peak"] <= 1.01 * force
     if one["fidelity"] != 1 and not one["method"]:
         ripple = max(0.0, squares - one["output_torque_mean"] ** 2) ** 0.5
         assert one["torque_ripple"] == pytest.approx(ripple, rel=1e-3)

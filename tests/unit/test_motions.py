@@ -7,7 +7,6 @@ from scenes import (
     ACCOUNTS,
     DRIVEN,
     ELASTIC,
-    FREEWHEELS,
     LEVELS,
     MEANS,
     MOTION,
@@ -192,25 +191,6 @@ def test_error_follows_the_tolerance(compiled, scene):
     assert errors[-1] < max(1e-3 * errors[0], 1e-9)
 
 
-@motions(levels=EVENTS, added=("ideal",))
-def test_means_are_the_momentum_they_give(compiled, scene):
-    module = started(compiled, scene, tolerance=1e-10)
-    driven = module["driven_inertia"] if module["fidelity"] == codes.ELASTIC else 0.0
-    inertias = {"omega2": module["link2_inertia"], "omega_hub": module["output_inertia"], "omega_out": driven}
-    names = (*inertias, "input_speed")
-    before = [module[name] for name in names]
-    for _ in led(module, [0.005] * 20):
-        gains = {name: module[name] - was for name, was in zip(names, before, strict=True)}
-        before = [module[name] for name in names]
-        gained = {name: inertia * gains[name] / 0.005 for name, inertia in inertias.items()}
-        mesh, house, clutch = (module[f"{name}_torque_mean"] for name in ("mesh", "housing", "output"))
-        tiny = 1e-7 * (abs(mesh) + abs(house) + abs(clutch) + 1.0)
-        assert clutch - module["load_torque"] == pytest.approx(
-            gained["omega_hub"] + gained["omega_out"], abs=tiny
-        )
-        assert mesh + house - clutch == pytest.approx(gained["omega2"], abs=tiny)
-
-
 # --- a torque drives link 1 ---
 
 
@@ -247,16 +227,6 @@ def test_torque_with_a_rate_counts_by_its_mean_over_the_step(compiled, layout):
     assert bytes(ramp.outputs) == bytes(mean.outputs)
 
 
-@pytest.mark.parametrize("layout", DRIVEN)
-def test_shaft_comes_to_rest_and_the_engine_turns_on(compiled, layout):
-    module = advanced(started(compiled, DRIVEN[layout]), 0.3)
-    assert module["omega_out"] > 0.0
-    advanced(module, 3.0, load_torque=1e3)
-    assert module["omega2"] == module["omega_out"] == 0.0
-    assert module["input_speed"] > 0.0
-    assert module["contact_mode"] == 3
-
-
 # --- very long runs and many tiny steps lose no more than the documentation says ---
 
 
@@ -288,21 +258,6 @@ def test_residual_of_long_runs_grows_with_the_turns_and_no_faster(compiled, kind
         bound = (AT_ONCE + PER_TURN * turns) * module["tolerance"]
         assert abs(module["energy_residual"]) <= bound * largest
     assert turns > 300.0
-
-
-@pytest.mark.parametrize("freewheels, before", [("both freewheels", 0.012), ("no freewheel", 0.02)])
-def test_hundred_thousand_tiny_steps_are_one_step(compiled, freewheels, before):
-    scene = SCENES["bevel"] | FREEWHEELS[freewheels]
-    one, many = (advanced(started(compiled, scene, tolerance=1e-13), before) for _ in range(2))
-    one.advance(1e-4)
-    for _ in range(100_000):
-        many.advance(1e-9)
-    for name in ("omega2", "omega_out", "drive_angle", "input_angle", "input_torque", "energy_stored"):
-        # the torque is a difference of many N m: two parts in 1e15 of them
-        assert many[name] == pytest.approx(one[name], rel=1e-12, abs=2e-13), name
-    for name in ("energy_in", "energy_out"):
-        assert many[name] == pytest.approx(one[name], rel=1e-11, abs=1e-14), name
-    assert many["contact_switches"] == one["contact_switches"]
 
 
 def test_steps_below_the_resolution_of_the_speed_add_up_too(compiled):

@@ -20,7 +20,7 @@ from inertia_module.kernel.events.advance import begin_step
 from inertia_module.kernel.events.guards import general_guard, is_exact
 from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
 from inertia_module.kernel.fields import WORKSPACE
-from inertia_module.kernel.links import friction_power, inertia_at_output, kinetic_energy, prescribed_at_input
+from inertia_module.kernel.links import inertia_at_output, prescribed_at_input
 from inertia_module.kernel.tableau import END, LONG, STAGES, fit
 from studies.stability.motion import solve_at
 
@@ -54,36 +54,6 @@ def chance(request):
 def random_motion(chance):
     """(q, omega1, omega2, what is given, torque, its rate) with speeds of about 1 rad/s."""
     return chance.uniform(-7.0, 7.0), *(chance.uniform(-2.0, 2.0) for _ in range(5))
-
-
-@pytest.mark.parametrize("driving", [False, True], ids=["overrun", "driving"])
-@pytest.mark.parametrize("held", [False, True], ids=["free", "held"])
-def test_energy_and_momentum_change_by_the_torques(values, chance, held, driving):
-    module = started("plain", values)
-    d = module.derived
-    q, omega1, omega2, given, load, _ = random_motion(chance)
-    module.state.alpha1 = module.state.drive_torque = given
-    omega2 *= not held
-
-    def at(t, alpha1=0.0, alpha2=0.0):
-        angle = q + d.k * (omega1 - omega2) * t
-        speeds = {"omega1": omega1 + alpha1 * t, "omega2": omega2 + alpha2 * t}
-        return solve_at(module, held, driving, load, q=angle, omega3=speeds["omega2"], **speeds)
-
-    m = at(0.0)
-    alpha = m.alpha1, m.alpha2
-    assert m.energy == pytest.approx(kinetic_energy(d, q, omega1, omega2, 0.0), rel=1e-12)
-    on_link2 = m.output - m.housing + d.b2 * omega2
-    power = m.drive * omega1 - on_link2 * omega2 - friction_power(d, omega1, omega2, 0.0)
-    passed = m.drive - d.b1 * omega1 - on_link2
-    assert_rates((power, passed), lambda t: (at(t, *alpha).energy, at(t, *alpha).momentum))
-
-
-def test_links_that_stick_together_have_the_energy_of_their_motion():
-    module = started("plain", SCENES["bevel"], journal_friction=0.1)
-    module.state.slip_sign = 0.0
-    m = solve_at(module, False, False, q=0.3, omega1=50.0, omega2=50.0, omega3=60.0)
-    assert m.energy == pytest.approx(kinetic_energy(module.derived, 0.3, 50.0, 50.0, 0.0), rel=1e-12)
 
 
 def test_inertia_at_the_output_is_torque_over_acceleration(values, chance):

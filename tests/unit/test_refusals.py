@@ -5,12 +5,10 @@ import math
 import pytest
 from scenes import ENGINE, advanced, started
 
-from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.contract.variables import (
     BOOLEAN,
     BY_NAME,
     ENUMERATION,
-    ENUMERATIONS,
     INPUT,
     INTEGER,
     LOCAL,
@@ -49,22 +47,6 @@ def refusal(action, *arguments, **values):
     except Refused as error:
         return str(error)
     return ""
-
-
-@pytest.mark.parametrize("model", [INERTIA_MODULE, DRIVEN_SHAFT])
-def test_allowed_values_are_told_with_ends_unit_and_names(model):
-    for variable in model.with_causality(PARAMETER, INPUT):
-        allowed, unit = variable.allowed, "" if variable.unit in ("", "1") else f" {variable.unit}"
-        if variable.kind == BOOLEAN:
-            assert allowed == "true or false", variable.name
-        elif variable.kind == ENUMERATION:
-            items = [f"{number} ({name})" for name, number, _ in ENUMERATIONS[variable.enumeration]]
-            assert allowed == f"{', '.join(items[:-1])} or {items[-1]}", variable.name
-        else:
-            low, high = allowed.removesuffix(unit).partition("between ")[2].split(" and ")
-            assert (float(low), float(high)) == (variable.minimum, variable.maximum), variable.name
-            assert allowed.startswith("a whole number ") == (variable.kind == INTEGER), variable.name
-            assert allowed.endswith(unit), variable.name
 
 
 @pytest.mark.parametrize("instance_type", [Module, DrivenShaft])

@@ -66,7 +66,6 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
         ("[free]", "[fre]", "at least one free key"),
         ('imbalance_mass = "500 g:2 kg"', 'imbalance_mas = "500 g:2 kg"', r"did you mean imbalance_mass\?"),
         ("500 g:2 kg", "2 kg:1 kg", "from a lower to a higher value"),
-        ("500 g:2 kg", "2 s:3 s", "s is not a unit for kg"),
         ("1:4", "0:4", "satellites must be a whole number between 1"),
         ('speed = "1000 rpm", ', "", "stall_torque must be given speed, is given none of it"),
         ("omega_out_final = {", "omega_out_final = { ratio = 0.5,", "no speed and no ratio, is given ratio"),
@@ -78,7 +77,6 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
         ('"greatest"', '"most"', "'least' or 'greatest', is 'most'"),
         ("10 %", "60 %", "search.margin must be a number of at least 0 and of at most 0.5"),
         ("[search]", "[search]\npopulatoin = 4", r"did you mean population\?"),
-        ("0.5 kg.m2", "-0.5 kg.m2", "load.inertia must be a number above 0"),
         ("[drive]", "[drive", "spec.toml: the scene is no TOML: Expected"),
     ],
 )
