@@ -75,6 +75,7 @@ SELECTION = {
     "kinematic": f"""
         {CHECK_VALUES} test_methods.py
         test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
+        test_losses.py::test_prescribed_motion_pays_for_each_loss_and_nothing_else[mesh-0.5-bevel]
         {MEANS}
     """,
     "equations/|events/|tableau|^links": f"""
@@ -102,6 +103,11 @@ SELECTION = {
     """,
     "^step": f"""
         test_audit.py {MEANS}
+        test_angles.py::test_link_1_turns_by_its_mean_speed_while_that_changes
+    """,
+    "^outputs": f"""
+        test_audit.py test_reference.py::test_motion_is_that_of_the_reference {MEANS}
+        test_averaged_losses.py::test_locked_to_link_1_friction_and_drag_alone_are_lost
     """,
     "^(inertia|layout|derive|sine|accumulate)": f"""
         {CHECK_VALUES} test_clearance.py test_rates.py test_multibody.py
@@ -111,6 +117,7 @@ SELECTION = {
         test_angles.py::test_a_sum_keeps_what_rounding_has_lost
         test_angles.py::test_wrapped_angles_are_within_one_turn
         test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
+        test_timestepping.py::test_fixed_steps_come_to_what_events_say[bevel-speed-timestepping-ideal]
     """,
     "": f"""
         {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py

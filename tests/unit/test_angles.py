@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from scenes import advanced, drive_angle, started
+from scenes import SCENES, advanced, drive_angle, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
@@ -75,6 +75,14 @@ def test_link_2_held_by_its_freewheel_keeps_the_same_angles(compiled, scene):
     assert held["contact_mode"] == 3
     assert drive_angle(held) == pytest.approx(drive_angle(prescribed), rel=1e-14)
     assert held["input_turns"] == prescribed["input_turns"]
+
+
+@pytest.mark.parametrize("fidelity", range(4))
+def test_link_1_turns_by_its_mean_speed_while_that_changes(compiled, fidelity):
+    module = started(compiled, SCENES["planar"], fidelity=fidelity, omega1=100.0)
+    module.set_rates(omega1=40.0)
+    module.advance(0.5)
+    assert module["input_flange_angle"] == pytest.approx(55.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("turns", [-1000, -3, -1, 1, 2, 7, 1000])
