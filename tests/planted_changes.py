@@ -42,6 +42,7 @@ DIPS = """
 LOADS = """
     test_loads.py::test_moment_about_the_axis_is_what_link_1_and_link_2_are_given
     test_multibody.py::test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine
+    test_loads.py::test_peak_on_the_bearing_is_that_of_all_instants
     test_loads.py::test_peak_of_a_pulse_is_not_that_of_the_step_beyond_its_end
 """
 SELECTION = {

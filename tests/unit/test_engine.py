@@ -33,6 +33,7 @@ def test_speed_and_energy_under_a_load_with_inertia_are_those_of_a_fine_integrat
     assert (state.speed, state.angle, state.work_in, state.work_out, state.impulse_out) == pytest.approx(
         tuple(end), rel=1e-10
     )
+    assert one.energy_stored == pytest.approx(0.5 * 0.2 * end[0] ** 2, rel=1e-10)
 
 
 @pytest.mark.parametrize("step", [0.0007, 0.003, 0.005, 0.0125, 0.15])
