@@ -4,26 +4,30 @@ VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
 
-.PHONY: demo test test-all lint docs build page dist bench stability coupling papers size install clean help
+.PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers size install clean help
 
 help: ## what there is to make
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
 $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
-# the kernel is translated (half a minute) while pip goes on with what that does not need; what is never
-# imported is not compiled
-$(VENV)/.run: $(VENV)/.made pyproject.toml
+# $(call set-up,EXTRA): the kernel is translated (half a minute) while pip goes on with what that does not need;
+# what is never imported is not compiled
+define set-up
 	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) numba
 	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
-	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) -e '.[fast]'; installed=$$?; wait; exit $$installed
+	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) -e '.[$(1)]'; installed=$$?; wait; exit $$installed
 	@touch $@
+endef
+
+$(VENV)/.run: $(VENV)/.made pyproject.toml
+	$(call set-up,fast)
 
 $(VENV)/.all: $(VENV)/.made pyproject.toml
-	$(BIN)/python -m pip install $(QUIET) -e '.[all]'
-	@touch $@ $(VENV)/.run
+	$(call set-up,all)
+	@touch $(VENV)/.run
 
 install: $(VENV)/.all ## set up a virtual environment with everything
 
@@ -40,11 +44,15 @@ dist: $(VENV)/.all build page ## sdist and wheel in dist/, complete; the same so
 demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car through the urban cycle
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
 
-test: $(VENV)/.all page ## run the tests but for those that take long
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow"
+TESTS := -m pytest -n auto --dist worksteal
 
-test-all: $(VENV)/.all page ## run all tests
-	$(BIN)/python -m pytest -n auto --dist worksteal
+test: $(VENV)/.all page ## run the tests but for those that take long
+	$(BIN)/python $(TESTS) -m "not slow"
+
+test-long: $(VENV)/.all page ## run the tests that take long
+	$(BIN)/python $(TESTS) -m slow
+
+test-all: test test-long ## run all tests
 
 lint: $(VENV)/.all ## style, types, floors, spelling; the page's too
 	$(BIN)/ruff check

@@ -13,7 +13,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -118,7 +118,8 @@ class Trial:
         case: what was tried. long, short: in long communication steps and in many short ones.
         tight: at a far tighter tolerance, by events (None where it is refused).
         sensitivity: of the motion itself: largest distance from tight that a relative change by the
-            tolerance in the angle at the start, in the load or in the speed of link 1 makes.
+            tolerance in the angle at the start, in the load or in the speed of link 1 makes; 0 where the
+            runs are within their bounds without it.
     """
 
     case: Case
@@ -147,25 +148,37 @@ def try_case(case: Case, make: Make = Module) -> Trial:
         if long.refused:
             return Trial(case, long)
         short = run(motion, make, case.split)
-        precise = motion.parameters | {"method": EVENT, "max_step": 0.0}
-        return Trial(case, long, short, *_precise(make, tuple(precise.items()), motion.segments))
+        tolerance = motion["tolerance"]
+        precise = motion.changed(method=EVENT, max_step=0.0, tolerance=max(TIGHTER * tolerance, TIGHTEST))
+        given = make, tuple(precise.parameters.items()), motion.segments
+        tight = None if short.refused else _tight(*given)
+        trial = Trial(case, long, short, tight)
+        found = measure(trial, short) if tight else {}
+        if all(figure.holds for name, figure in found.items() if name in COMPARED):
+            return trial
+        return replace(trial, sensitivity=_sensitivity(*given, tolerance))
     except Exception as error:  # whatever else it is, it is a finding
         return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))
 
 
-@lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
-def _precise(
+# the methods of a fidelity, which come one after the other, share the runs of their motion
+@lru_cache(maxsize=1)
+def _tight(
     make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...]
-) -> tuple[Run | None, float]:
-    """The tight run, or None where it is refused, and the sensitivity of the motion (see Trial)."""
-    asked = Motion(dict(parameters), segments)
-    tolerance = asked["tolerance"]
-    precise = asked.changed(tolerance=max(TIGHTER * tolerance, TIGHTEST))
-    tight = run(precise, make)
-    if tight.refused:
-        return None, 0.0
-    changed = [run(beside, make) for beside in precise.nudged(tolerance)]
-    return tight, max((distance(run, tight) for run in changed if not run.refused), default=0.0)
+) -> Run | None:
+    """The run of a motion, or None where it is refused."""
+    tight = run(Motion(dict(parameters), segments), make)
+    return None if tight.refused else tight
+
+
+@lru_cache(maxsize=1)
+def _sensitivity(
+    make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...], change: float
+) -> float:
+    """Largest distance from the run of a motion that is not refused which a relative change of it makes."""
+    tight = _tight(make, parameters, segments)
+    changed = [run(beside, make) for beside in Motion(dict(parameters), segments).nudged(change)]
+    return max((distance(run, tight) for run in changed if tight and not run.refused), default=0.0)
 
 
 @dataclass(frozen=True)

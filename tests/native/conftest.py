@@ -83,14 +83,10 @@ class Workshop:
         self.fmu = FMUS[identifier]
         self.folder = folder
         self.guid = native_fmu.guid(self.fmu)
+        self.objects = {}
+        (folder / "kernel.o").write_bytes(object_file(self.fmu.model, LINUX64))
         for name, text in generated(self.fmu.model, self.guid, self.fmu.fmi).items():
             (folder / name).write_text(text)
-
-    def kernel(self):
-        """Object file of the kernel."""
-        path = self.folder / "kernel.o"
-        path.write_bytes(object_file(self.fmu.model, LINUX64))
-        return str(path)
 
     def flags(self):
         """What every compilation takes: language, warnings as errors, headers, name of the kernel."""
@@ -119,11 +115,22 @@ class Workshop:
         compiler = system_compiler(flags)
         if compiler is None:
             pytest.skip(f"no C compiler of the system makes programs that run with {' '.join(flags) or '-'}")
-        files = [*self.all_sources(*names), self.kernel()]
-        command = [compiler, *self.flags(), *flags, *files, "-o", program, "-lm", *libraries]
+        objects = [self.compiled(compiler, file, *flags) for file in self.all_sources(*names)]
+        self.call(compiler, *flags, *objects, "kernel.o", "-o", program, "-lm", *libraries)
+        return self.folder / program
+
+    def compiled(self, compiler, file, *flags):
+        """Object file of a C file; programs that are compiled alike share it."""
+        if (file, flags) not in self.objects:
+            name = f"{len(self.objects)}.o"
+            self.call(compiler, *self.flags(), *flags, "-c", file, "-o", name)
+            self.objects[file, flags] = name
+        return self.objects[file, flags]
+
+    def call(self, *command):
+        """Run a compiler in the folder."""
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr[-3000:]
-        return self.folder / program
 
     def cross(self, target, program, *arguments):
         """A program for a target, by the C compiler that comes with ziglang; C files are of the tests."""
@@ -144,7 +151,6 @@ def workshops(tmp_path_factory):
         if identifier not in made:
             try:
                 made[identifier] = Workshop(identifier, tmp_path_factory.mktemp(identifier))
-                made[identifier].kernel()
             except CompilationUnavailable as reason:
                 pytest.skip(str(reason))
         return made[identifier]
@@ -155,6 +161,12 @@ def workshops(tmp_path_factory):
 @pytest.fixture(scope="session", params=FMUS)
 def workshop(request, workshops):
     """The workshops of the native FMUs in turn."""
+    return workshops(request.param)
+
+
+@pytest.fixture(scope="session", params=("InertiaModule", "DrivenShaft3"))
+def one_of_each(request, workshops):
+    """The workshops of two: each model and each version of FMI once, for what hangs on one of them alone."""
     return workshops(request.param)
 
 

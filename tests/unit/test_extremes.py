@@ -84,7 +84,7 @@ EXTREMES = {}
 for case in chosen_cases():
     EXTREMES.setdefault(place(case), []).append(case)
 DOCUMENTED = {place(row): row.cells for row in read_rows(TABLE)}
-# seconds each, and what they show the others show too: left to `make test-all`, as all but one of SAMPLE
+# what every eighth extreme shows the others show too, and these take seconds each: left to `make test-long`
 DEAR = re.compile(
     "gravity, 1000 .*|shaft, c 1e.(09|12), no damping.*|wind up, .* 1e.0[789] .*|drag, output .*"
 )
@@ -92,12 +92,13 @@ SAMPLE = 8
 
 
 def to_try():
-    """The quick extremes, those that are left to `make test-all` marked as slow."""
-    quick = [extreme for extreme, found in EXTREMES.items() if not found[0].slow]
-    for number, extreme in enumerate(quick):
-        name = ", ".join(extreme)
-        slow = number % SAMPLE or DEAR.fullmatch(name)
-        yield pytest.param(extreme, id=name, marks=pytest.mark.slow if slow else ())
+    """The extremes of each axis but those that take minutes: the sample; the others, marked as slow."""
+    chosen = {}
+    for number, extreme in enumerate(where for where, found in EXTREMES.items() if not found[0].slow):
+        slow = bool(number % SAMPLE or DEAR.fullmatch(", ".join(extreme)))
+        chosen.setdefault((extreme[0], slow), []).append(extreme)
+    for (axis, slow), extremes in chosen.items():
+        yield pytest.param(extremes, id=axis + ", the others" * slow, marks=pytest.mark.slow if slow else ())
 
 
 def objections(verdict):
@@ -129,17 +130,20 @@ def test_cells_are_alike_within_a_power_of_ten():
     assert not alike(Cell("refused", None, "one"), Cell("refused", None, "another"))
 
 
-@pytest.mark.parametrize("extreme", list(to_try()))
-def test_extreme_is_within_its_bounds_and_as_documented(compiled, extreme):
-    verdicts = run_study(EXTREMES[extreme])
-    wrong = {verdict.case.level.name: objections(verdict) for verdict in verdicts}
-    assert not any(wrong.values()), wrong
-    (row,) = rows_of(verdicts)
-    told = DOCUMENTED[extreme]
-    assert row.cells.keys() == told.keys()
-    stale = {
-        name: (str(cell), str(told[name])) for name, cell in row.cells.items() if not alike(cell, told[name])
-    }
+@pytest.mark.parametrize("extremes", list(to_try()))
+def test_extremes_are_within_their_bounds_and_as_documented(compiled, extremes):
+    wrong, stale = {}, {}
+    for extreme in extremes:
+        verdicts = run_study(EXTREMES[extreme])
+        (row,) = rows_of(verdicts)
+        told = DOCUMENTED[extreme]
+        assert row.cells.keys() == told.keys()
+        for verdict, (name, cell) in zip(verdicts, row.cells.items(), strict=True):
+            if found := objections(verdict):
+                wrong[*extreme, name] = found
+            if not alike(cell, told[name]):
+                stale[*extreme, name] = str(cell), str(told[name])
+    assert not wrong
     assert not stale, "docs/stability.csv is out of date: make stability"
 
 
