@@ -12,16 +12,10 @@ from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
 from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
-from .step_size import longest_step, try_short_step, try_steps
+from .step_size import AFRESH, GROWTH, longest_step, try_short_step, try_steps
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
-# share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
-# error of a longer step may be estimated far too low
-AFRESH = 0.5
-AFRESH_PHASE = 1.0
-# how fast the longest step of the pair of order 5 is thought to grow while the other one is used
-SHORT_GROWTH = 1.05
 
 
 def balance(d, x, w):
@@ -191,8 +185,7 @@ def pass_event(d, x, which):
     elif which > FLOW:
         x.spin_signs = with_sign_changed(x.spin_signs, which - SPIN)
     elif which != NONE:
-        rate = d.harmonic * d.k * abs(x.omega1 - x.omega2)
-        x.step_size = min(AFRESH * x.step_size, AFRESH_PHASE / max(rate, 1e-300))
+        x.stiff_phase *= AFRESH
         if is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
             meet(d, x, which)
@@ -214,7 +207,7 @@ def advance_general(d, x, w, remaining):
         fastest = try_short_step(d, x, w, remaining)
     sigma, which = -1.0, NONE
     if fastest < 0.0:
-        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        x.short_size *= GROWTH  # so that it is tried again
         fastest = try_steps(d, x, w, limit)
         if fastest < 0.0:
             return -1.0, False
