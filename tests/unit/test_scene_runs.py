@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 
 from inertia_module import loops
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
-from inertia_module.fidelity.levels import Level
-from inertia_module.fidelity.trials import measure_scene, run_in_process
-from inertia_module.figures.chart import chart_figure
+from inertia_module.fidelity.trials import Level, measure_scene, run_in_process
+from inertia_module.figures.jobs import chart_figure
 from inertia_module.figures.scenes import end_of_run, losses, plot_all, scene_figure
 from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.fmu import Fmu
