@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-from inertia_module.fidelity.levels import PEER, read_rows, recommend
+from inertia_module.fidelity.trials import PEER, read_rows, recommend
 from inertia_module.scene import load_scene
 
 HERE = Path(__file__).parent

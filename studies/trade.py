@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from inertia_module.contract.variables import default_parameters
-from inertia_module.fidelity.levels import PEER, Attempt, Level, Row, all_levels, attempt_all
-from inertia_module.fidelity.trials import kernel_time
+from inertia_module.fidelity.trials import PEER, Attempt, Level, Row, all_levels, attempt_all, kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
 from inertia_module.memory import Module

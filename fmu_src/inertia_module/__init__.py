@@ -18,7 +18,7 @@ PUBLIC = {
     "Result": "harness.results",
     "Scene": "scene",
     "SceneResult": "scene",
-    "chart_figure": "figures.chart",
+    "chart_figure": "figures.jobs",
     "current_fmu": "fmu.builder",
     "design": "jobs.design",
     "design_figure": "figures.jobs",

@@ -1,6 +1,6 @@
 from .common.errors import Refused as Refused
 from .common.examples import example as example
-from .figures.chart import chart_figure as chart_figure
+from .figures.jobs import chart_figure as chart_figure
 from .figures.jobs import design_figure as design_figure
 from .figures.jobs import fit_figure as fit_figure
 from .figures.scenes import scene_figure as scene_figure

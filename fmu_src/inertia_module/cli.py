@@ -38,7 +38,7 @@ from .common.terminal import progress_bar, terminal
 from .common.units import factor_between, split_quantity, to_si
 
 if TYPE_CHECKING:
-    from .fidelity.levels import Choice
+    from .fidelity.trials import Choice
     from .fmu.native_fmu import NativeFmu
     from .scene import Scene
 
@@ -441,9 +441,7 @@ def tradeoff(
 
     Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
     """
-    from .fidelity.levels import failure_lines, print_levels
-    from .fidelity.levels import recommend as choose_cheapest
-    from .fidelity.trials import leave_rows, measured_rows, trial_rows, with_worst
+    from .fidelity import trials
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
@@ -451,13 +449,15 @@ def tradeoff(
         read = load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
         title, names = read.title, read.run.outputs
-        rows = with_worst((trial_rows if allowed else measured_rows)(read, progress), names)
-        choice = choose_cheapest(rows, allowed, names) if allowed else None
-        files = leave_rows(folder, title, rows)
+        measure = trials.trial_rows if allowed else trials.measured_rows
+        rows = trials.with_worst(measure(read, progress), names)
+        choice = trials.recommend(rows, allowed, names) if allowed else None
+        files = trials.leave_rows(folder, title, rows)
 
     step = (rows[0] if choice is None else choice.row).communication_step
     printed = [row for row in rows if row.communication_step == step]
-    shown: list[Shown] = [partial(print_levels, title, printed, names, allowed), *failure_lines(rows)]
+    shown: list[Shown] = [partial(trials.print_levels, title, printed, names, allowed)]
+    shown += trials.failure_lines(rows)
     shown += [] if choice is None else choice.lines()
     told: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
     return Answer(told | ({} if choice is None else {"recommendation": choice.as_dict()}), shown, files)
@@ -481,7 +481,7 @@ def chart(
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
     one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
-    from .harness.chart import NOMINAL_SPEED, converter_table, efficiency_map
+    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, efficiency_map
 
     folder = folder_for(output, "chart")
     names = [scene.stem for scene in scenes]
@@ -497,12 +497,12 @@ def chart(
     maps = {}
     for name in (name for name, found in charts.items() if not found.lossless):
         with progress_bar(f"efficiency of {name}") as progress:
-            maps[name] = efficiency_map(mechanisms[name], at, progress=progress)
+            maps[name] = efficiency_map(SteadyMachine(mechanisms[name]), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
     files += [found.save(folder / f"{name}_efficiency.csv") for name, found in maps.items()]
     if omega1 is not None:
         for name, found in charts.items():
-            table = converter_table(mechanisms[name], found, omega1)
+            table = converter_table(SteadyMachine(mechanisms[name]), found, omega1)
             files.append(table.save(folder / f"{name}_converter.csv"))
             files.append(table.save_mat(folder / f"{name}_converter.mat"))
     files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, maps)))
@@ -701,7 +701,7 @@ def design(
     Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
     and so on, in a folder (out/SPEC_design without -o).
     """
-    from .jobs.spec import read_spec
+    from .jobs.design import read_spec
     from .scene.keys import keys_of
 
     folder = folder_for(output, f"{spec.stem}_design")

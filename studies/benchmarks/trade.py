@@ -5,8 +5,7 @@
 
 from pathlib import Path
 
-from inertia_module.fidelity.levels import failure_lines, write_rows
-from inertia_module.fidelity.trials import trial_rows, work_precision
+from inertia_module.fidelity.trials import failure_lines, trial_rows, work_precision, write_rows
 from inertia_module.harness.results import write_figure
 from inertia_module.harness.simulate import progress_bar
 from inertia_module.scene import load_scene

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from inertia_module.fidelity.levels import Level
+from inertia_module.fidelity.trials import Level
 from inertia_module.kernel.codes import AVERAGED, TIMESTEPPING
 from inertia_module.memory import Module
 

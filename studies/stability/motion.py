@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
-from inertia_module.fidelity.levels import Level
+from inertia_module.fidelity.trials import Level
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from inertia_module.kernel.equations.motion import evaluate
 from inertia_module.kernel.equations.states import LOCKED, OPEN

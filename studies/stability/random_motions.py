@@ -21,7 +21,7 @@ from pydantic import TypeAdapter
 
 from inertia_module.common.files import content_hash, sources
 from inertia_module.contract.variables import default_parameters
-from inertia_module.fidelity.levels import Level
+from inertia_module.fidelity.trials import Level
 from inertia_module.harness.results import write_text
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from inertia_module.memory import Module

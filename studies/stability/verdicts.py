@@ -153,7 +153,7 @@ def try_case(case: Case, make: Make = Module) -> Trial:
         given = make, tuple(precise.parameters.items()), motion.segments
         tight = None if short.refused else _tight(*given)
         trial = Trial(case, long, short, tight)
-        found = measure(trial, short) if tight else {}
+        found = figures_of(trial, short) if tight else {}
         if all(figure.holds for name, figure in found.items() if name in COMPARED):
             return trial
         return replace(trial, sensitivity=_sensitivity(*given, tolerance))
@@ -250,23 +250,9 @@ def cause(message: str) -> str:
     return found.group(1).strip() if found else message.partition(", are ")[0]
 
 
-def judge(trial: Trial) -> Verdict:
-    """The verdict on a trial.
-
-    Where runs differ and a change of the problem by the tolerance alone moves the end by more than
-    LARGEST_ERROR, no method can say which is right: sensitive. An exception, a value that is not finite, a
-    refusal in short steps of what long ones did, or a refused step that leaves the module changed or
-    unusable is broken: a bug.
-    """
-    case, long, short, tight = trial.case, trial.long, trial.short, trial.tight
-    if long.broken:
-        return Verdict(case, BROKEN, long.broken)
-    if long.refused:
-        return Verdict(case, REFUSED, long.refused)
-    if short is None or short.refused:
-        return Verdict(case, BROKEN, "short steps: " + (short.refused if short else "not run"))
-    if not (long.finite and short.finite):
-        return Verdict(case, BROKEN, "an output is not finite")
+def figures_of(trial: Trial, short: Run) -> Figures:
+    """Figures of a trial and their bounds, by name; short: its run in short steps."""
+    case, long, tight = trial.case, trial.long, trial.tight
     result, energy = result_bound(case.accuracy, trial.sensitivity), energy_bound(case.accuracy)
     runs = ("", long), (", short steps", short)
     figures = {
@@ -278,6 +264,27 @@ def judge(trial: Trial) -> Verdict:
     figures |= {f"work{how}": Figure(one.evaluations, work_bound(case, one)) for how, one in runs}
     if tight is not None:
         figures |= {f"error{how}": Figure(distance(tight, one), result) for how, one in runs}
+    return figures
+
+
+def judge(trial: Trial) -> Verdict:
+    """The verdict on a trial.
+
+    Where runs differ and a change of the problem by the tolerance alone moves the end by more than
+    LARGEST_ERROR, no method can say which is right: sensitive. An exception, a value that is not finite, a
+    refusal in short steps of what long ones did, or a refused step that leaves the module changed or
+    unusable is broken: a bug.
+    """
+    case, long, short = trial.case, trial.long, trial.short
+    if long.broken:
+        return Verdict(case, BROKEN, long.broken)
+    if long.refused:
+        return Verdict(case, REFUSED, long.refused)
+    if short is None or short.refused:
+        return Verdict(case, BROKEN, "short steps: " + (short.refused if short else "not run"))
+    if not (long.finite and short.finite):
+        return Verdict(case, BROKEN, "an output is not finite")
+    figures = figures_of(trial, short)
     missed = {name: figure for name, figure in figures.items() if not figure.holds}
     outcome = DEGRADED if missed else EXACT
     if missed and trial.sensitivity > LARGEST_ERROR and set(missed) <= set(COMPARED):

@@ -6,14 +6,16 @@ import math
 import numpy as np
 import pytest
 
-from inertia_module.fidelity.levels import (
+from inertia_module.fidelity.trials import (
     Level,
     Row,
     event,
+    front,
     read_rows,
+    slope,
+    work_precision,
     write_rows,
 )
-from inertia_module.fidelity.trials import front, slope, work_precision
 from inertia_module.harness.results import write_figure
 from inertia_module.memory import Module
 from studies import trade

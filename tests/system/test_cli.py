@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 from inertia_module import __version__
 from inertia_module.cli import app, show
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.fidelity.levels import Row as Measured
-from inertia_module.fidelity.levels import print_levels
+from inertia_module.fidelity.trials import Row as Measured
+from inertia_module.fidelity.trials import print_levels
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.harness.results import Result
 from tests.system.programs import command, process

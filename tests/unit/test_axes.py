@@ -9,7 +9,9 @@ from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import axes_of, free_keys, grid, of_shares, shares_sampled
+from inertia_module.jobs.evaluation import Row
 from inertia_module.jobs.fit import measurement
+from inertia_module.jobs.sweep import indices
 from inertia_module.scene import load_scene
 
 
@@ -55,6 +57,24 @@ def test_samples_fill_the_ranges_and_are_the_same_for_the_same_seed(kind, scene)
     satellites = Counter(point["mechanism.satellites"] for point in points)
     assert satellites == dict.fromkeys((1.0, 2.0, 3.0, 4.0), 16)
     assert sum(point["mechanism.layout"] == "planar" for point in points) == 32
+
+
+@pytest.mark.parametrize("weights, expected", [([3.0], [1.0]), ([1.0, 2.0], [0.2, 0.8])])
+def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights, expected, tmp_path):
+    names = ["mechanism.imbalance_mass", "mechanism.eccentricity"][: len(weights)]
+    axes = axes_of([f"{name}=0.5:1.5" for name in names], scene)
+
+    def rows(points):
+        return [
+            Row(point, {"sum": float(np.dot(weights, list(point.values()))), "one": 1.0}, 0.0)
+            for point in points
+        ]
+
+    found, points = indices(axes, 256, 0, rows)
+    assert (found.figures, len(points)) == (["sum"], 256 * (len(axes) + 2))
+    for shares in (found.first, found.total):
+        assert shares[0] == pytest.approx(expected, abs=0.02)
+    assert len(found.save(tmp_path / "sensitivity.csv").read_text().splitlines()) == 1 + len(axes)
 
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):

@@ -12,7 +12,7 @@ from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
-from inertia_module.figures.chart import chart_figure
+from inertia_module.figures.jobs import chart_figure
 from inertia_module.harness.chart import (
     LARGEST_TORQUE_RATIO,
     MAP_SPEEDS,
@@ -91,7 +91,7 @@ def test_without_a_freewheel_there_is_no_chart(compiled, name, told):
 
 def table_of(parameters, omega1, kernel):
     chart = torque_converter_chart(parameters, omega1 < 0.0, kernel, abs(omega1))
-    return converter_table(parameters, chart, omega1, kernel)
+    return converter_table(SteadyMachine(parameters, kernel), chart, omega1)
 
 
 def block(table, speed_ratio):
@@ -155,7 +155,7 @@ def test_a_mechanism_that_passes_nothing_is_refused(compiled):
     chart = torque_converter_chart({}, kernel=compiled)
     none = TorqueConverterChart(*(0.0 * values for values in vars(chart).values()))
     with pytest.raises(Refused, match="must pass torque for a converter table, passes none at 100 rad/s"):
-        converter_table({}, none, 100.0, compiled)
+        converter_table(SteadyMachine({}, compiled), none, 100.0)
 
 
 # --- steady pulses: those of the map without losses, closed forms with friction ---
@@ -221,7 +221,7 @@ def few_speeds(monkeypatch):
 def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_with_the_chart(compiled):
     told = []
     parameters = {**PLANAR, "input_friction": 0.01}
-    found = efficiency_map(parameters, 200.0, compiled, told.append)
+    found = efficiency_map(SteadyMachine(parameters, compiled), 200.0, told.append)
     assert found.efficiency.shape == (found.omega1.size, RATIOS.size)
     assert found.omega1[[0, -1]] == pytest.approx([20.0, 200.0])
     assert told[-1] == 1.0

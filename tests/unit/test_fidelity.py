@@ -10,18 +10,16 @@ import pytest
 from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
-from inertia_module.fidelity.levels import (
+from inertia_module.fidelity.trials import (
     NOT_MODELLED,
     NoneMeets,
     Row,
     all_levels,
     at_levels,
     event,
+    measured_rows,
     print_levels,
     recommend,
-)
-from inertia_module.fidelity.trials import (
-    measured_rows,
     run_in_process,
     window_errors,
     with_worst,

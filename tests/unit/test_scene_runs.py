@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
 from inertia_module.fidelity.trials import run_in_process
-from inertia_module.figures.chart import chart_figure
+from inertia_module.figures.jobs import chart_figure
 from inertia_module.figures.scenes import end_of_run, losses, plot_all, scene_figure
 from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.results import Result

@@ -6,8 +6,8 @@ import pytest
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
+from inertia_module.jobs.design import Judge, Limit, Mechanism, limits_of, read_spec
 from inertia_module.jobs.evaluation import Row
-from inertia_module.jobs.spec import Judge, Limit, Mechanism, limits_of, read_spec
 from inertia_module.jobs.sweep import unreached
 from inertia_module.kernel.layout import imbalance
 from inertia_module.memory import Module

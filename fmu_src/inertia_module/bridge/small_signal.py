@@ -299,9 +299,6 @@ def measured_response(
         record: time of the record, s, if 10 periods are not longer: separates beats of pulses from the sine.
         tolerance: relative, of the FMU.
 
-    Returns:
-        The measured response.
-
     Raises:
         ValueError: excited is no input, a number is not positive, a frequency is above 1 / (4 step), or the
             FMU is driven by torque.

@@ -19,29 +19,20 @@ SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] 
 SHIPPED = PACKAGE_FOLDER / "binaries"
 
 
-def _shipped() -> Path:
-    path = SHIPPED / f"{here().folder}{here().suffix}"
-    if not path.is_file():
-        there = ", ".join(sorted(found.stem for found in SHIPPED.iterdir()))
-        raise CompilationUnavailable(f"this FMU has compiled kernels for {there} alone")
-    return path
-
-
-def _unpacked(fmu: Path) -> Path:
-    """The library of the native FMU of a wheel, in the cache."""
-    with zipfile.ZipFile(fmu) as packed:
-        content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
-    name = f"{fmu.stem}-{content_hash({fmu.name: content})[:16]}{here().suffix}"
-    return kept(name, lambda: content)
-
-
 def _library(model: Model) -> Path:
-    """The shared library with the kernel of a model."""
+    """The shared library with the kernel of a model; out of the FMU of a wheel it goes to the cache."""
     if SHIPPED.is_dir():
-        return _shipped()
+        path = SHIPPED / f"{here().folder}{here().suffix}"
+        if not path.is_file():
+            there = ", ".join(sorted(found.stem for found in SHIPPED.iterdir()))
+            raise CompilationUnavailable(f"this FMU has compiled kernels for {there} alone")
+        return path
     fmu = ready_made(f"{model.name}.fmu")
     if fmu is not None:
-        return _unpacked(fmu)
+        with zipfile.ZipFile(fmu) as packed:
+            content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
+        name = f"{fmu.stem}-{content_hash({fmu.name: content})[:16]}{here().suffix}"
+        return kept(name, lambda: content)
     try:
         from .linking import kernel_library
     except ImportError:

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import fmpy.container_fmu
-from fmpy import read_model_description
 
 from .. import __version__
 from ..common.files import write_atomically
@@ -27,8 +26,8 @@ from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_d
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import NativeFmu
-from ..harness.wires import Wire, check_wiring
-from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
+from ..harness.wires import Wire
+from ..kernel.codes import ELASTIC, RIGID
 
 MODULE, SHAFT = "module", "shaft"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -64,14 +63,12 @@ class Plan(NamedTuple):
 
     Attributes:
         title: of the system. parts: its FMUs. wires: between them.
-        inputs: inputs that no wire drives (part, variable). outputs: those that are shown, likewise.
-        step: communication step, s. stop_time: s.
+        outputs: those that are shown (part, variable). step: communication step, s. stop_time: s.
     """
 
     title: str
     parts: tuple[Part, ...]
     wires: tuple[Wire, ...]
-    inputs: tuple[tuple[str, str], ...]
     outputs: tuple[tuple[str, str], ...]
     step: float
     stop_time: float
@@ -119,10 +116,8 @@ def make_plan(
         )
     else:
         parts = (Part(MODULE, MODULE_FMU, {**own, **inputs}),)
-    drive = "drive_torque" if values.get("drive") == DRIVE_TORQUE else "omega1"
-    ends = ((MODULE, drive), (parts[-1].name, "load_torque"))
     shown = tuple((part.name, output) for part in parts for output in SHOWN[part.name])
-    return Plan(title, parts, wires, ends, shown, step, stop_time)
+    return Plan(title, parts, wires, shown, step, stop_time)
 
 
 def typed(variable: Variable, value: float) -> tuple[str, str]:
@@ -271,22 +266,11 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
 
     Raises:
         CompilationUnavailable: the native FMUs cannot be built here.
-        WiringError: the wires of the plan cannot work.
     """
     fmus = {}
     for part in plan.parts:
         progress(f"building {part.fmu.file_name}")
         fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
-    given: dict[str, list[str]] = {}
-    for owner, name in plan.inputs:
-        given.setdefault(owner, []).append(name)
-    check_wiring(
-        {part.name: read_model_description(io.BytesIO(fmus[part.fmu.file_name])) for part in plan.parts},
-        plan.wires,
-        given,
-        plan.step,
-        parameters={part.name: part.values for part in plan.parts},
-    )
     progress("packing the system")
     files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
     files |= {f"osp/{name}": content for name, content in fmus.items()}

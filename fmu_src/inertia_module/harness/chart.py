@@ -114,13 +114,8 @@ class SteadyMachine:
         self._values["output_inertia"] = HELD * (2.0 * module["energy_stored"] + module["link2_inertia"])
 
     def _started(self, omega1: float, omega_out: float, omega2: float = 0.0) -> Module:
-        inputs = {
-            "omega1": omega1,
-            "load_torque": 0.0,
-            "omega2_start": omega2,
-            "omega_out_start": omega_out,
-        }
-        return Module(self._kernel).start(**{**self._values, **inputs})
+        speeds = {"omega1": omega1, "omega2_start": omega2, "omega_out_start": omega_out}
+        return Module(self._kernel).start(**{**self._values, **speeds, "load_torque": 0.0})
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """Compute the steady pulses.
@@ -335,26 +330,17 @@ class EfficiencyMap:
         return write_columns(path, columns, {"omega1": "rad/s"})
 
 
-def efficiency_map(
-    parameters: Mapping[str, float | str],
-    omega1: float,
-    kernel: str = "auto",
-    progress: Progress | None = None,
-) -> EfficiencyMap:
+def efficiency_map(machine: SteadyMachine, omega1: float, progress: Progress) -> EfficiencyMap:
     """Efficiency of a mechanism from a tenth of an input speed up to that.
 
     Args:
-        parameters, kernel: as in torque_converter_chart. omega1: rad/s, not 0. progress: told the share done.
-
-    Raises:
-        Refused: as torque_converter_chart.
+        machine: of the mechanism. omega1: rad/s, not 0. progress: told the share done.
     """
-    machine, speeds = SteadyMachine(parameters, kernel), omega1 * MAP_SPEEDS
+    speeds = omega1 * MAP_SPEEDS
     found = np.empty((speeds.size, RATIOS.size))
     for row, speed in enumerate(speeds):
         found[row] = [machine.at(speed, ratio).efficiency for ratio in RATIOS]
-        if progress is not None:
-            progress((row + 1) / speeds.size)
+        progress((row + 1) / speeds.size)
     return EfficiencyMap(speeds, RATIOS, found)
 
 
@@ -448,19 +434,15 @@ class ConverterTable:
         return path
 
 
-def converter_table(
-    parameters: Mapping[str, float | str], chart: TorqueConverterChart, omega1: float, kernel: str = "auto"
-) -> ConverterTable:
+def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> ConverterTable:
     """The converter table of a mechanism.
 
     Args:
-        parameters, kernel: as in torque_converter_chart. chart: of these at this speed.
-        omega1: speed of the input, rad/s, not 0.
+        machine: of the mechanism. chart: of it at this speed. omega1: speed of the input, rad/s, not 0.
 
     Raises:
         Refused: no torque is passed at any ratio.
     """
-    machine = SteadyMachine(parameters, kernel)
     ratios = COAST * max(1.0, chart.end_ratio)
     coast = np.zeros((ratios.size, 2))
     if not machine.ideal:

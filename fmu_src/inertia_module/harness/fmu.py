@@ -301,12 +301,9 @@ class Fmu(Closing):
             self._call("fmi2GetReal", component, references, count, values)
         found = list(values)
         for place, name in others:
-            found.insert(place, self._read_one(name))
+            variable = self.variables[name]
+            found.insert(place, float(self._call(f"get{self._kind(variable)}", [variable.valueReference])[0]))
         return tuple(found)
-
-    def _read_one(self, name: str) -> float:
-        variable = self._variable(name)
-        return float(self._call(f"get{self._kind(variable)}", [variable.valueReference])[0])
 
     def __getitem__(self, name: str) -> float:
         return self.read(name)[0]
@@ -447,7 +444,7 @@ class RestartedFmu(Fmu):
 
     def _before_start(self) -> None:
         # a value read here makes the native FMU derive its constants, for the state that is kept
-        self._read_one(next(name for name, v in self.variables.items() if v.causality == "output"))
+        self.read(next(name for name, v in self.variables.items() if v.causality == "output"))
         self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float]) -> None:

@@ -56,17 +56,12 @@ class WiredFmus(Closing):
     ) -> None:
         if order not in (JACOBI, GAUSS_SEIDEL):
             raise WiringError(must_be("order", f"{JACOBI} or {GAUSS_SEIDEL}", repr(order)))
-        driven = {(wire.sink, wire.input) for wire in wires}
-        given = {
-            name: [known for known in node.inputs if (name, known) not in driven]
-            for name, node in nodes.items()
-        }
         check_wiring(
             {name: read_description(Path(node.path)) for name, node in nodes.items()},
             wires,
-            given,
+            {name: node.inputs for name, node in nodes.items()},
             step,
-            parameters={name: node.parameters for name, node in nodes.items()},
+            {name: node.parameters for name, node in nodes.items()},
         )
         self.step = step
         self.order = order

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import graphlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..common.errors import Refused, did_you_mean, must_be
@@ -59,7 +59,7 @@ def _idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
 def _check_driven(
     descriptions: Mapping[str, Any],
     wires: Sequence[Wire],
-    given: Mapping[str, Sequence[str]],
+    given: Mapping[str, Iterable[str]],
     parameters: Mapping[str, Mapping[str, Any]],
 ) -> list[str]:
     """List inputs that are not driven once, by a wire or by the user, and wires to one without effect."""
@@ -72,9 +72,6 @@ def _check_driven(
     drivers: dict[tuple[str, str], list[str]] = {}
     for wire in wires:
         drivers.setdefault((wire.sink, wire.input), []).append(f"{wire.source}.{wire.output}")
-    for instance, names in given.items():
-        for name in names:
-            drivers.setdefault((instance, name), []).append("a given value")
     for (instance, name), found in drivers.items():
         if len(found) > 1:
             problems.append(
@@ -83,7 +80,8 @@ def _check_driven(
     for instance, description in descriptions.items():
         for variable in description.modelVariables:
             needed = variable.causality == "input" and variable.name != idle[instance]
-            if needed and (instance, variable.name) not in drivers:
+            has = (instance, variable.name) in drivers or variable.name in given.get(instance, ())
+            if needed and not has:
                 problems.append(
                     f"{instance}.{variable.name} must be driven by a wire or a given value, nothing drives it"
                 )
@@ -117,7 +115,7 @@ def _check_loops(descriptions: Mapping[str, Any], wires: Sequence[Wire]) -> None
 def check_wiring(
     descriptions: Mapping[str, Any],
     wires: Sequence[Wire],
-    given: Mapping[str, Sequence[str]],
+    given: Mapping[str, Iterable[str]],
     step: float,
     parameters: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:
@@ -125,7 +123,8 @@ def check_wiring(
 
     Args:
         descriptions: fmpy's model description of each FMU instance by its name.
-        wires: between them. given: names of the inputs that the user gives, by instance.
+        wires: between them. given: names of the inputs that have values, by instance; those of driven ones
+            are start values.
         step: at which values are exchanged, s.
         parameters: by name, by instance; what drives a module is one of them.
 

@@ -29,7 +29,7 @@ from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME, COMPUTED
-from ..harness.fmu import Closing, fmu_file
+from ..harness.fmu import fmu_file
 from ..harness.simulate import Plant, Result
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
@@ -188,7 +188,7 @@ class Stopped:
             self._since, self._sums, self._largest = self._now, 0.0 * self._sums, 0.0 * self._largest
 
 
-class Observer(Closing):
+class Observer(SceneRunner):
     """Runs scenes that differ in numbers and gives their signals at the times of a measurement.
 
     Args:
@@ -200,7 +200,8 @@ class Observer(Closing):
     """
 
     def __init__(self, fmu_path: Path | str, names: Sequence[str], times: Array) -> None:
-        self._runner, self._names, self._times = SceneRunner(fmu_path), list(names), times
+        super().__init__(fmu_path)
+        self._names, self._times = list(names), times
 
     def __call__(self, scene: Scene) -> Array:
         """Values at the times, shape (times, names).
@@ -218,17 +219,13 @@ class Observer(Closing):
             )
         signals = scene.surroundings.output_labels
         read = [name for name in self._names if name not in signals]
-        plant = Stopped(self._runner.started(scene), read, self._times, NEAR * step)
+        plant = Stopped(self.started(scene), read, self._times, NEAR * step)
         loop = ClosedLoop(plant, scene.surroundings, (), scene.signal_units)
         record = loop.run(step * max(math.ceil(self._times[-1] / step - NEAR), 1))
         values = dict(zip(read, np.array(plant.rows).T, strict=True))
         for name in set(self._names).intersection(signals):
             values[name] = np.interp(self._times, record.time, record[name])
         return np.column_stack([values[name] for name in self._names])
-
-    def close(self) -> None:
-        """Free the instance."""
-        self._runner.close()
 
 
 # --- fits ---

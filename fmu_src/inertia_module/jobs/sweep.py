@@ -191,5 +191,6 @@ def indices(
     table = np.hstack(tables)
     varies = np.ptp(table, axis=1) > CONSTANT * np.abs(table).max(axis=1)
     kept = np.array(names)[varies].tolist()
-    first, total = found.first_order[varies], found.total_order[varies]
+    shape = len(names), len(axes)  # SciPy leaves out the axis of a single range
+    first, total = (np.reshape(shares, shape)[varies] for shares in (found.first_order, found.total_order))
     return Sensitivity([one.name for one in axes], kept, first, total), points
