@@ -119,23 +119,6 @@ def test_a_host_may_go_on_without_event_mode(instances, settings):
     assert careless.get("omega_out") == passing.get("omega_out")
 
 
-def test_without_early_return_a_switch_is_an_event_at_the_end_of_the_step(instances):
-    instance, plain = instances(eventModeUsed=True).start(**R1), instances().start(**R1)
-    pass_event(instance)
-    changes = 0
-    for n in range(300):
-        before = instance.get("contact_switches")
-        event, ends, early, reached = instance.fmu.doStep(n * 1e-3, 1e-3)
-        plain.step(1e-3)
-        assert (ends, early, reached) == (False, False, n * 1e-3 + 1e-3)
-        assert event == (plain.get("contact_switches") != before)
-        if event:
-            changes += 1
-            handle_event(instance)
-        assert instance.all_values() == plain.all_values()
-    assert changes == 42
-
-
 @pytest.mark.parametrize("early", [False, True])
 @pytest.mark.parametrize("level", LEVELS)
 def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
@@ -144,47 +127,50 @@ def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
     found = [v for v in description.modelVariables if v.variability == "discrete"]
     names = [v.name for v in found if v.causality not in ("input", "parameter")]
     assert names == ["contact_mode", "contact_switches"]
-    instance = instances(eventModeUsed=True, earlyReturnAllowed=early)
-    instance.start(**{**R1, "drive_torque": 30.0, **LEVELS[level]})
+    settings = {**R1, "drive_torque": 30.0, **LEVELS[level]}
+    instance = instances(eventModeUsed=True, earlyReturnAllowed=early).start(**settings)
+    plain = instances().start(**settings)
     pass_event(instance)
     changes = returns = 0
     for n in range(1, 101):
         reached = (n - 1) * 1e-3
+        plain.step(n * 1e-3 - reached)
         while reached < n * 1e-3:
             held = [instance.get(name) for name in names]
-            event, _, returned, reached = instance.fmu.doStep(reached, n * 1e-3 - reached)
+            event, ends, returned, reached = instance.fmu.doStep(reached, n * 1e-3 - reached)
+            assert not ends
             returns += returned
             assert [instance.get(name) for name in names] == held
             if event:
                 handle_event(instance)
-                changes += [instance.get(name) for name in names] != held
+            assert event == ([instance.get(name) for name in names] != held)
+            changes += event
+        # without early return a switch is an event at the end of the step
+        assert early or instance.all_values() == plain.all_values()
     assert (changes > 0) == (not level.startswith(("kinematic", "averaged")))
     assert (returns > 0) == (early and level in BY_EVENTS)
 
 
-def test_a_pending_event_is_part_of_the_state(instances):
-    instance, other = (instances(eventModeUsed=True).start(**R1) for _ in range(2))
+@pytest.mark.parametrize("early", [False, True])
+def test_a_pending_event_is_part_of_the_state_and_what_follows_has_the_same_bits(instances, early):
+    modes = {"eventModeUsed": True, "earlyReturnAllowed": early}
+    instance, other = (instances(**modes).start(**R1) for _ in range(2))
     pass_event(instance)
-    before = instance.get("contact_mode")
-    assert any(instance.fmu.doStep(n * 1e-3, 1e-3)[0] for n in range(100))
+    before, reached = instance.get("contact_mode"), 0.0
+    while not (event := instance.fmu.doStep(reached, 1e-3))[0]:
+        *_, reached = event
+    *_, returned, reached = event
+    assert returned == early
     other.restore(instance.saved())
     for one in (instance, other):
         assert one.get("contact_mode") == before
         handle_event(one)
         assert one.get("contact_mode") != before
-        one.fmu.terminate()
-        assert one.get("contact_mode") != before
-
-
-def test_state_at_an_event_goes_on_with_the_same_bits(instances):
-    instance, other = started(instances, **R1), started(instances, **R1)
-    _, _, early, reached = instance.fmu.doStep(0.0, 0.1)
-    assert early
-    other.restore(instance.saved())
-    for one in (instance, other):
-        handle_event(one)
-        one.fmu.doStep(reached, 0.1 - reached)
-    assert instance.all_values() == other.all_values()
+        one.fmu.doStep(reached, 0.01)
+    values = instance.all_values()
+    assert values == other.all_values()
+    instance.fmu.terminate()
+    assert instance.all_values() == values
 
 
 def test_parameters_and_inputs_may_change_at_an_event(instances):

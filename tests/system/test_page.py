@@ -1,13 +1,24 @@
-"""The page as a reader uses it: clock, settings, curves, link, sentences, keys."""
+"""The page: as a reader uses it, the kernel in it against the native FMU, the commands that write it."""
 
+import base64
+import json
+import re
 import tomllib
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from inertia_module.contract.variables import LOCAL, OUTPUT, with_causality
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.harness.results import Result
+from inertia_module.page import html
+from inertia_module.page.html import TEMPLATE
 from inertia_module.scene import read_scene
 from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
+from tests.system.programs import command, left
+from tests.unit import scenes
 
 LEGEND = "[...document.querySelectorAll('.panel:first-child .legend output')].map(cell => cell.textContent)"
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")
@@ -299,3 +310,287 @@ def test_first_picture_and_frames_are_quick(browser, written):
         frame = (spent("ScriptDuration") - before) / page.evaluate("drawn")
         assert 0 < frame < 8e-3
         assert opened.state("playing")
+
+
+# --- the kernel in the page computes what the native FMU computes, and says what that says ---
+
+
+INPUTS = ("omega1", "load_torque", "drive_torque")
+READ = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
+LEVELS = {**scenes.LEVELS, "losses": scenes.ALL_LOSSES}
+# each level with a layout driven by speed and the other one driven by torque
+CASES = {
+    f"{level}, {layout}, {drive}": {**scenes.DRIVES[drive][layout], **values}
+    for n, (level, values) in enumerate(LEVELS.items())
+    for drive, layout in zip(
+        ("speed", "torque"), (("bevel", "planar"), ("planar", "bevel"))[n % 2], strict=True
+    )
+    if (level, drive) != ("kinematic", "torque")
+}
+STEP, STEPS = 1e-3, 200
+
+
+def options(values):
+    """What simulate takes, from parameters and inputs in one."""
+    parameters = {name: float(value) for name, value in values.items() if name not in INPUTS}
+    inputs = {name: values[name] for name in INPUTS if name in values}
+    return {"parameters": parameters, "inputs": inputs, "step": STEP, "steps": STEPS, "outputs": READ}
+
+
+def native(built, given, over_time=lambda time: {}):
+    """The same run in the native FMU, with inputs and their rates over time: rows of READ."""
+    start = {name: value for name, (value, _) in over_time(0.0).items()}
+    with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"] | start) as fmu:
+        rows = [fmu.read(READ)]
+        for n in range(given["steps"]):
+            now = over_time(n * given["step"])
+            fmu.set(**{name: value for name, (value, _) in now.items()})
+            fmu.set_rates(**{name: rate for name, (_, rate) in now.items()})
+            fmu.advance(given["step"])
+            rows.append(fmu.read(READ))
+    return dict(zip(READ, np.array(rows).T, strict=True))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_simulate_is_the_native_fmu_in_every_output(still, built, case):
+    given = options(CASES[case])
+    expected, found = native(built, given), still.simulate(given)
+    assert found["time"] == pytest.approx([n * STEP for n in range(STEPS + 1)], abs=0.0, rel=1e-15)
+    off = {
+        name: np.abs(np.array(found[name]) - values).max() / max(np.abs(values).max(), 1.0)
+        for name, values in expected.items()
+    }
+    assert {name: error for name, error in off.items() if not error <= 1e-9} == {}
+
+
+BAD = {
+    "out of range": {"tolerance": 7.0, "a": -1.0},
+    "no number": {"imbalance_mass": float("nan")},
+    "no whole teeth": {"z2": 0},
+    "together": {"link2_inertia": 0.0, "imbalance_mass": 1e-9},
+    "a bad start": {"omega2_start": -3.25},
+    "an input": {"omega1": 1e300},
+    "an input that is tiny elsewhere": {"load_torque": -1.25e-7, "drive_torque": float("inf")},
+}
+
+
+def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
+    for case, values in BAD.items():
+        given = options(values)
+        with pytest.raises(FmuError) as refused:
+            native(built, given)
+        assert still.simulate(given) == str(refused.value), case
+
+
+INTEGRATE = """request => new Promise(done => {
+  let calls = 0;
+  window.inertiaModule.integrate(request, run => {
+    calls++;
+    if (run.complete || run.refusal !== null) {
+      const columns = Object.entries(run.columns).map(([name, array]) => [name, [...array]]);
+      done({ ...run, columns: Object.fromEntries(columns), time: [...run.time], calls });
+    }
+  });
+})"""
+# up to speed and, by a jump, to another load
+OVER_TIME = {
+    "omega1": {"times": [0.0, 0.05, 0.2], "values": [0.0, 20.0, 120.0]},
+    "load_torque": {"times": [0.0, 0.1, 0.1, 0.3], "values": [2.0, 2.0, 12.0, 8.0]},
+}
+
+
+def over_time(signal, time):
+    """Value of a signal just after a time, and its rate until the next point."""
+    times, values = signal["times"], signal["values"]
+    at = np.searchsorted(times, time, side="right")
+    if at in (0, len(times)):
+        return values[0 if at == 0 else -1], 0.0
+    rate = (values[at] - values[at - 1]) / (times[at] - times[at - 1])
+    return values[at - 1] + rate * (time - times[at - 1]), rate
+
+
+def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
+    given = {**options({}), "steps": 400}  # beyond the last point
+    found = still.simulate({**given, "inputs": OVER_TIME})
+    expected = native(
+        built, given, lambda time: {name: over_time(signal, time) for name, signal in OVER_TIME.items()}
+    )
+    for name, values in expected.items():
+        assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), name
+
+
+def test_integrate_is_simulate_in_slices_with_angles_whole(still):
+    given = options(scenes.PLANAR)
+    request = {**given, "duration": 2.0}
+    run = still.page.evaluate(INTEGRATE, request)
+    at_once = still.simulate({**given, "steps": 2000})
+    assert run["complete"]
+    assert run["calls"] > 1
+    assert run["time"] == at_once["time"]
+    assert {name: run["columns"][name] for name in READ} == {name: at_once[name] for name in READ}
+    turned = np.array(at_once["drive_angle"]) + 2.0 * np.pi * np.array(at_once["drive_turns"])
+    assert run["columns"]["q"] == pytest.approx(turned, rel=1e-15)
+
+
+def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
+    given = options({"load_torque": 10.0})
+    given["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
+    run = still.page.evaluate(INTEGRATE, {**given, "duration": 1.0})
+    assert not run["complete"]
+    assert len(run["time"]) == len(run["columns"]["omega2"]) == 12
+    assert run["refusal"] == still.simulate(given)
+    assert run["refusal"].startswith("omega1 must be between ")
+
+
+def test_warnings_are_those_of_the_native_fmu(still, built):
+    given = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
+    run = still.page.evaluate(INTEGRATE, {**given, "duration": 0.01})
+    with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"]) as fmu:
+        assert run["warnings"] == fmu.warnings
+    assert len(run["warnings"]) == 2
+
+
+def test_thousand_instances_take_the_memory_of_one(still):
+    """Instances are given back, also those that are refused."""
+    used = """([good, bad]) => {
+      const { simulate } = window.inertiaModule;
+      for (let n = 0; n < 1000; n++) {
+        simulate(good);
+        try { simulate(bad); } catch { /* refused */ }
+      }
+      return simulate(good).omega_out.at(-1);
+    }"""
+    good = {**options({"omega1": 100.0}), "steps": 2, "outputs": ["omega_out"]}
+    bad = {**good, "parameters": {"tolerance": 7.0}}
+    assert still.page.evaluate(used, [good, bad]) == still.simulate(good)["omega_out"][-1]
+
+
+# --- the command view, and run --view: a page whole or not at all ---
+
+
+EXAMPLES = ROOT / "examples"
+ENGINE = EXAMPLES / "engine.toml"
+# the load follows the motion, and the drive turns about once from point to point
+COARSE = """
+[drive]
+kind = "constant"
+omega1 = 100.0
+[load]
+kind = "shaft"
+inertia = 1e4
+[run]
+stop_time = "6 s"
+communication_step = "60 ms"
+outputs = ["mesh_torque", "mesh_torque_mean"]
+"""
+MOST_BYTES = 2_500_000
+PLAYED = """async () => {
+  const { start, playable } = window.inertiaModule;
+  const { time, columns } = await playable(start.run, start.scene.parameters);
+  return { time: [...time], omega_out: [...columns.omega_out], q: [...columns.q] };
+}"""
+
+
+def check_page(page):
+    """It opens from disk, asks for nothing and is no larger than a page may be."""
+    page.page.wait_for_timeout(500)
+    assert (page.errors, page.requests) == ([], [])
+    assert page.path.stat().st_size < MOST_BYTES
+
+
+def table_of(scene, fmu, folder):
+    """What a scene is run to."""
+    left("run", scene, "-o", folder, "--fmu", fmu)
+    return Result.from_csv(folder / "table.csv")
+
+
+def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
+    """The load of this scene follows the motion: the page cannot run it, so it holds the run."""
+    page, table = opened(ENGINE), table_of(ENGINE, fmu, tmp_path)
+    check_page(page)
+    start, played = page.page.evaluate("window.inertiaModule.start"), page.page.evaluate(PLAYED)
+    every = start["run"]["every"]
+    assert not start["scene"]["exact"]
+    assert start["scene"]["inputs"]["load_torque"] == pytest.approx(table["load_torque"].mean(), rel=1e-3)
+    assert start["scene"]["inputs"]["drive_torque"]["values"] == [0.0, 40.0, 25.0, 15.0]
+    assert played["time"] == pytest.approx(table.time[::every], abs=1e-9)
+    assert played["omega_out"] == pytest.approx(table["omega_out"][::every], rel=1e-7)
+    assert np.diff(played["q"]).max() < 0.4 * every  # no whole turn is lost between rows
+
+
+def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, fmu, tmp_path):
+    scene = tmp_path / "coarse.toml"
+    scene.write_text(COARSE)
+    page = opened(scene, reduced_motion="reduce")
+    mean = table_of(scene, fmu, tmp_path)["mesh_torque_mean"][50]
+    page.page.get_by_role("slider", name="time", exact=True).fill("5000")
+    page.drawn()
+    speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())
+    table = page.page.locator(".instruments").first.inner_text()
+    assert "ω2 link 2, at instants" in speeds
+    (told,) = re.findall(r"M2 mesh, mean\s+(\S+)\s+N·m", torques)
+    (now,) = re.findall(r"torques: mean of a step.*mesh torque, M2\s+(\S+)", table, re.S)
+    assert told == now
+    assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
+    page.page.get_by_label("Scene", exact=True).select_option("reference")
+    page.settled()
+    assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
+
+
+def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypatch):
+    columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
+    record = Result(columns, {})
+    monkeypatch.setattr(html, "MOST", 6)
+    found = html.page_run(record)
+    assert found["step"] == 3.0
+    packed = zlib.decompress(base64.b64decode(found["numbers"]), -zlib.MAX_WBITS)
+    torque, force = np.frombuffer(packed, "<f4").reshape(2, -1)
+    assert (found["every"], found["rows"]) == (3, 3)
+    assert torque.tolist() == [0.0, 2.0, 5.0]
+    assert force.tolist() == [0.0, -1.0, -4.0]
+
+
+def test_run_leaves_the_page_beside_its_table(fmu, tmp_path):
+    told = left("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
+    assert json.loads(told)["files"]["page"] == str(tmp_path / "page.html")
+    assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
+    assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
+
+
+def test_page_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
+    monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
+    (tmp_path / "folder.html").mkdir()
+    (tmp_path / "file").write_text("a file")
+    shaft, missing = EXAMPLES / "papers" / "stelmashchuk_stepping.toml", tmp_path / "template.html"
+    told = "error: the page has not been built yet: `make page` in a clone builds it, and the wheel has it\n"
+    for template, arguments, place, sentence in (
+        (TEMPLATE, ("run", shaft, "--view"), "", "--view must come with a scene of the module"),
+        (TEMPLATE, ("view", shaft), "page.html", "must be a scene of the module, is one of a driven shaft"),
+        (TEMPLATE, ("view", ENGINE), "folder.html", "the page must be a file, is the folder "),
+        (TEMPLATE, ("view", ENGINE), "page.txt", "the page must be a file with the ending .html, is "),
+        (TEMPLATE, ("view", ENGINE), "file/page.html", "file must be a folder that can be written to"),
+        (missing, ("view", REFERENCE), "page.html", told),
+        (missing, ("run", REFERENCE, "--view"), "page.html", told),
+    ):
+        monkeypatch.setattr(html, "TEMPLATE", template)
+        done = command(*arguments, "-o", tmp_path / place)
+        assert done.exit_code == 1
+        assert sentence in done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.html"]
+
+
+def test_page_is_whole_or_not_there(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("the disk is full")))
+    done = command("view", REFERENCE, "-o", tmp_path / "page.html")
+    assert (done.exit_code, done.stderr) == (1, "error: the disk is full\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_text_of_a_scene_cannot_break_out_of_the_page(opened, tmp_path):
+    title = "</script><script>window.broken = 1</script><!-- & <b>"
+    scene = tmp_path / "hostile.toml"
+    scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
+    page = opened(scene)
+    check_page(page)
+    assert page.page.title() == title
+    assert page.page.evaluate("[window.inertiaModule.start.scene.title, window.broken]") == [title, None]

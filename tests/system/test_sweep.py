@@ -1,20 +1,23 @@
-"""Sweeps on a cluster of processes started by hand; workers and clients that die."""
+"""Sweeps and designs on a cluster of processes started by hand; workers and clients that die."""
 
+import csv
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
+from inertia_module.figures.jobs import design_figure
 from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
-from inertia_module.scene import load_scene, run_scene
+from inertia_module.scene import SceneError, load_scene, run_scene
 from inertia_module.scene.run import Quantity, SceneRunner
 
 dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickle")
@@ -22,17 +25,11 @@ Client = pytest.importorskip("distributed").Client
 psutil = pytest.importorskip("psutil")
 pytest.importorskip("pyarrow")
 
-SCENE = """
-[drive]
-kind = "constant"
-omega1 = "100 rad/s"
-[load]
-kind = "shaft"
-inertia = "0.5 kg.m2"
-[run]
-stop_time = "0.1 s"
-communication_step = "5 ms"
-"""
+REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
+SHORT = {"load": {"kind": "shaft", "torque": None, "inertia": 0.5}, "run": {"stop_time": 0.1}}
+# runs of some hundredths of a second
+SLOW = ["imbalance_mass=0.5:2:60"]
+LONG = {"accuracy.tolerance": "1e-6", "run.stop_time": "20 s", "run.communication_step": "1 s"}
 VARY = [
     "imbalance_mass=0.5:2:4",
     "layout=bevel,planar",
@@ -42,10 +39,8 @@ VARY = [
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scene") / "scene.toml"
-    path.write_text(SCENE)
-    return path
+def scene():
+    return load_scene(REFERENCE, {"run.communication_step": "5 ms"}).replaced(**SHORT)
 
 
 def told(rows):
@@ -67,7 +62,6 @@ def found(scene, fmu, cluster, tmp_path_factory):
 
 
 def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
-    read = load_scene(scene)
     points = [
         {"mechanism.imbalance_mass": 2.0, "mechanism.fidelity": "averaged"},
         {},
@@ -76,19 +70,18 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
         {"load.inertia": 1.0},
         {},
     ]
-    rows = evaluated(read, fmu, points)
+    rows = evaluated(scene, fmu, points)
     assert "z17 must be a whole number between" in rows.pop(3).refused
     for row in rows:
-        summary = run_scene(read.with_keys(row.point), fmu).summary
+        summary = run_scene(scene.with_keys(row.point), fmu).summary
         assert row.figures == {name: value for name, value in summary.items() if name in row.figures}
         assert set(summary) - set(row.figures) == {"wall_time", "real_time_factor"}
     assert rows[1].figures == rows[-1].figures
 
 
 def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_sentence(scene, found, fmu):
-    read = load_scene(scene)
     assert len(found.rows) == 32 == found.new
-    assert told(found.rows) == told(evaluated(read, fmu, grid(axes_of(VARY, read))))
+    assert told(found.rows) == told(evaluated(scene, fmu, grid(axes_of(VARY, scene))))
     assert len(found.refused) == 8
     for row in found.refused:
         assert "housing_freewheel" in row.refused
@@ -104,7 +97,7 @@ def test_what_is_done_is_not_done_again(scene, fmu, found):
     again = jobs.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
     assert again.rows == found.rows
-    other = load_scene(scene).replaced(run={"stop_time": 0.2})
+    other = scene.replaced(run={"stop_time": 0.2})
     with pytest.raises(Refused, match="another scene"):
         jobs.sweep(other, VARY, output=folder, fmu=fmu)
 
@@ -146,20 +139,15 @@ def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can
     assert {address.ip for address in addresses} == {"127.0.0.1"}
 
 
-SLOW = ["imbalance_mass=0.5:2:60"]
-
-
-@pytest.fixture(scope="module")
-def slow_scene(scene):
-    """A run of some hundredths of a second."""
-    slow = scene.with_name("slow.toml")
-    slow.write_text(SCENE.replace("0.1 s", "20 s").replace("5 ms", "1 s"))
-    return slow
+@pytest.fixture
+def slow_scene():
+    return load_scene(REFERENCE, LONG)
 
 
 def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
-    command = [sys.executable, "-m", "inertia_module", "sweep", str(slow_scene), "--vary", SLOW[0]]
-    options = ["-o", str(tmp_path / "out"), "--fmu", str(fmu), "--scheduler", cluster.address]
+    command = [sys.executable, "-m", "inertia_module", "sweep", str(REFERENCE), "--vary", SLOW[0]]
+    options = [*(f"--set={key}={value}" for key, value in LONG.items())]
+    options += ["-o", str(tmp_path / "out"), "--fmu", str(fmu), "--scheduler", cluster.address]
     client = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
     journal = tmp_path / "out" / "journal.jsonl"
     deadline = time.monotonic() + 60.0
@@ -191,4 +179,114 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
     assert len(found.rows) == 60 == found.new
     assert not found.refused
     some = found.rows[::20]
-    assert told(some) == told(evaluated(load_scene(slow_scene), fmu, [row.point for row in some]))
+    assert told(some) == told(evaluated(slow_scene, fmu, [row.point for row in some]))
+
+
+# --- designs searched, checked and written ---
+
+
+SPEC = """
+title = "A light module"
+[mechanism]
+layout = "planar"
+[drive]
+kind = "constant"
+omega1 = "150 rad/s"
+[load]
+kind = "shaft"
+inertia = "0.5 kg.m2"
+[run]
+stop_time = "0.5 s"
+communication_step = "10 ms"
+[free]
+imbalance_mass = "log:200 g:3 kg"
+satellites = "1:4"
+eccentricity = "10 mm:30 mm"
+[figures]
+stall_torque = { speed = "150 rad/s", minimum = "20 N.m" }
+torque_ripple = { speed = "150 rad/s", ratio = 0, goal = "least" }
+total_imbalance_mass = { goal = "least" }
+omega_out_final = { minimum = "100 rpm" }
+[search]
+population = 12
+generations = 4
+finalists = 3
+margin = "5 %"
+"""
+
+
+@pytest.fixture(scope="module")
+def spec(tmp_path_factory):
+    pytest.importorskip("pymoo")
+    path = tmp_path_factory.mktemp("spec") / "spec.toml"
+    path.write_text(SPEC)
+    return path
+
+
+@pytest.fixture(scope="module")
+def designs(spec, fmu, tmp_path_factory):
+    return jobs.design(spec, output=tmp_path_factory.mktemp("one"), fmu=fmu, workers=1)
+
+
+def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
+    assert designs.chosen == designs.finalists
+    assert len(designs.chosen) == 3
+    for row in designs.front:
+        assert designs.judge.meets(row)
+        mass, ripple = row.figures["total_imbalance_mass"], row.figures["torque_ripple"]
+        for other in designs.rows:
+            if designs.judge.meets(other, 0.05):
+                lighter = other.figures["total_imbalance_mass"] <= mass
+                assert not (lighter and other.figures["torque_ripple"] < ripple)
+    assert designs.verdict().startswith("3 of 3 checked designs meet all limits; nearest to its limit")
+
+
+def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
+    two = jobs.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+    assert told(two.rows) == told(designs.rows)
+    assert told(one.checked for one in two.finalists) == told(one.checked for one in designs.finalists)
+
+
+def test_a_chosen_design_is_a_scene_with_units_that_runs_and_gives_its_figures(designs, fmu):
+    for number, one in enumerate(designs.finalists, 1):
+        read, text = load_scene(one.file), one.file.read_text()
+        assert read.tables == one.scene.tables
+        assert read.mechanism.fidelity == 2.0
+        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.figures["omega_out_final"]
+        assert 'layout = "planar"' in text
+        assert f'title = "A light module: design {number}"' in text
+        point = one.searched.point
+        assert f'eccentricity = "{point["mechanism.eccentricity"]!r} m"' in text
+        assert f"satellites = {int(point['mechanism.satellites'])}\n" in text
+        assert 'stop_time = "0.5 s"' in text
+        assert "outputs" not in text
+
+
+def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
+    for row in csv.DictReader(designs.files["checked csv"].open()):
+        assert (row["mechanism.satellites"] + row["contact_switches"]).isdecimal()
+    picture = design_figure(designs)
+    assert picture.get_suptitle() == "A light module"
+    (panel,) = picture.axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("torque ripple [N.m]", "total imbalance mass [kg]")
+    picture.draw_without_rendering()
+    assert not any("$" in label.get_text() for label in panel.get_xticklabels(which="both"))
+
+
+def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
+    harder = spec.with_name("harder.toml")
+    harder.write_text(SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "2 kN.m"'))
+    folder = designs.files["checked csv"].parent
+    stopped = jobs.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
+    assert 0 < stopped.new < len(stopped.rows)
+    assert stopped.chosen == []
+    assert "no design of" in stopped.verdict()
+    assert "stall_torque is" in stopped.verdict()
+    assert "must be at least 2000 N.m" in stopped.verdict()
+
+
+def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
+    wrong = spec.with_name("wrong.toml")
+    wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
+    with pytest.raises(SceneError, match=r"figures.omega_out_last must be .* .did you mean omega_out_final"):
+        jobs.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)
