@@ -30,7 +30,7 @@ from scenes import (
 )
 
 from inertia_module.kernel.inertia import reduced_inertia
-from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA4, SLIP, THETA1, TWIST, Q
+from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA3, OMEGA4, SLIP, THETA1, TWIST, Q
 
 SATELLITES = {
     "1-gear": {"satellites": 1, **GEARS},
@@ -274,26 +274,27 @@ SPEEDS = st.floats(-200.0, 200.0)
     slip=st.one_of(st.just(0.0), st.floats(0.0, 50.0)),
     q=st.floats(-10.0, 10.0),
     inertia=st.sampled_from([0.0, 0.003]),
+    shaft=st.sampled_from([{}, ELASTIC]),
 )
 def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
-    compiled, scene, housing, output, omega1, target, omega2, slip, q, inertia
+    compiled, scene, housing, output, omega1, target, omega2, slip, q, inertia, shaft
 ):
     omega2 = abs(omega2) if housing else omega2
-    values = {**scene, "omega1": omega1, "drive_inertia": inertia, "input_inertia": 0.01}
+    values = {**scene, **shaft, "omega1": omega1, "drive_inertia": inertia, "input_inertia": 0.01}
     values |= {"housing_freewheel": housing, "output_freewheel": output, "drive_angle_start": q}
     values |= {"omega2_start": omega2, "omega_out_start": omega2 + (slip if output else 0.0)}
     module, exact = started(compiled, values), reference(values)
-    omega3, stored, change = module["omega_out"], module["energy_stored"], target - omega1
+    omega3, stored, change = module["omega_hub"], module["energy_stored"], target - omega1
     exact.turn(target)
     advanced(module, MOMENT, omega1=target)
-    end2, end3 = exact.state[[OMEGA2, OMEGA4]]
+    end2, end3 = exact.state[[OMEGA2, OMEGA3]]
     (i, _, b, _, g, _), k = direct_sums(exact.machine.p, q), ratio(exact.machine.p)
     slipped = k * (change - (end2 - omega2))
     mesh = k * (b * change + g * slipped)
     driven = (0.01 + i) * change + b * slipped + mesh
     carried = module["output_inertia"] * (end3 - omega3)
     held = module["link2_inertia"] * (end2 - omega2) + carried - mesh
-    found = [module[name] for name in ("omega2", "omega_out")]
+    found = [module[name] for name in ("omega2", "omega_hub")]
     found += [module[f"{name}_torque_mean"] * MOMENT for name in ("output", "input", "mesh", "housing")]
     expected = [end2, end3, carried, driven, mesh, held]
     assert found == pytest.approx(expected, rel=1e-7, abs=1e-6)
@@ -301,7 +302,7 @@ def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
     fastest = max(abs(omega1), abs(target), abs(omega2), abs(omega3))
     turnover = stored + abs(module["energy_in"]) + module["output_inertia"] * fastest**2
     assert abs(module["energy_residual"]) <= 1e-12 * turnover + 1e-20
-    assert module["energy_lost"] == 0.0
+    assert abs(module["energy_lost"]) <= (1e-9 if shaft else 0.0)
 
 
 # --- check values agreed with an independent multibody engine; the error follows `tolerance` alone ---
