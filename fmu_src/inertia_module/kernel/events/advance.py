@@ -12,14 +12,10 @@ from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
 from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
-from .step_size import longest_step, try_short_step, try_steps
+from .step_size import AFRESH, longest_step, size_afresh, try_short_step, try_steps
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
-# share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
-# error of a longer step may be estimated far too low
-AFRESH = 0.5
-AFRESH_PHASE = 1.0
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
 SHORT_GROWTH = 1.05
 
@@ -191,8 +187,8 @@ def pass_event(d, x, which):
     elif which > FLOW:
         x.spin_signs = with_sign_changed(x.spin_signs, which - SPIN)
     elif which != NONE:
-        rate = d.harmonic * d.k * abs(x.omega1 - x.omega2)
-        x.step_size = min(AFRESH * x.step_size, AFRESH_PHASE / max(rate, 1e-300))
+        if d.elastic != 0.0:  # shaft or springs may swing otherwise now
+            x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
         if is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
             meet(d, x, which)

@@ -2,6 +2,7 @@
 
 import math
 
+from ..codes import HELD
 from ..equations.states import is_rough
 from ..links import fastest_own_rate
 from ..tableau import LONG, SHORT
@@ -27,6 +28,10 @@ SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 # tries of a step before it is given up
 REJECTIONS = 100
+# share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
+# error of a longer step may be estimated far too low
+AFRESH = 0.5
+AFRESH_PHASE = 1.0
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
 SHORT_SHARE = 0.1
 
@@ -53,8 +58,24 @@ def longest_step(d, x, w, remaining):
     return step
 
 
-def first_size(x, limit):
-    """Size a step is tried with first: that carried in the state, if there is one, at most limit."""
+def size_afresh(d, x):
+    """Size that is tried at most where a freewheel has switched."""
+    return AFRESH_PHASE / max(d.harmonic * d.k * abs(x.omega1 - x.omega2), 1e-300)
+
+
+def first_size(d, x, limit):
+    """Size a step is tried with first: that carried in the state, if there is one, at most limit.
+
+    With a rigid output each contact mode goes on with the size it was left with. What link 2 does while it is
+    held and the speed of link 1 is given is known however long the step.
+    """
+    mode = int(x.mode)
+    if d.elastic == 0.0 and mode != int(x.sized_mode):
+        x.sizes[int(x.sized_mode)] = x.step_size
+        x.step_size = x.sizes[mode] if x.sizes[mode] > 0.0 else AFRESH * x.step_size
+        if mode != HELD or d.by_torque != 0.0:
+            x.step_size = min(x.step_size, size_afresh(d, x))
+        x.sized_mode = x.mode
     return min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
 
 
@@ -94,7 +115,7 @@ def try_short_step(d, x, w, remaining):
 
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
-    h = first_size(x, limit)
+    h = first_size(d, x, limit)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
     differentiated = False
     for attempt in range(REJECTIONS):
