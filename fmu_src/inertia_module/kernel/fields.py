@@ -36,6 +36,8 @@ STATE = (
     *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
     *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
+    # ... rigid output: the size in each contact mode when it was left, the mode of step_size
+    *(("sizes", 4), "sized_mode"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
     *(("lost", CAUSES), ("lost_low", CAUSES), "step_lost"),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),

@@ -12,10 +12,12 @@ from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
 from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
-from .step_size import AFRESH, GROWTH, longest_step, try_short_step, try_steps
+from .step_size import AFRESH, longest_step, size_afresh, try_short_step, try_steps
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
+# how fast the longest step of the pair of order 5 is thought to grow while the other one is used
+SHORT_GROWTH = 1.05
 
 
 def balance(d, x, w):
@@ -185,7 +187,8 @@ def pass_event(d, x, which):
     elif which > FLOW:
         x.spin_signs = with_sign_changed(x.spin_signs, which - SPIN)
     elif which != NONE:
-        x.stiff_phase *= AFRESH
+        if d.elastic != 0.0:  # shaft or springs may swing otherwise now
+            x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
         if is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
             meet(d, x, which)
@@ -207,7 +210,7 @@ def advance_general(d, x, w, remaining):
         fastest = try_short_step(d, x, w, remaining)
     sigma, which = -1.0, NONE
     if fastest < 0.0:
-        x.short_size *= GROWTH  # so that it is tried again
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
         fastest = try_steps(d, x, w, limit)
         if fastest < 0.0:
             return -1.0, False

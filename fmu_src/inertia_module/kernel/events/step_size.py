@@ -4,7 +4,7 @@ import math
 
 from ..codes import HELD
 from ..equations.states import is_rough
-from ..shaft import fastest_own_rate
+from ..links import fastest_own_rate
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
 from .guards import how_many_guards, is_clear, is_watched
@@ -20,7 +20,7 @@ SHORT_PHASE = 1.0
 QUIET_PHASE = 2.0
 # phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
 STIFF = 4.0
-STIFF_SHARE = 0.55
+STIFF_SHARE = 0.5
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 SHORT_SAFETY = 0.9
@@ -28,16 +28,12 @@ SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 # tries of a step before it is given up
 REJECTIONS = 100
-# share of its size that a step keeps where a freewheel has switched to a mode of no known size, and phase
-# that is tried first there: an error of a longer step may be estimated far too low
+# share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
+# error of a longer step may be estimated far too low
 AFRESH = 0.5
 AFRESH_PHASE = 1.0
 # share of the allowed error that a step of the pair of order 5 may have: there are many of them
 SHORT_SHARE = 0.1
-# phase that a stiff step is thought to be good for where it was not: a swing takes its time to fade
-REFUSED = 0.5
-# how fast the longest step of a method is thought to grow while another one is used
-GROWTH = 1.05
 
 
 def advance_of_phase(d, x, w):
@@ -62,20 +58,23 @@ def longest_step(d, x, w, remaining):
     return step
 
 
-def first_size(d, x, limit):
-    """Size a step is tried with first: that carried in the state for the contact mode, at most limit.
+def size_afresh(d, x):
+    """Size that is tried at most where a freewheel has switched."""
+    return AFRESH_PHASE / max(d.harmonic * d.k * abs(x.omega1 - x.omega2), 1e-300)
 
-    Of a mode that has just begun it is the one it was left with; what link 2 does while it is held and the
-    speed of link 1 is given is known however long the step.
+
+def first_size(d, x, limit):
+    """Size a step is tried with first: that carried in the state, if there is one, at most limit.
+
+    With a rigid output each contact mode goes on with the size it was left with. What link 2 does while it is
+    held and the speed of link 1 is given is known however long the step.
     """
     mode = int(x.mode)
-    if mode != int(x.sized_mode):
+    if d.elastic == 0.0 and mode != int(x.sized_mode):
         x.sizes[int(x.sized_mode)] = x.step_size
-        size = x.sizes[mode] if x.sizes[mode] > 0.0 else AFRESH * x.step_size
-        if mode != HELD or d.by_torque + d.elastic != 0.0:
-            slip = abs(x.omega1 - x.omega2)
-            size = min(size, AFRESH_PHASE / max(d.harmonic * d.k * slip, 1e-300))
-        x.step_size = size
+        x.step_size = x.sizes[mode] if x.sizes[mode] > 0.0 else AFRESH * x.step_size
+        if mode != HELD or d.by_torque != 0.0:
+            x.step_size = min(x.step_size, size_afresh(d, x))
         x.sized_mode = x.mode
     return min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
 
@@ -89,10 +88,11 @@ def next_factor(error, order, safety):
     return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, safety * error ** (-1.0 / order)))
 
 
-def carried_size(size, h, factor, attempt):
-    """Size for the next step, after a step h allowed at this attempt (from 0) where that size was carried."""
+def carry_size(x, h, factor, attempt):
+    """Carry the size for the next step in the state, after a step h allowed at this attempt (from 0)."""
     # a step cut short by the end of the communication step says little about longer ones
-    return max(factor * h, size) if attempt == 0 and h < size else factor * h
+    short = attempt == 0 and h < x.step_size
+    x.step_size = max(factor * h, x.step_size) if short else factor * h
 
 
 def try_short_step(d, x, w, remaining):
@@ -115,46 +115,25 @@ def try_short_step(d, x, w, remaining):
 
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
-    if d.elastic != 0.0:
-        fastest = try_stiff_steps(d, x, w, limit)
-        if fastest >= 0.0:
-            return fastest
-        limit = min(limit, STIFF / fastest_own_rate(d, x))
     h = first_size(d, x, limit)
+    own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    differentiated = False
     for attempt in range(REJECTIONS):
-        make_step(d, x, w, LONG, h)
+        order, safety = 8.0, SAFETY
+        if h * own > STIFF:
+            order, safety = 5.0, SHORT_SAFETY
+            if not differentiated:
+                differentiate(d, x, w)
+                differentiated = True
+            h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
+            make_stiff_step(d, x, w, h)
+        else:
+            make_step(d, x, w, LONG, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = next_factor(error, 8.0, SAFETY)
+        factor = next_factor(error, order, safety)
         if error <= 1.0:
-            x.step_size = carried_size(x.step_size, h, factor, attempt)
+            carry_size(x, h, factor, attempt)
             return fastest
         h *= factor
-    return -1.0
-
-
-def try_stiff_steps(d, x, w, limit):
-    """Make the longest stiff step of allowed error, where one is longer than explicit ones can be.
-
-    Returns as try_steps.
-    """
-    own = fastest_own_rate(d, x)
-    # so that they are tried again
-    x.stiff_phase = max(GROWTH * x.stiff_phase, REFUSED) if x.stiff_phase > 0.0 else 0.1 * own * limit
-    phase = min(x.stiff_phase, own * min(limit, STIFF_SHARE * longest_step(d, x, w, 1e300)))
-    if phase <= STIFF:
-        return -1.0
-    differentiate(d, x, w)
-    attempt = 0
-    while phase > STIFF:
-        make_stiff_step(d, x, w, phase / own)
-        fastest = fastest_speed(d, x, w)
-        error = step_error(d, x, w, fastest)
-        factor = next_factor(error, 5.0, SHORT_SAFETY)
-        if error <= 1.0:
-            x.stiff_phase = carried_size(x.stiff_phase, phase, factor, attempt)
-            return fastest
-        phase *= factor
-        attempt += 1
-    x.stiff_phase = REFUSED
     return -1.0
