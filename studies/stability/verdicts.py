@@ -117,9 +117,8 @@ class Trial:
     Attributes:
         case: what was tried. long, short: in long communication steps and in many short ones.
         tight: at a far tighter tolerance, by events (None where it is refused).
-        sensitivity: of the motion itself: largest distance from tight that a relative change by the
-            tolerance in the angle at the start, in the load or in the speed of link 1 makes; 0 where the
-            runs are within their bounds without it.
+        sensitivity: of the motion itself: largest distance from tight by relative changes of the tolerance's
+            size (angle at the start, load, speed of link 1), as far as it takes to explain the other runs.
     """
 
     case: Case
@@ -150,35 +149,23 @@ def try_case(case: Case, make: Make = Module) -> Trial:
         short = run(motion, make, case.split)
         tolerance = motion["tolerance"]
         precise = motion.changed(method=EVENT, max_step=0.0, tolerance=max(TIGHTER * tolerance, TIGHTEST))
-        given = make, tuple(precise.parameters.items()), motion.segments
-        tight = None if short.refused else _tight(*given)
-        trial = Trial(case, long, short, tight)
-        found = figures_of(trial, short) if tight else {}
-        if all(figure.holds for name, figure in found.items() if name in COMPARED):
-            return trial
-        return replace(trial, sensitivity=_sensitivity(*given, tolerance))
+        tight = _tight(make, tuple(precise.parameters.items()), motion.segments)
+        trial = Trial(case, long, short, None if tight.refused else tight)
+        for beside in () if tight.refused or short.refused else precise.nudged(tolerance):
+            if all(figure.holds for name, figure in figures_of(trial, short).items() if name in COMPARED):
+                break
+            changed = run(beside, make)
+            if not changed.refused:
+                trial = replace(trial, sensitivity=max(trial.sensitivity, distance(changed, tight)))
+        return trial
     except Exception as error:  # whatever else it is, it is a finding
         return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))
 
 
-# the methods of a fidelity, which come one after the other, share the runs of their motion
-@lru_cache(maxsize=1)
-def _tight(
-    make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...]
-) -> Run | None:
-    """The run of a motion, or None where it is refused."""
-    tight = run(Motion(dict(parameters), segments), make)
-    return None if tight.refused else tight
-
-
-@lru_cache(maxsize=1)
-def _sensitivity(
-    make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...], change: float
-) -> float:
-    """Largest distance from the run of a motion that is not refused which a relative change of it makes."""
-    tight = _tight(make, parameters, segments)
-    changed = [run(beside, make) for beside in Motion(dict(parameters), segments).nudged(change)]
-    return max((distance(run, tight) for run in changed if tight and not run.refused), default=0.0)
+@lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
+def _tight(make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...]) -> Run:
+    """The run of a motion."""
+    return run(Motion(dict(parameters), segments), make)
 
 
 @dataclass(frozen=True)

@@ -30,19 +30,14 @@ TIME_LIMIT = 900  # s, for programs that hang
 
 
 def system_compiler(flags=()):
-    """A C compiler of the system whose programs run with these flags, or None."""
-    for name in ("gcc", "clang", "cc"):
-        path = shutil.which(name)
-        if path and _works(path, tuple(flags)):
-            return path
-    return None
-
-
-def _works(compiler, flags):
-    command = [compiler, *flags, "-x", "c", "-", "-o", os.devnull]
+    """A C compiler of the system whose programs run with these flags; without one the test is skipped."""
     program = "int main(void) { return 0; }"
-    done = subprocess.run(command, input=program, text=True, capture_output=True, check=False)
-    return done.returncode == 0
+    for path in filter(None, map(shutil.which, ("gcc", "clang", "cc"))):
+        command = [path, *flags, "-x", "c", "-", "-o", os.devnull]
+        done = subprocess.run(command, input=program, text=True, capture_output=True, check=False)
+        if done.returncode == 0:
+            return path
+    pytest.skip(f"no C compiler of the system makes programs that run with {' '.join(flags) or '-'}")
 
 
 def run(command, **environment):
@@ -75,17 +70,13 @@ class Workshop:
     """Builds C programs together with the shell, the tables and the kernel of one FMU.
 
     Attributes:
-        identifier: of the FMU. folder: where the programs are.
+        fmu: what is built. folder: where the programs are. objects: names by C file and flags.
     """
 
     def __init__(self, identifier, folder):
-        self.identifier = identifier
-        self.fmu = FMUS[identifier]
-        self.folder = folder
-        self.guid = native_fmu.guid(self.fmu)
-        self.objects = {}
+        self.fmu, self.folder, self.objects = FMUS[identifier], folder, {}
         (folder / "kernel.o").write_bytes(object_file(self.fmu.model, LINUX64))
-        for name, text in generated(self.fmu.model, self.guid, self.fmu.fmi).items():
+        for name, text in generated(self.fmu.model, native_fmu.guid(self.fmu), self.fmu.fmi).items():
             (folder / name).write_text(text)
 
     def flags(self):
@@ -108,13 +99,8 @@ class Workshop:
         return [*(str(SOURCES / name) for name in names), *map(str, shell), "tables.c"]
 
     def build(self, program, *names, flags=(), libraries=()):
-        """A program for this machine, by a compiler of the system; names are of its C files.
-
-        The test is skipped where there is no such compiler.
-        """
+        """A program for this machine, by a compiler of the system; names are of its C files."""
         compiler = system_compiler(flags)
-        if compiler is None:
-            pytest.skip(f"no C compiler of the system makes programs that run with {' '.join(flags) or '-'}")
         objects = [self.compiled(compiler, file, *flags) for file in self.all_sources(*names)]
         self.call(compiler, *flags, *objects, "kernel.o", "-o", program, "-lm", *libraries)
         return self.folder / program
@@ -128,9 +114,10 @@ class Workshop:
         return self.objects[file, flags]
 
     def call(self, *command):
-        """Run a compiler in the folder."""
+        """What a compiler says that is run in the folder."""
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr[-3000:]
+        return done.stderr
 
     def cross(self, target, program, *arguments):
         """A program for a target, by the C compiler that comes with ziglang; C files are of the tests."""
