@@ -171,7 +171,7 @@ def test_scenes_are_exported_with_their_mechanism_drive_and_start():
     plan = scene_plan(load_scene(ROOT / "examples" / "engine.toml"))
     values = plan.part("module").values
     assert (values["drive"], values["omega1"], values["drive_torque"]) == (1.0, 200.0, 0.0)
-    assert (values["load_torque"], plan.wires) == (0.0, ())
+    assert (values["load_torque"], plan.wires) == (5.0, ())
     scene = load_scene(ROOT / "examples" / "planar.toml")
     plan = scene_plan(scene)
     values = plan.part("module").values

@@ -1,4 +1,4 @@
-"""What accuracy costs a scene: its levels of fidelity, their measurements, the choice of a level, the trade.
+"""Cost of accuracy of a scene: its levels of fidelity, their measurements, the choice of a level, the trade.
 
 Trial runs of a scene are measured against the finest level. Outputs of a long run under control are compared
 by window and not by instant: the loop keeps speeds and torques where they belong, but nothing keeps the phase
