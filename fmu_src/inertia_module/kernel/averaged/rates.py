@@ -250,8 +250,9 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
         stored = (d.J1 + share - 0.5 * s * share1) * rate + 0.5 * share1 * rates.omega3
         rates.drive = direction * (stored + taken + d.b1 * speed)
         rates.housing = direction * taken
-    rates.output = torque
+    rates.output, rates.square = torque, 0.0  # (the pulses' ripple is that of the map)
     rates.theta1 = omega1
+    rates.work_in = rates.drive * omega1
     rates.q = d.k * (omega1 - rates.omega2)
     rates.turned3 = omega3
     if d.lossy != 0.0:

@@ -77,8 +77,10 @@ def choose_leg(d, side, x, v):
         return LOCKED
     if x.omega3 == v == trend(d, x) == 0.0 and -min(d.output_drag, d.housing_drag) <= load < 0.0:
         return RESTING  # drag of both freewheels holds the shaft
+    torque = torque_at_knot(side, side.knots[0], speed)
+    if x.omega3 == 0.0 and torque < load < 0.0:
+        return RESTING  # ... also while link 1 turns
     if x.omega3 == 0.0 and load >= 0.0:
-        torque = torque_at_knot(side, side.knots[0], speed)
         if torque < load * (1.0 - ARRIVED) or (torque == 0.0 and speed > 0.0):
             return RESTING
         write_mean_rates(d, side, x, RESTING, v, 0.0, d.mean)

@@ -4,6 +4,7 @@ By Rosenbrock's method of events.rosenbrock, with derivatives by differences: a 
 torque at once, and a transient must cost no small steps.
 """
 
+from ..codes import FREEWHEEL, VISCOUS
 from ..events.rosenbrock import GAMMA, STAGES, A, C
 from .rates import (
     COASTING,
@@ -104,7 +105,16 @@ def take_step(d, side, x, w, leg, h):
         w.change.omega3 = lock_ratio(d, side) * (x.omega1 + w.change.omega1) - x.omega3
 
 
-def balance(d, side, x, w, h):
+def lost_in_step(d, change):
+    """Energy that the step in hand takes, J."""
+    total = 0.0
+    if d.lossy != 0.0:
+        for cause in range(len(change.lost)):
+            total += change.lost[cause]
+    return total
+
+
+def balance(d, side, x, w, leg, h):
     """Impulses and work of a step by the balances, exact in its ends."""
     change = w.change
     change.output = d.J3 * change.omega3 + x.load_torque * h + d.b3 * change.turned3
@@ -115,12 +125,17 @@ def balance(d, side, x, w, h):
         return
     omega3 = x.omega3
     work = 0.5 * d.J3 * change.omega3 * (2.0 * omega3 + change.omega3) + x.load_torque * change.turned3
-    for cause in range(len(change.lost)):
-        work += change.lost[cause]
+    work += lost_in_step(d, change)
     before = energy_at(d, side, x, x.omega1)
     x.omega3 = omega3 + change.omega3
-    change.work_in = work + energy_at(d, side, x, x.omega1 + change.omega1) - before
+    work += energy_at(d, side, x, x.omega1 + change.omega1) - before
     x.omega3 = omega3
+    if leg == COASTING and d.lossy != 0.0:
+        # the torques are linear there, what they take is not
+        cause = FREEWHEEL if change.lost[FREEWHEEL] > change.lost[VISCOUS] else VISCOUS
+        change.lost[cause] += change.work_in - work
+        return
+    change.work_in = work
     if x.alpha1 == 0.0 and x.omega1 != 0.0:
         change.drive = change.work_in / x.omega1
 
@@ -132,8 +147,7 @@ def energy_residual(d, x, w):
     put_out = x.load_torque * change.turned3
     residual = put_in - put_out - 0.5 * d.map_inertia * change.omega1 * (2.0 * x.omega1 + change.omega1)
     residual -= 0.5 * d.J3 * change.omega3 * (2.0 * x.omega3 + change.omega3)
-    for cause in range(len(change.lost)):
-        residual -= change.lost[cause]
+    residual -= lost_in_step(d, change)
     fastest = max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
     energies = (d.map_inertia + d.J3) * fastest * fastest + abs(put_in) + abs(put_out)
     return abs(residual) / energies if energies > 0.0 else 0.0
@@ -177,10 +191,10 @@ def past_end(d, side, x, leg, v, omega3, fastest):
         return max(past, (side.end * speed - omega3) / fastest)
     load = x.load_torque
     if leg == RESTING:
-        if load < 0.0:
+        if load < 0.0 and x.omega1 == 0.0:
             return past
         torque = torque_at_knot(side, side.knots[0], max(speed, 0.0))
-        return max(past, (torque - load) / max(load, abs(torque), 1e-300))
+        return max(past, (torque - load) / max(abs(load), abs(torque), 1e-300))
     write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
     most = most_locked_torque(d, side, speed)
     torque = d.mean.output
@@ -260,5 +274,5 @@ def advance_leg(d, side, x, w, leg, remaining):
     ends = past > ARRIVED
     if ends:
         cut_step(d, side, x, w, leg, fastest, past)
-    balance(d, side, x, w, w.step)
+    balance(d, side, x, w, leg, w.step)
     return True, ends

@@ -182,6 +182,8 @@ def add_knot(p, d, w, side, n, ratio):
         knot.ratio = ratio / write_steady(d, w, knot)
         found = n == 0 or knot.ratio > side.knots[n - 1].ratio
         found = found and (n == count or knot.ratio < side.knots[n].ratio)
+        if count == 0 and d.lossy != 0.0:
+            side.slow = slow_speed(p, d, knot.value[TORQUE])
     if found and side.slow != 0.0:
         found = add_slower(p, d, w, side, knot, held)
     if not found:
@@ -348,9 +350,6 @@ def build_side(p, d, w, side, allowed):
         settle(p, w, side, 0.0, 0.0)
         d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
     last_ratio, end = find_end(d, side)
-    if d.lossy != 0.0:
-        settle(p, w, side, 0.0, 0.0)
-        side.slow = slow_speed(p, d, w.sum_torque / (w.sum_time * speed_of_sums(d, w) ** 2))
     if not add_first_knots(p, d, w, side, last_ratio):
         return False
     end_map(p, d, w, side, end)
