@@ -217,7 +217,7 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     inertia, driving = d.map_inertia, direction * x.drive_torque * share - resisting
     if leg == RESTING:
         torque = x.load_torque
-    passed = torque * passing / slow if slow > 0.0 else 0.0
+    passed = torque * (passing / speed if passing < side.end * speed else side.end)
     if leg == LOCKED:
         passed = together * given
         inertia += together * together * d.J3

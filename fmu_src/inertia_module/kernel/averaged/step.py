@@ -92,7 +92,7 @@ def take_step(d, side, x, w, leg, h):
         v = (e * changes[V] - b * changes[OMEGA3]) / determinant
         omega3 = (a * changes[OMEGA3] - c * changes[V]) / determinant
         for n in range(followed):
-            changes[n] = (changes[n] + by_v[n] * v + by_omega3[n] * omega3) / own
+            changes[n] = GAMMA * h * (changes[n] + by_v[n] * v + by_omega3[n] * omega3)
     row = (STAGES - 1) * (STAGES - 1)
     for n in range(followed):
         change = w.stages[STAGES - 1].numbers[n]

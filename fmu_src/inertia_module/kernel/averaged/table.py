@@ -65,12 +65,12 @@ def set_slopes(side, n):
 
 def interpolate(here, after, curve, ratio):
     """Value of a curve, and its slope, between two knots: by Hermite's cubic."""
-    h = after.ratio - here.ratio
+    per_width = 1.0 / (after.ratio - here.ratio)
     t = ratio - here.ratio
     m0 = here.slope[curve]
     m1 = after.slope[curve]
-    s = (after.value[curve] - here.value[curve]) / h
-    c2, c3 = (3.0 * s - 2.0 * m0 - m1) / h, (m0 + m1 - 2.0 * s) / (h * h)
+    s = (after.value[curve] - here.value[curve]) * per_width
+    c2, c3 = (3.0 * s - 2.0 * m0 - m1) * per_width, (m0 + m1 - 2.0 * s) * per_width * per_width
     return here.value[curve] + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
