@@ -180,15 +180,16 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
             (turned3), losses; the torques drive, output and, as housing, that of the mesh.
     """
     direction = side.direction
-    speed = max(direction * v, 0.0)
+    forward = direction * v  # below 0 where a step is tried beyond rest: what is linear goes on
+    speed = max(forward, 0.0)
     together = lock_ratio(d, side)
     passing = omega3  # speed of the output that the mechanism itself passes its torque to
     if leg == RESTING:
         omega3 = passing = 0.0
     elif leg == LOCKED:
-        omega3 = passing = together * speed
+        omega3 = passing = together * forward
     elif leg == COASTING:
-        passing = side.end * speed
+        passing = side.end * forward
     x.step_evaluations += 1.0
     # friction and drag resist at rest too
     slow = max(speed, side.slow / SLOWEST)
@@ -217,15 +218,18 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     inertia, driving = d.map_inertia, direction * x.drive_torque * share - resisting
     if leg == RESTING:
         torque = x.load_torque
-    passed = torque * (passing / speed if passing < side.end * speed else side.end)
+    reached = side.end if leg == COASTING else 0.0
+    if passing > 0.0:
+        reached = passing / speed if passing < side.end * speed else side.end
+    passed = torque * reached
     if leg == LOCKED:
         passed = together * given
         inertia += together * together * d.J3
     rate = direction * x.alpha1
     if d.by_torque != 0.0:
         rate = (driving - passed) / inertia
-        if speed == 0.0:
-            rate = max(rate, 0.0)
+        if v == 0.0:
+            rate = max(rate, 0.0)  # friction holds it
     rates.omega1 = direction * rate
     if leg == RESTING:
         rates.omega3 = 0.0
@@ -242,7 +246,7 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     if leg == RESTING or leg == LOCKED:
         rates.omega2 = omega3
     if d.by_torque != 0.0:
-        omega1 = direction * speed * share
+        omega1 = v * share
         rates.drive = x.drive_torque
         rates.housing = direction * taken / share - d.b1 * omega1
     else:
@@ -257,7 +261,7 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     rates.turned3 = omega3
     if d.lossy != 0.0:
         for cause in range(len(rates.lost)):
-            rates.lost[cause] *= speed
+            rates.lost[cause] *= forward
         rates.lost[VISCOUS] += d.b3 * omega3 * omega3
         if d.by_torque == 0.0:
             rates.lost[VISCOUS] += d.b1 * speed * speed

@@ -140,6 +140,12 @@ def balance(d, side, x, w, leg, h):
         change.drive = change.work_in / x.omega1
 
 
+def fastest_speed(x, w):
+    """Largest speed at the ends of the step in hand, rad/s."""
+    change = w.change
+    return max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
+
+
 def energy_residual(d, x, w):
     """Energy residual of a step under a torque, over its energies."""
     change = w.change
@@ -148,7 +154,7 @@ def energy_residual(d, x, w):
     residual = put_in - put_out - 0.5 * d.map_inertia * change.omega1 * (2.0 * x.omega1 + change.omega1)
     residual -= 0.5 * d.J3 * change.omega3 * (2.0 * x.omega3 + change.omega3)
     residual -= lost_in_step(d, change)
-    fastest = max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
+    fastest = fastest_speed(x, w)
     energies = (d.map_inertia + d.J3) * fastest * fastest + abs(put_in) + abs(put_out)
     return abs(residual) / energies if energies > 0.0 else 0.0
 
@@ -168,9 +174,10 @@ def is_one_way(d, side, x, w):
     return True
 
 
-def step_error(d, side, x, w, leg, h, allowed):
+def step_error(d, side, x, w, leg, h):
     """Estimated error of the step in hand over the allowed one."""
     last = w.stages[STAGES - 1]
+    allowed = w.tolerance * fastest_speed(x, w) + 1e-300
     error = abs(last.omega3) / allowed
     if d.by_torque != 0.0:
         error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
@@ -256,12 +263,10 @@ def advance_leg(d, side, x, w, leg, remaining):
     if h * growth > REPELLED:
         h = REPELLED / growth
     wanted = h
-    fastest = max(x.omega3, abs(x.omega1), abs(x.omega1 + w.rates[0].omega1 * h)) + 1e-300
-    allowed = w.tolerance * fastest
     error = 1e300
     for _ in range(TRIES):
         take_step(d, side, x, w, leg, h)
-        error = step_error(d, side, x, w, leg, h, allowed)
+        error = step_error(d, side, x, w, leg, h)
         if error <= 1.0:
             break
         h *= max(0.1, 0.8 * error**-0.2) if error < 1e4 else 0.1
@@ -270,6 +275,7 @@ def advance_leg(d, side, x, w, leg, remaining):
     factor = min(5.0, 0.8 * error**-0.2) if error > 1e-4 else 5.0
     # a step cut short by the end of the communication step says little about longer ones
     x.step_size = max(factor * h, x.step_size) if h == wanted else factor * h
+    fastest = fastest_speed(x, w) + 1e-300
     past = past_end(d, side, x, leg, x.omega1 + w.change.omega1, x.omega3 + w.change.omega3, fastest)
     ends = past > ARRIVED
     if ends:
