@@ -13,6 +13,8 @@ from .table import INPUT, MOTIONS, OMEGA2, TORQUE, interpolate
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
 # slower than at the lowest speed of the map by this, the torque goes with the square of the speed once more
 SLOWEST = 1e6
+# to find the ratio of the accelerations from rest
+FROM_REST = 40
 # lowest speed with a motion of its own, and its logarithm
 LAST = 9.0
 LOG_LAST = math.log(LAST)
@@ -204,8 +206,10 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
         # from rest the ratio is that of the accelerations, and stays
         start = max(-x.load_torque, 0.0) / d.J3
         growing = abs(x.drive_torque) / d.map_inertia
+        for _ in range(FROM_REST):
+            share, share1 = look_up_input(side, x, growing, start)[0], 0.0
+            growing = share * abs(x.drive_torque) / d.map_inertia
         _, part = look_up(side, x, growing, start)
-        share, share1 = look_up_input(side, x, growing, start)[0], 0.0
     resisting = 0.0
     if d.lossy != 0.0:
         resisting = write_losses(side, x, slow, omega3, rates.lost)
