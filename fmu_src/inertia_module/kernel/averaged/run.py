@@ -114,10 +114,10 @@ def meet_limits(d, side, x, leg, ends, change):
     near = AT_REST * near if ends else 0.0
     if leg == LOCKED:
         x.omega3 = lock_ratio(d, side) * x.omega1
+    elif x.omega3 <= near and change.omega3 <= 0.0:
+        x.omega3 = 0.0
     elif abs(x.omega3 - end) <= near or (leg == SLIPPING and x.omega3 > end):
         x.omega3 = end
-    elif x.omega3 <= near:
-        x.omega3 = 0.0
     else:
         return
     x.omega3_low = 0.0
