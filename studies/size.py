@@ -40,17 +40,15 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7947,
-    "compiling": 767,
-    "contract": 933,
-    "harness": 2267,
-    "bridge": 906,
-    "scene": 2066,
-    "fidelity": 843,
-    "export, page, cli, common": 1910,
-    "package": 23912,
-    "studies": 7191,
-    "tests": 18764,
+    "kernel": 7482,
+    "compiling": 692,
+    "harness": 2262,
+    "bridge": 894,
+    "fidelity": 834,
+    "export, page, cli, common": 1809,
+    "package": 23033,
+    "studies": 7104,
+    "tests": 17637,
 }
 
 
