@@ -191,7 +191,8 @@ def step_error(d, side, x, w, leg, h):
 def past_end(d, side, x, leg, v, omega3, fastest):
     """How far the motion is beyond the end of its leg, over its speeds or torques; below 0 within it."""
     speed = side.direction * v
-    past = -speed / fastest if d.by_torque != 0.0 else -1.0
+    # (link 1 comes to rest where it has not been)
+    past = -speed / fastest if d.by_torque != 0.0 and x.omega1 != 0.0 else -1.0
     if leg == SLIPPING:
         return max(past, (omega3 - side.end * speed) / fastest, -omega3 / fastest)
     if leg == COASTING:
