@@ -32,10 +32,8 @@ HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
 TWIST_SHARE = 1e-1
 # stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
 STIFF_ERROR, STIFF_SHARE = 7, 0.1
-# ... and how much more of it a swing of the shaft that is as wide as the output is fast, and the most of it
-# in largest speeds: what is let go of the swing is the output's
+# ... and how much more of it a swing of the shaft that is as wide as the output is fast
 SWING = 10.0
-WIDEST_SWING = 3e3
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -110,8 +108,7 @@ def scale_of(d, x, w, n, fastest):
         if d.F_by_alpha1 == 0.0:
             speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
-            lenient = speed * leniency(d, x, w, rate, fastest)
-            speed = min(lenient, max(speed, WIDEST_SWING * fastest))
+            speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
