@@ -166,13 +166,6 @@ FOUND = {
         "driven_inertia=0.41141 shaft_stiffness=164.17 housing_stiffness=514280 housing_damping=514.28 "
         "freewheel_stiffness=476.58 shaft_damping=0 tolerance=4.3352e-7 | 0.06 22.811 0.091088"
     ),
-    "swing far smaller than pulses make it, beside a light driven mass": (
-        "fidelity=3 output_inertia=0.0022985 drive_angle_start=5.6884 z2=147 z16=58 z6=33 a=1 b=0 c=0 "
-        "epsilon=0.57925 wheel_radius=0.21304 shaft_angle=0.24727 input_inertia=23.034 drive=1 "
-        "tolerance=9.845e-07 housing_freewheel=0 omega_out_start=0.28772 omega2_start=0.28772 "
-        "driven_inertia=0.001965 shaft_stiffness=118090 shaft_damping=0.27424 driven_friction=0.00040573 "
-        "balancer=0.53176 | 0.009273 -1.6508 0"
-    ),
     "averaged shaft without imbalances that a load brings to rest": (
         "fidelity=1 satellites=3 imbalance_mass=0 drive_inertia=0.998 link2_inertia=3.4e-05 drive=1 "
         "output_inertia=0.0931 z2=64 z16=49 z17=45 z6=57 input_inertia=1.45 tolerance=4.83e-08 | "
