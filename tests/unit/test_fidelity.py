@@ -201,7 +201,7 @@ def test_another_mechanism_and_broken_measurements_are_measured_anew():
 
 
 def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):
-    levels = list(all_levels(False, kinematic=False))[::6]
+    levels = list(all_levels(False))[::6]
     monkeypatch.setattr(trials, "all_levels", lambda *_, **__: levels)
     short = scene().replaced(run={"stop_time": 0.05})
     rows = with_worst(measured_rows(short), short.run.outputs)

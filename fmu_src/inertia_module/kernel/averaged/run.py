@@ -38,7 +38,7 @@ HALVINGS = 60
 # v below this share of the speeds is zero where its leg ends
 AT_REST = 1e-11
 # share of the speeds by which they change for a difference
-APART = 1e-6
+APART = 1e-5
 # a jump up to this fraction of omega1 changes next to nothing in the inertia on its way
 SMALL_JUMP = 1e-3
 

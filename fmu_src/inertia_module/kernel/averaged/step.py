@@ -177,10 +177,15 @@ def is_one_way(d, side, x, w):
 def step_error(d, side, x, w, leg, h):
     """Estimated error of the step in hand over the allowed one."""
     last = w.stages[STAGES - 1]
-    allowed = w.tolerance * fastest_speed(x, w) + 1e-300
+    fastest = fastest_speed(x, w)
+    allowed = w.tolerance * fastest + 1e-300
     error = abs(last.omega3) / allowed
     if d.by_torque != 0.0:
         error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
+    elif x.alpha1 != 0.0:
+        # the balance of energies gives the work of a ramp, not its impulse
+        momentum = 2.0 * energy_at(d, side, x, side.direction * fastest) / fastest
+        error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
     if not error < 1e300:
         return 1e300
     if leg == SLIPPING and h * abs(w.slopes[1].omega3) > STIFF and not is_one_way(d, side, x, w):
