@@ -174,17 +174,20 @@ def is_one_way(d, side, x, w):
     return True
 
 
-def step_error(d, side, x, w, leg, h):
-    """Estimated error of the step in hand over the allowed one."""
+def step_error(d, side, x, w, leg, h, ramped):
+    """Estimated error of the step in hand over the allowed one.
+
+    Args:
+        ramped: largest speed that a ramp of link 1 passes through in the communication step, rad/s.
+    """
     last = w.stages[STAGES - 1]
-    fastest = fastest_speed(x, w)
-    allowed = w.tolerance * fastest + 1e-300
+    allowed = w.tolerance * fastest_speed(x, w) + 1e-300
     error = abs(last.omega3) / allowed
     if d.by_torque != 0.0:
         error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
     elif x.alpha1 != 0.0:
         # the balance of energies gives the work of a ramp, not its impulse
-        momentum = 2.0 * energy_at(d, side, x, side.direction * fastest) / fastest
+        momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped
         error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
     if not error < 1e300:
         return 1e300
@@ -269,10 +272,11 @@ def advance_leg(d, side, x, w, leg, remaining):
     if h * growth > REPELLED:
         h = REPELLED / growth
     wanted = h
+    ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
     error = 1e300
     for _ in range(TRIES):
         take_step(d, side, x, w, leg, h)
-        error = step_error(d, side, x, w, leg, h)
+        error = step_error(d, side, x, w, leg, h, ramped)
         if error <= 1.0:
             break
         h *= max(0.1, 0.8 * error**-0.2) if error < 1e4 else 0.1
