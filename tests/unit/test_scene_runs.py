@@ -20,7 +20,7 @@ from inertia_module.kernel.codes import EVENT, KINEMATIC
 from inertia_module.loops import Engine, EngineMap, Governor, TorqueDrivenEngine, torque_driven
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.scene import load_scene, read_scene, run_scene
-from inertia_module.scene.run import SUMMARISED, above_stall, forces, start_of, summarise
+from inertia_module.scene.run import SUMMARISED, above_stall, forces, start_of, summarise, times_to
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENE = """
@@ -163,7 +163,7 @@ def car(speed, time, **columns):
 def test_times_to_a_speed_count_from_the_last_standstill():
     time = np.linspace(0.0, 2.0, 201)
     record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
-    found = summarise(record, None, None, 1.0, [2.0, 10.0, 15.0, 30.0])
+    found = summarise(record, None, None, 1.0, times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
     times = {name: found[name].value for name in found if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 

@@ -448,8 +448,8 @@ def transient_inertia(
         frequency, swing = _SHARE_OF_RATE * rate, _SHARE_OF_SPEED * omega1
         turn = 2.0 * math.pi * frequency
         amplitude = swing if excited == SPEED else swing * turn * _HEAVY
-        times = _SETTLING_PULSES / rate, _RECORDED_PULSES / rate
-        found, _ = bench.response(excited, amplitude, frequency, *times)
+        settling, record = _SETTLING_PULSES / rate, _RECORDED_PULSES / rate
+        found, _ = bench.response(excited, amplitude, frequency, settling, record)
         # torque per acceleration of the speed that swings
         gain = found[1] if excited == SPEED else found[1] / found[0]
         gains.append(float(gain.imag / turn))

@@ -180,8 +180,8 @@ LIBRARY = "container_fmu"
 CONTAINED = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 
 
-def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Description of the container, and the configuration that its library reads."""
+def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
+    """Description of the container, and what its library reads; inside: files of each FMU, by their names."""
     wired = {(wire.sink, wire.input) for wire in plan.wires}
     values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
     # values that no wire drives, then outputs: name of the part, variable, type, start value
@@ -190,16 +190,13 @@ def _texts(plan: Plan, fmus: Mapping[str, bytes]) -> dict[str, bytes]:
         variable, value = plan.part(owner).variable(name), values.get((owner, name))
         kind, start = typed(variable, value or 0.0)
         shown.append((owner, variable, kind, None if value is None else start))
-    guid = guid_of({**fmus, "structure": osp_structure(plan)})
     description = {"shown": shown, "units": _units(one[1] for one in shown), "guid": guid, "library": LIBRARY}
 
     def reference(owner: str, name: str) -> int:
         part = plan.part(owner)
         return part.fmu.model.variables.index(part.variable(name))
 
-    roots = {
-        p.name: ElementTree.fromstring(_unpacked(fmus[p.fmu.file_name])[DESCRIPTION]) for p in plan.parts
-    }
+    roots = {p.name: ElementTree.fromstring(inside[p.fmu.file_name][DESCRIPTION]) for p in plan.parts}
     configuration = {
         **{"plan": plan, "shown": shown, "guid": guid, "version": fmpy.container_fmu.__version__},
         **{"types": CONTAINED, "reference": reference, "places": {name: n for n, name in enumerate(roots)}},
@@ -231,10 +228,12 @@ def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
     Values of the parts are its start values, named part.variable; it steps its parts side by side (Jacobi)
     at the step of the plan.
     """
-    files = _texts(plan, fmus) | _libraries()
-    for file_name, content in fmus.items():
+    inside = {file_name: _unpacked(content) for file_name, content in fmus.items()}
+    guid = guid_of({**fmus, "structure": osp_structure(plan)})
+    files = _texts(plan, guid, inside) | _libraries()
+    for file_name, content in inside.items():
         folder = f"resources/{Path(file_name).stem}"
-        files |= {f"{folder}/{name}": file for name, file in _unpacked(content).items()}
+        files |= {f"{folder}/{name}": file for name, file in content.items()}
     return archive(files)
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import base64
 import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -143,9 +144,7 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
         (times, remarks why there is no time), by the names of the times.
     """
     found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
-    begun_at, most = (
-        f"{one / KILOMETRE_PER_HOUR:.4g} km/h" for one in (vehicle_speed[0], vehicle_speed.max())
-    )
+    shown = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
         reached = int(np.argmax(vehicle_speed >= speed))
         if reached:  # 0 where it never is, or is from the start
@@ -155,20 +154,20 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
             time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
             found[time_to(speed)] = Quantity(time, "s")
         elif vehicle_speed[0] >= speed:
-            remarks[time_to(speed)] = f"is none: the run begins at {begun_at}"
+            remarks[time_to(speed)] = f"is none: the run begins at {shown[0]:.4g} km/h"
         else:
-            remarks[time_to(speed)] = f"is not reached: {most} is the most"
+            remarks[time_to(speed)] = f"is not reached: {shown.max():.4g} km/h is the most"
     return found, remarks
 
 
-def _vehicle(table: Result, speeds: Sequence[float]) -> dict[str, Quantity]:
+def _vehicle(table: Result, times: Mapping[str, Quantity]) -> dict[str, Quantity]:
     parts = ("rolling", "drag", "slope", "brake")
     energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
     speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
     return {
         "distance": Quantity(float(table["distance"][-1]), "m"),
         "vehicle_speed_maximum": Quantity(speed, "km/h"),
-        **times_to(table, speeds)[0],
+        **times,
         **energies,
     }
 
@@ -178,14 +177,14 @@ def summarise(
     measured: str | None,
     cycle: Cycle | None,
     wall_time: float,
-    speeds: Sequence[float] = (),
+    times: Mapping[str, Quantity] = MappingProxyType({}),
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
     Args:
         table: all of SUMMARISED, and the signals of the loop.
         measured: name of the speed under control, or None. cycle: to be followed, or None.
-        wall_time: of the run, s. speeds: of a vehicle, to which the time is asked, m/s.
+        wall_time: of the run, s. times: of a vehicle, to the speeds asked for, as of times_to.
     """
     simulated = float(table.time[-1] - table.time[0])
     summary = {
@@ -202,7 +201,7 @@ def summarise(
         **_forces(table),
     }
     if "vehicle_speed" in table:
-        summary |= _vehicle(table, speeds)
+        summary |= _vehicle(table, times)
     if measured is not None:
         unit = table.units["reference"]
         factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
@@ -434,10 +433,11 @@ def _run_on(
     wall_time = time.perf_counter() - began
     measured = scene.measured if scene.controller is not None else None
     speeds = getattr(scene.load, "times_to", ())
+    times, remarks = times_to(record, speeds) if speeds else ({}, {})
     return SceneResult(
         scene=scene,
         record=record,
-        quantities=summarise(record, measured, scene.cycle, wall_time, speeds),
-        remarks=times_to(record, speeds)[1] if speeds else {},
+        quantities=summarise(record, measured, scene.cycle, wall_time, times),
+        remarks=remarks,
         warnings=tuple(fmu.warnings),
     )
