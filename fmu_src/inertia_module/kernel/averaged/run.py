@@ -24,11 +24,10 @@ from .rates import (
     ratio,
     ripple_at,
     side_at,
-    torque_at_knot,
     trend,
     write_mean_rates,
 )
-from .step import ARRIVED, advance_leg, most_locked_torque
+from .step import ARRIVED, advance_leg, beyond_rest, most_locked_torque
 from .table import INPUT
 
 # legs and internal steps before a communication step is given up
@@ -49,13 +48,13 @@ def turns_with_link1(d, side, x, v):
         return False
     if d.by_torque != 0.0:
         return side.locks != 0.0 and abs(x.omega3 - side.end * v) <= ARRIVED * x.omega3
-    # (without locks the mean motion never comes up to link 1)
-    return x.omega3 == v and (side.locks != 0.0 or x.omega2 == v)
+    # (without losses the mean motion may never come up to link 1)
+    return x.omega3 == v and (side.end == 1.0 or x.omega2 == v)
 
 
-def holds_torque(d, side, v, torque):
+def holds_torque(d, side, x, v, torque):
     """Tell whether the drive, at rest in link 1, can hold the torque of a shaft that turns with it."""
-    return -d.output_drag <= torque <= most_locked_torque(d, side, v) * (1.0 + ARRIVED)
+    return -d.output_drag <= torque <= most_locked_torque(d, side, x, v) * (1.0 + ARRIVED)
 
 
 def stays_locked(d, side, x, v):
@@ -64,9 +63,9 @@ def stays_locked(d, side, x, v):
         return False
     write_mean_rates(d, side, x, LOCKED, v, x.omega3, d.mean)
     torque = d.mean.output
-    if d.mean.omega1 < 0.0 and torque >= most_locked_torque(d, side, v) * (1.0 - ARRIVED):
+    if d.mean.omega1 < 0.0 and torque >= most_locked_torque(d, side, x, v) * (1.0 - ARRIVED):
         return False  # it is just being lost
-    return holds_torque(d, side, v, torque)
+    return holds_torque(d, side, x, v, torque)
 
 
 def choose_leg(d, side, x, v):
@@ -77,14 +76,12 @@ def choose_leg(d, side, x, v):
         return LOCKED
     if x.omega3 == v == trend(d, x) == 0.0 and -min(d.output_drag, d.housing_drag) <= load < 0.0:
         return RESTING  # drag of both freewheels holds the shaft
-    torque = torque_at_knot(side, side.knots[0], speed)
-    if x.omega3 == 0.0 and torque < load < 0.0:
-        return RESTING  # ... also while link 1 turns
-    if x.omega3 == 0.0 and load >= 0.0:
-        if torque < load * (1.0 - ARRIVED) or (torque == 0.0 and speed > 0.0):
-            return RESTING
+    past = beyond_rest(d, side, load, speed)
+    if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
+        if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
+            return RESTING  # ... also while link 1 turns
         write_mean_rates(d, side, x, RESTING, v, 0.0, d.mean)
-        if torque <= load * (1.0 + ARRIVED) and side.direction * d.mean.omega1 <= 0.0:
+        if past <= ARRIVED and side.direction * d.mean.omega1 <= 0.0:
             return RESTING
         return SLIPPING
     gap = x.omega3 - side.end * speed
@@ -244,9 +241,9 @@ def takes_up_jump(d, x, jump, h):
     lowest = min(omega1, omega1 + ramp * h)
     if not lowest > 0.0 or not turns_with_link1(d, d.forward, x, omega1):
         return False
-    if not holds_torque(d, d.forward, omega1, max(load, 0.0) + d.b3 * omega1):
+    if not holds_torque(d, d.forward, x, omega1, max(load, 0.0) + d.b3 * omega1):
         return False
-    return holds_torque(d, d.forward, lowest, load + d.J3 * ramp + d.b3 * lowest)
+    return holds_torque(d, d.forward, x, lowest, load + d.J3 * ramp + d.b3 * lowest)
 
 
 def input_inertia(d, side, x, omega1):

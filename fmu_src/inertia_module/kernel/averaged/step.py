@@ -17,6 +17,7 @@ from .rates import (
     torque_at_knot,
     write_mean_rates,
 )
+from .table import TORQUE
 
 # places in fields.FOLLOWED of v and omega3; how many an ideal module has, and with losses
 V, OMEGA3, IDEAL, LOSSY = 1, 3, 11, 17
@@ -61,8 +62,12 @@ def begin_step(d, side, x, w, leg):
     if d.by_torque != 0.0 or x.alpha1 != 0.0:
         differentiate(d, side, x, w, leg, side.direction * apart, 0.0, by_v)
     if leg == SLIPPING or leg == COASTING:
-        inward = leg == SLIPPING and x.omega3 + apart > side.end * abs(x.omega1)
-        differentiate(d, side, x, w, leg, 0.0, -apart if inward else apart, by_omega3)
+        if leg == SLIPPING:
+            # within the map, narrow as it may be
+            most = side.end * abs(x.omega1)
+            apart = APART * max(most, x.omega3)
+            apart = -apart if x.omega3 + apart > most else apart
+        differentiate(d, side, x, w, leg, 0.0, apart, by_omega3)
 
 
 def take_step(d, side, x, w, leg, h):
@@ -187,7 +192,7 @@ def step_error(d, side, x, w, leg, h, ramped):
         error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
     elif x.alpha1 != 0.0:
         # the balance of energies gives the work of a ramp, not its impulse
-        momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped
+        momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped + abs(w.change.drive)
         error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
     if not error < 1e300:
         return 1e300
@@ -209,23 +214,33 @@ def past_end(d, side, x, leg, v, omega3, fastest):
     if leg == RESTING:
         if load < 0.0 and x.omega1 == 0.0:
             return past
-        torque = torque_at_knot(side, side.knots[0], max(speed, 0.0))
-        return max(past, (torque - load) / max(abs(load), abs(torque), 1e-300))
+        return max(past, beyond_rest(d, side, load, max(speed, 0.0)))
     write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
-    most = most_locked_torque(d, side, speed)
+    most = most_locked_torque(d, side, x, speed)
     torque = d.mean.output
     scale = max(most + d.output_drag, abs(load), 1e-300)
     return max(past, (torque - most) / scale, -(torque + d.output_drag) / scale)
 
 
-def most_locked_torque(d, side, v):
+def beyond_rest(d, side, load, speed):
+    """How far the mean torque at a shaft at rest is beyond its load, over the torques there are."""
+    knot = side.knots[0]
+    scale = abs(load) + knot.value[TORQUE] * speed * speed + d.housing_drag + d.output_drag
+    return (torque_at_knot(side, knot, speed) - load) / (scale + 1e-300)
+
+
+def most_locked_torque(d, side, x, v):
     """Largest torque that lock-up holds at this speed, N m; towards it the mean torque tends to no more.
 
-    It is that of the ideal mechanism, less what resists link 2: friction only holds more.
+    It is that of the ideal mechanism, less what resists link 2: friction only holds more. Where the ideal
+    mechanism does not come there, that of the last knot may hold with losses.
     """
+    reached = torque_at_knot(side, last_knot(side), v)
+    if side.locks == 0.0 and x.omega2 != x.omega3:
+        return reached
     omega1 = lock_ratio(d, side) * v
     held = d.map_lock * omega1 * omega1 - d.housing_drag - (d.b2 + d.housing_drag_viscous) * omega1
-    return max(held, torque_at_knot(side, last_knot(side), v))
+    return max(held, reached)
 
 
 def cut_step(d, side, x, w, leg, fastest, past):
