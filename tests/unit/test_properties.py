@@ -8,8 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import FREEWHEELS, GEARS, TWO_PI, advanced, drive_angle, motions, started
 
-from inertia_module.kernel.codes import AVERAGED
-
 TOLERANCE = 1e-10
 SPEEDS = ["omega1", "omega2", "omega_out"]
 TORQUES = [
@@ -116,9 +114,7 @@ def test_gears_weigh_on_link_1_and_the_drives_alone(compiled, scene):
             module.set_rates(omega1=0.0 if module["drive"] else 300.0)
             module.advance(step)
         expected = [one[name] for name in SHARED]
-        # averaged steps have derivatives by differences: rounding tells the two apart
-        rel = 1e-8 if one["fidelity"] == AVERAGED else 1e-9
-        assert [other[name] for name in SHARED] == pytest.approx(expected, rel=rel, abs=1e-9)
+        assert [other[name] for name in SHARED] == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 @given(turns=st.integers(-100, 100), duration=st.floats(1e-3, 0.2))

@@ -1,11 +1,15 @@
 """Internal steps of the averaged motion, in any leg: speed v of the input and omega3, with all sums.
 
-By Rosenbrock's method of events.rosenbrock, with derivatives by differences: a light shaft follows the mean
-torque at once, and a transient must cost no small steps.
+Gentle ones are of order 3, explicit. Others are by Rosenbrock's method of events.rosenbrock, with derivatives
+by differences: a light shaft follows the mean torque at once, and a transient must cost no small steps.
 """
 
 from ..codes import FREEWHEEL, VISCOUS
+from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
+from ..events.step_size import SHORT_SAFETY, SHORT_SHARE, carry_size, first_size, next_factor
+from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR, WEIGHTS
+from ..tableau import STAGES as ROW
 from .rates import (
     COASTING,
     LOCKED,
@@ -36,7 +40,7 @@ CUTS = 60
 ARRIVED = 1e-12
 
 
-def differentiate(d, side, x, w, leg, change, change3, slopes):
+def differentiate_by(d, side, x, w, leg, change, change3, slopes):
     """Derivatives of all rates by v, or where that is not changed by omega3, by a difference."""
     write_mean_rates(d, side, x, leg, x.omega1 + change, x.omega3 + change3, slopes)
     start = w.rates[0].numbers
@@ -44,10 +48,9 @@ def differentiate(d, side, x, w, leg, change, change3, slopes):
         slopes.numbers[n] = (slopes.numbers[n] - start[n]) / (change if change != 0.0 else change3)
 
 
-def begin_step(d, side, x, w, leg):
-    """Rates at the beginning of a step, and their derivatives by both speeds."""
+def differentiate(d, side, x, w, leg):
+    """Derivatives of all rates by both speeds at the beginning of a step."""
     start, by_v, by_omega3 = w.rates[0], w.slopes[0], w.slopes[1]
-    write_mean_rates(d, side, x, leg, x.omega1, x.omega3, start)
     for n in range(LOSSY):
         by_v.numbers[n] = by_omega3.numbers[n] = 0.0
     apart = APART * max(abs(x.omega1), x.omega3)
@@ -55,24 +58,58 @@ def begin_step(d, side, x, w, leg):
         # from rest all goes along one line
         change, change3 = APART * start.omega1, APART * start.omega3
         if change != 0.0:
-            differentiate(d, side, x, w, leg, change, change3, by_v)
+            differentiate_by(d, side, x, w, leg, change, change3, by_v)
         elif change3 != 0.0:
-            differentiate(d, side, x, w, leg, 0.0, change3, by_omega3)
+            differentiate_by(d, side, x, w, leg, 0.0, change3, by_omega3)
         return
     if d.by_torque != 0.0 or x.alpha1 != 0.0:
-        differentiate(d, side, x, w, leg, side.direction * apart, 0.0, by_v)
+        differentiate_by(d, side, x, w, leg, side.direction * apart, 0.0, by_v)
     if leg == SLIPPING or leg == COASTING:
         if leg == SLIPPING:
             # within the map, narrow as it may be
             most = side.end * abs(x.omega1)
             apart = APART * max(most, x.omega3)
             apart = -apart if x.omega3 + apart > most else apart
-        differentiate(d, side, x, w, leg, 0.0, apart, by_omega3)
+        differentiate_by(d, side, x, w, leg, 0.0, apart, by_omega3)
+
+
+def how_many_followed(d):
+    """How many of fields.FOLLOWED there are."""
+    return LOSSY if d.lossy != 0.0 else IDEAL
+
+
+def keep_to_leg(d, side, x, w, leg):
+    """Set the changes over the step in hand that are known, and the sums to the balances."""
+    if d.by_torque == 0.0:
+        w.change.omega1 = x.alpha1 * w.step
+    if leg == LOCKED:
+        w.change.omega3 = lock_ratio(d, side) * (x.omega1 + w.change.omega1) - x.omega3
+
+
+def make_gentle_step(d, side, x, w, leg, h):
+    """Make the step h by the explicit pair: changes of all that is followed, errors as a last stage."""
+    w.step = h
+    for stage in range(1, GENTLE_END + 1):
+        row = ROW * (GENTLE + stage)
+        v, omega3 = x.omega1, x.omega3
+        for n in range(stage):
+            v += h * WEIGHTS[row + n] * w.rates[n].omega1
+            omega3 += h * WEIGHTS[row + n] * w.rates[n].omega3
+        write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
+    row, row_error = ROW * (GENTLE + GENTLE_END), ROW * GENTLE_ERROR
+    changes, errors = w.change.numbers, w.stages[STAGES - 1].numbers
+    for n in range(how_many_followed(d)):
+        change = error = 0.0
+        for stage in range(GENTLE_END + 1):
+            change += WEIGHTS[row + stage] * w.rates[stage].numbers[n]
+            error += WEIGHTS[row_error + stage] * w.rates[stage].numbers[n]
+        changes[n], errors[n] = h * change, h * error
+    keep_to_leg(d, side, x, w, leg)
 
 
 def take_step(d, side, x, w, leg, h):
     """Make the step h: changes of all that is followed into w.change, at the stages into w.stages."""
-    followed = LOSSY if d.lossy != 0.0 else IDEAL
+    followed = how_many_followed(d)
     per_step = 1.0 / h
     own = 1.0 / (GAMMA * h)
     by_v, by_omega3 = w.slopes[0].numbers, w.slopes[1].numbers
@@ -104,10 +141,7 @@ def take_step(d, side, x, w, leg, h):
         for stage in range(STAGES - 1):
             change += A[row + stage] * w.stages[stage].numbers[n]
         w.change.numbers[n] = change
-    if d.by_torque == 0.0:
-        w.change.omega1 = x.alpha1 * h
-    if leg == LOCKED:
-        w.change.omega3 = lock_ratio(d, side) * (x.omega1 + w.change.omega1) - x.omega3
+    keep_to_leg(d, side, x, w, leg)
 
 
 def lost_in_step(d, change):
@@ -179,26 +213,25 @@ def is_one_way(d, side, x, w):
     return True
 
 
-def step_error(d, side, x, w, leg, h, ramped):
+def step_error(d, side, x, w, leg, remaining):
     """Estimated error of the step in hand over the allowed one.
 
     Args:
-        ramped: largest speed that a ramp of link 1 passes through in the communication step, rad/s.
+        remaining: of the communication step: what a ramp of link 1 passes through in it is its scale.
     """
     last = w.stages[STAGES - 1]
     allowed = w.tolerance * fastest_speed(x, w) + 1e-300
-    error = abs(last.omega3) / allowed
+    # (within a narrow map the shaft's speed is no larger)
+    narrow = min(side.end, 1.0) if leg == SLIPPING else 1.0
+    error = abs(last.omega3) / (narrow * allowed + 1e-300)
     if d.by_torque != 0.0:
         error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
     elif x.alpha1 != 0.0:
         # the balance of energies gives the work of a ramp, not its impulse
+        ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
         momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped + abs(w.change.drive)
         error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
-    if not error < 1e300:
-        return 1e300
-    if leg == SLIPPING and h * abs(w.slopes[1].omega3) > STIFF and not is_one_way(d, side, x, w):
-        return 1e300
-    return error
+    return error if error < 1e300 else 1e300
 
 
 def past_end(d, side, x, leg, v, omega3, fastest):
@@ -273,37 +306,63 @@ def cut_step(d, side, x, w, leg, fastest, past):
             past *= 0.5
 
 
+def beyond_leg(d, side, x, w, leg):
+    """How far the step in hand goes beyond the end of its leg (see past_end)."""
+    v, omega3 = x.omega1 + w.change.omega1, x.omega3 + w.change.omega3
+    return past_end(d, side, x, leg, v, omega3, fastest_speed(x, w) + 1e-300)
+
+
+def try_gentle_step(d, side, x, w, leg, h, remaining):
+    """Make the step h by the explicit pair.
+
+    Returns:
+        Whether that will do: it is within the leg, and of allowed error.
+    """
+    make_gentle_step(d, side, x, w, leg, h)
+    error = step_error(d, side, x, w, leg, remaining) / SHORT_SHARE
+    x.short_size = next_factor(error, 3.0, SHORT_SAFETY) * h
+    return error <= 1.0 and beyond_leg(d, side, x, w, leg) <= ARRIVED
+
+
+def try_steps(d, side, x, w, leg, limit, remaining):
+    """Make the longest step of allowed error by Rosenbrock's method. Returns whether there is one."""
+    differentiate(d, side, x, w, leg)
+    h = limit
+    if leg == SLIPPING or leg == COASTING:
+        h = first_size(x, limit)
+    growth = max(w.slopes[0].omega1, w.slopes[1].omega3)
+    if h * growth > REPELLED:
+        h = REPELLED / growth
+    for attempt in range(TRIES):
+        take_step(d, side, x, w, leg, h)
+        error = step_error(d, side, x, w, leg, remaining)
+        if leg == SLIPPING and h * abs(w.slopes[1].omega3) > STIFF and not is_one_way(d, side, x, w):
+            error = 1e300
+        factor = next_factor(error, 5.0, SHORT_SAFETY)
+        if error <= 1.0:
+            carry_size(x, h, factor, attempt)
+            return True
+        h *= factor
+    return False
+
+
 def advance_leg(d, side, x, w, leg, remaining):
     """Make one accurate step in a leg, or its part up to where the leg ends, into w.change.
 
     Returns:
         (whether a step is small enough, whether the leg ends there).
     """
-    begin_step(d, side, x, w, leg)
-    h = min(remaining, d.max_step)
-    if x.step_size > 0.0 and (leg == SLIPPING or leg == COASTING):
-        h = min(h, x.step_size)
-    growth = max(w.slopes[0].omega1, w.slopes[1].omega3)
-    if h * growth > REPELLED:
-        h = REPELLED / growth
-    wanted = h
-    ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
-    error = 1e300
-    for _ in range(TRIES):
-        take_step(d, side, x, w, leg, h)
-        error = step_error(d, side, x, w, leg, h, ramped)
-        if error <= 1.0:
-            break
-        h *= max(0.1, 0.8 * error**-0.2) if error < 1e4 else 0.1
-    if error > 1.0:
-        return False, False
-    factor = min(5.0, 0.8 * error**-0.2) if error > 1e-4 else 5.0
-    # a step cut short by the end of the communication step says little about longer ones
-    x.step_size = max(factor * h, x.step_size) if h == wanted else factor * h
-    fastest = fastest_speed(x, w) + 1e-300
-    past = past_end(d, side, x, leg, x.omega1 + w.change.omega1, x.omega3 + w.change.omega3, fastest)
-    ends = past > ARRIVED
-    if ends:
-        cut_step(d, side, x, w, leg, fastest, past)
+    write_mean_rates(d, side, x, leg, x.omega1, x.omega3, w.rates[0])
+    limit = min(remaining, d.max_step)
+    ends = False
+    gentle = limit <= x.short_size or x.short_size == 0.0
+    if not gentle or not try_gentle_step(d, side, x, w, leg, limit, remaining):
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        if not try_steps(d, side, x, w, leg, limit, remaining):
+            return False, False
+        past = beyond_leg(d, side, x, w, leg)
+        ends = past > ARRIVED
+        if ends:
+            cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
     balance(d, side, x, w, leg, w.step)
     return True, ends
