@@ -225,7 +225,7 @@ averaged/rates.py: given = x.load_torque {+|-} d.b3
 averaged/steady.py: direction * (i {-|+} d.k * d.k * g)
 averaged/run.py: energy_at(d, after, x, end) {-|+} energy_at
 averaged/run.py: y.housing_torque = m.output + d.b2 * x.omega2 {-|+} m.housing
-averaged/run.py: (m.theta1 {-|+} omega1) / time
+averaged/run.py: = m.theta1 {-|+} omega1, m.omega2
 equations/motion.py: passed = k / (1.0 {-|+} flow * d.mesh_loss)
 equations/motion.py: passed * k * (own1 * by_q {-|+} b * slipping
 equations/motion.py: mesh + by_alpha1 * alpha1 {+|-} by_rate2
