@@ -79,7 +79,7 @@ def how_many_followed(d):
 
 
 def keep_to_leg(d, side, x, w, leg):
-    """Set the changes over the step in hand that are known, and the sums to the balances."""
+    """Set the changes of speeds over the step in hand that are known."""
     if d.by_torque == 0.0:
         w.change.omega1 = x.alpha1 * w.step
     if leg == LOCKED:
