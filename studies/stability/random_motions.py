@@ -391,8 +391,7 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
         omega1 = draw.choice([omega1, omega1, omega1 + slope * duration, omega * draw.uniform(-1.0, 1.0)])
     if level.method == TIMESTEPPING:
         motion.parameters["max_step"] = draw.decades(0.003, 3.0) / rate
-    # averaged by torque is not drawn with them yet; without losses no motion of averaged has friction
-    rough = level.fidelity != AVERAGED or (losses and not by_torque)
+    rough = level.fidelity != AVERAGED or losses  # without losses no motion of averaged has friction
     friction = _friction(draw, torque / omega) if rough else {}
     lossy = _losses(draw, motion, torque, omega) if losses and rough else {}
     return Motion(motion.parameters | friction | lossy, tuple(segments))

@@ -13,10 +13,16 @@ from scipy.interpolate import PchipInterpolator
 
 from inertia_module import memory
 from inertia_module.contract.variables import MAP_KEY
-from inertia_module.kernel.averaged.balance import input_inertia, mean_input_torque
-from inertia_module.kernel.averaged.rates import energy_at, flow, look_up, look_up_input
+from inertia_module.kernel.averaged.rates import (
+    SLIPPING,
+    energy_at,
+    look_up,
+    look_up_input,
+    write_mean_rates,
+)
+from inertia_module.kernel.averaged.run import input_inertia, mean_accelerations
 from inertia_module.kernel.averaged.steady import hold_output, momentum, settle, speed_of_sums
-from inertia_module.kernel.averaged.table import finish_table, inner_slope
+from inertia_module.kernel.averaged.table import INPUT, OMEGA2, TORQUE, inner_slope, set_slopes
 from inertia_module.kernel.links import inertia_at_input
 from inertia_module.memory import Module
 from studies.stability.motion import solve_at
@@ -171,8 +177,9 @@ def averaged(request):
     d, x, side = module.derived, module.state, module.derived.forward
     side.direction, side.count, side.end = direction, 2.0, 0.9
     side.knots[0].ratio, side.knots[1].ratio = 0.1, 0.9
-    for cubic in (side.knots[0].torque, side.knots[0].input, side.knots[0].omega2):
-        cubic[:] = [chance.uniform(0.1, 1.0) for _ in range(4)]
+    for knot in side.knots[:2]:
+        for curve in (TORQUE, OMEGA2, INPUT):
+            knot.value[curve], knot.slope[curve] = chance.uniform(0.1, 1.0), chance.uniform(-1.0, 1.0)
     d.map_inertia = chance.uniform(0.1, 1.0)
     x.drive_torque, x.load_torque = chance.uniform(-1.0, 1.0), chance.uniform(-1.0, 1.0)
     speed = chance.uniform(0.5, 2.0)
@@ -180,39 +187,47 @@ def averaged(request):
     return d, side, x, speed, x.omega3
 
 
-def test_mean_flow(averaged):
+def rates_of(averaged, change=0.0, change3=0.0):
     d, side, x, speed, omega3 = averaged
-
-    def after(change, change3):
-        found = flow(d, side, x, speed + change, 0.7, omega3 + change3)
-        return [pair[0] for pair in (*found[:2], *found[3:])]
-
-    found = flow(d, side, x, speed, 0.7, omega3)
-    rate, rate3, torque, _, omega1, lost = after(0.0, 0.0)
-    if d.by_torque:
-        power = side.direction * x.drive_torque * omega1 - torque * omega3 - lost
-        assert d.map_inertia * speed * rate == pytest.approx(power)
-    assert_rates([pair[1] for pair in (*found[:2], *found[3:])], lambda t: after(rate * t, rate3 * t))
-    assert_rates(found[2][::2], lambda t: after(t, 0.0)[:2])
-    assert_rates(found[2][1::2], lambda t: after(0.0, t)[:2])
+    write_mean_rates(d, side, x, SLIPPING, side.direction * (speed + change), omega3 + change3, d.mean)
+    return d.mean
 
 
-def test_mean_energy_and_input_torque(averaged):
+def test_mean_power_of_link_1_goes_to_the_output_or_into_its_energy(averaged):
     d, side, x, speed, omega3 = averaged
-    v, alpha1, alpha3 = side.direction * speed, 0.7, -0.4
+    x.alpha1 = 0.7
+    m = rates_of(averaged)
+    rate, rate3 = side.direction * m.omega1, m.omega3
+    assert d.J3 * rate3 == pytest.approx(m.output - x.load_torque)
 
     def energy(change, change3):
         x.omega3 = omega3 + change3
-        found = energy_at(d, side, x, v + change)
-        x.omega3 = omega3
-        return found
+        return energy_at(d, side, x, side.direction * (speed + change))
 
-    assert_rates(energy(0.0, 0.0)[2] / speed, lambda t: energy(0.0, t)[1])
-    assert_rates(v * input_inertia(d, side, x, v), lambda t: energy(t, 0.0)[0])
     if not d.by_torque:
-        torque = flow(d, side, x, speed, 0.0, omega3)[3][0]
-        given = mean_input_torque(d, side, x, v, alpha1, alpha3, torque) * v
-        assert_rates(given - torque * omega3, lambda t: energy(alpha1 * t, alpha3 * t)[0])
+        assert_rates(m.drive * m.theta1 - m.output * omega3, lambda t: energy(rate * t, rate3 * t))
+        x.omega3 = omega3
+        momentum = input_inertia(d, side, x, side.direction * speed)
+        assert_rates(speed * momentum, lambda t: energy(t, 0.0))
+    else:
+        assert m.drive == x.drive_torque
+        power = m.drive * m.theta1 - m.output * omega3
+        assert d.map_inertia * speed * rate == pytest.approx(power)
+    assert m.housing * m.theta1 == pytest.approx(m.output * omega3)
+
+
+def test_accelerations_of_the_mean_motion_are_the_rates_of_its_speeds(averaged):
+    d, side, x, speed, _ = averaged
+    x.alpha1 = 0.7
+    m = rates_of(averaged)
+    rate, rate3 = side.direction * m.omega1, m.omega3
+    found = mean_accelerations(d, side, x, SLIPPING, side.direction * speed)
+
+    def speeds(t):
+        now = rates_of(averaged, rate * t, rate3 * t)
+        return [now.theta1, now.omega2]
+
+    assert_rates(found, speeds, rel=1e-5, share=1e-5)
 
 
 def test_slopes_of_the_table_are_those_of_scipy():
@@ -226,9 +241,9 @@ def test_table_of_two_knots_is_a_straight_line():
     side = module.derived.forward
     side.count, side.end = 2.0, 0.9
     for knot, values in zip(side.knots, [(0.1, 3.0, 1.0, 0.0), (0.9, 1.0, 2.0, 0.4)], strict=False):
-        knot.ratio, knot.torque[0], knot.input[0], knot.omega2[0] = values
-    finish_table(side)
-    torque, torque_slope, omega2, omega2_slope = look_up(side, module.state, 1.0, 0.3)[:4]
-    assert (torque, torque_slope) == pytest.approx((2.5, -2.5))
-    assert (omega2, omega2_slope) == pytest.approx((0.1, 0.5))
+        knot.ratio, knot.value[TORQUE], knot.value[INPUT], knot.value[OMEGA2] = values
+    for n in range(2):
+        set_slopes(side, n)
+    assert look_up(side, module.state, 1.0, 0.3) == pytest.approx((2.5, 0.1))
+    assert look_up(side, module.state, 1.0, 0.7) == pytest.approx((1.5, 0.3))
     assert look_up_input(side, module.state, 1.0, 0.3) == pytest.approx((1.25, 1.25))

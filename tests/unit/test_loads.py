@@ -3,8 +3,6 @@
 import pytest
 from scenes import SCENES, TWO_PI, advanced, motions, started
 
-from inertia_module.kernel.averaged.run import impulse_with_work
-
 STEP_MEANS = ("mesh_torque_mean", "housing_torque_mean")
 
 
@@ -118,10 +116,3 @@ def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(compiled, layou
     module = advanced(started(compiled, SCENES[layout], input_hold=1, omega1=90.0), 0.02)
     advanced(module, 0.01, omega1=93.0)
     assert module["input_speed"] == pytest.approx(93.0 + 3.0 * 0.01 / 0.02, rel=1e-14)
-
-
-@pytest.mark.parametrize("alpha1", [0.0, 20.0, 100.0, -150.0, -200.0, -500.0])
-def test_constant_torque_over_a_part_of_the_mean_motion_has_its_impulse_at_any_ramp(alpha1):
-    time, omega1, torque = 0.5, 50.0, 7.0
-    work = torque * (omega1 + 0.5 * alpha1 * time) * time
-    assert impulse_with_work(time, omega1, alpha1, work, torque, torque) == pytest.approx(torque * time)

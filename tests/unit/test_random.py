@@ -166,7 +166,14 @@ FOUND = {
         "driven_inertia=0.41141 shaft_stiffness=164.17 housing_stiffness=514280 housing_damping=514.28 "
         "freewheel_stiffness=476.58 shaft_damping=0 tolerance=4.3352e-7 | 0.06 22.811 0.091088"
     ),
+    "averaged shaft without imbalances that a load brings to rest": (
+        "fidelity=1 satellites=3 imbalance_mass=0 drive_inertia=0.998 link2_inertia=3.4e-05 drive=1 "
+        "output_inertia=0.0931 z2=64 z16=49 z17=45 z6=57 input_inertia=1.45 tolerance=4.83e-08 | "
+        "0.0016 0 0.0003 0 -0.0067; 0.0028 0 -0.00034; 0.0016 0 0.08 0 0.082"
+    ),
 }
+# ... with losses, in which `averaged` did not keep its energies or never came to the end: (seed, number)
+LOSSY_AVERAGED = ((7, 707), (7, 991), (7, 1557), (1, 487), (1, 613), (1, 624), (1, 857), (1, 1064))
 
 
 def motions(level, count, losses=False):
@@ -187,6 +194,13 @@ def test_what_was_found_stays_mended(compiled, found):
     assert run(motion, lambda: Module(compiled)).points[-1]["contact_switches"] < 100
 
 
+@pytest.mark.parametrize("seed, number", LOSSY_AVERAGED)
+def test_averaged_keeps_its_energies_with_losses(compiled, seed, number):
+    finding = examine(draw_motion(seed, number, losses=True), lambda: Module(compiled))
+    assert not finding.failed, finding.figures
+    assert not finding.refused
+
+
 @pytest.mark.parametrize("losses", [False, True], ids=["ideal", "losses"])
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch):
@@ -202,7 +216,7 @@ def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch
     assert compared >= 1 or level.method != EVENT or level.fidelity not in (RIGID, ELASTIC)
 
 
-@pytest.mark.parametrize("losses, digest", [(False, "b6ce0baa2cecf152"), (True, "cd3e0c57d3de7b72")])
+@pytest.mark.parametrize("losses, digest", [(False, "b6ce0baa2cecf152"), (True, "ee8fcc9760b71cfb")])
 def test_number_of_a_seed_is_the_motion_that_the_documentation_counts(losses, digest):
     drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(200)]
     text = json.dumps([motion.as_dict() for motion in drawn])

@@ -49,8 +49,6 @@ from ..common.errors import did_you_mean, must_be
 from ..contract.variables import BY_NAME
 from ..harness.fmu import Fmu, as_names
 from ..kernel import codes
-from ..kernel.averaged import balance as average_balance
-from ..kernel.averaged import legs as average_legs
 from ..kernel.averaged import rates as average_rates
 from ..kernel.averaged import run as average
 from ..memory import Module
@@ -120,35 +118,38 @@ def averaged_system(
     d = module.derived
     places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
 
-    def motion(omega_out: float, u: Any) -> tuple[Any, Any, float, float, float]:
-        """State, side of the map, omega1', rad/s2, mean output torque, N.m, omega_out', rad/s2."""
+    def motion(omega_out: float, u: Any) -> tuple[Any, Any, float, float]:
+        """State, side of the map, mean output torque, N.m, omega_out', rad/s2."""
         omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
         x = type(module.state)()
         x.omega1, x.alpha1 = omega1, rate
         # the shaft does not turn backwards: what a solver leaves below 0 is rest
         x.omega3, x.load_torque = max(omega_out, 0.0), load
         side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
-        leg = average_legs.choose_leg(d, side, x, omega1, rate)  # type: ignore[no-untyped-call]
-        torque, acceleration, _, _ = average.torque_at(d, side, x, leg, omega1, rate)  # type: ignore[no-untyped-call]
-        if leg == average_legs.SLIPPING and transient != QUASI_STEADY:
+        leg = average.choose_leg(d, side, x, omega1)  # type: ignore[no-untyped-call]
+        average_rates.write_mean_rates(d, side, x, leg, omega1, x.omega3, d.mean)  # type: ignore[no-untyped-call]
+        torque, acceleration = d.mean.output, d.mean.omega3
+        if leg == average_rates.SLIPPING and transient != QUASI_STEADY:
             carried = load + d.b3 * x.omega3
             driving = torque - carried + transient.input * rate
             acceleration = driving / (d.J3 + transient.output)
             torque = carried + d.J3 * acceleration
-        return x, side, rate, torque, acceleration
+        return x, side, torque, acceleration
 
     def output(_: float, state: Any, u: Any, __: Any) -> Any:
         omega_out, y = float(state[0]), type(module.outputs)()
-        x, side, rate, torque, acceleration = motion(omega_out, u)
-        omega1 = x.omega1
-        average.end_step(d, x, average_legs.RESTING, -1.0, omega1)  # type: ignore[no-untyped-call]
+        x, side, torque, acceleration = motion(omega_out, u)
+        average.end_step(d, x)  # type: ignore[no-untyped-call]
         average.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
         values = {name: getattr(y, name) for name in OUTPUTS}
-        mesh = average_balance.mesh_share(d, side, x, omega1, omega1, torque)  # type: ignore[no-untyped-call]
-        taken = average_balance.mean_input_torque(d, side, x, omega1, rate, acceleration, torque)  # type: ignore[no-untyped-call]
-        values |= {"omega_out": omega_out, "omega2": x.omega2, "input_torque": taken}
-        housing = torque + d.b2 * x.omega2 - mesh
-        values |= {"output_torque": torque, "mesh_torque": mesh, "housing_torque": housing}
+        # what accelerations add
+        more, faster = torque - y.output_torque, acceleration - y.output_acceleration
+        passed = more * omega_out / x.omega1 if more != 0.0 else 0.0
+        _, slope = average_rates.look_up_input(side, x, abs(x.omega1), x.omega3)  # type: ignore[no-untyped-call]
+        stored = math.copysign(0.5 * slope * faster, x.omega1)
+        values |= {"omega_out": omega_out, "omega2": x.omega2, "output_torque": torque}
+        values |= {"input_torque": y.input_torque + passed + stored, "mesh_torque": y.mesh_torque + passed}
+        values["housing_torque"] = y.housing_torque + more - passed
         return np.array([values[wanted] for wanted in outputs])
 
     return ct.nlsys(

@@ -390,7 +390,7 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel:
     for n, ratio in enumerate(ratios):
         x.omega3 = ratio
         found = average_rates.look_up(side, x, 1.0, ratio)  # type: ignore[no-untyped-call]
-        torque[n], link2[n] = found[0], found[2]
+        torque[n], link2[n] = found
         ripple[n], peak[n] = average_rates.ripple_at(side, x, side.direction)  # type: ignore[no-untyped-call]
     lock = d.map_lock if side.locks else 0.0
     one = np.ones(ratios.size)

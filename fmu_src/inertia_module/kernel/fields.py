@@ -47,7 +47,7 @@ STATE = (
     *("length", "begin_q", "begin_omega2"),
     *("begin_theta1", "begin_input_turns", "begin_drive_turns"),
     # ... and sums over it: impulses, angle of the output
-    *("input_impulse", "output_impulse", "mesh_impulse", "output_square", "turned3"),
+    *("input_impulse", "output_impulse", "output_square", "turned3"),
     *("step_switches", "step_evaluations"),
     # ... how many moments of it were seen, the last of them, the largest |a|^2 of imbalance 0 before
     *("seen", ("moments", MOMENT, MOMENTS), "largest_square"),
@@ -76,16 +76,15 @@ STATE = (
     ("now", NOW),
 )
 
-# averaged: over the speed ratio mean torque, mean speed of link 2 and the mean energy or, under its torque,
-# speed of link 1 (see averaged.torque_map): cubics from one knot to the next; while the map is built the
-# error of the interval that follows, the torque of link 1, and how the motion begins. With losses the power
-# lost by cause; torque, omega2 and losses once more at the six lower speeds of averaged.torque_map, and of
-# links that crawl (torque and losses by slowness and by its square, omega2 with the first)
-SLOWER = (("torque", 4), ("omega2", 4), ("lost", CAUSES))
+# averaged: a knot of the map over the speed ratio: curves of mean torque, mean speed of link 2 and the mean
+# energy or, under its torque, speed of link 1 (see averaged.table); while the map is built the error of the
+# interval that follows, the torque of link 1, and how the motion begins. Torques, speeds of link 2 and powers
+# lost by cause stand there for so many motions: the ideal one and with losses those of averaged.torque_map
+MOTIONS = 9
+CURVES = 2 * MOTIONS + 1
 KNOT = (
-    *("ratio", ("torque", 4), ("input", 4), ("omega2", 4), "ripple", "peak", "error"),
-    *("drive", "begin_energy", "begin_omega2"),
-    *(("lost", CAUSES), ("slower", SLOWER, 8)),
+    *("ratio", ("value", CURVES), ("slope", CURVES), "ripple", "peak", "error"),
+    *("drive", "begin_energy", "begin_omega2", ("lost", MOTIONS * CAUSES)),
 )
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; where
 # a period begins and the largest momentum of link 2 at rest; with losses the speed at which friction takes
@@ -103,6 +102,14 @@ MACHINE = (
     *("momentum", "energy"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),
+)
+
+# what the equations of motion follow by events: speeds and angles; impulses of M1, Th and Tc, integral of
+# Tc^2; angle of the output, work of M1 and losses by cause. An ideal module of rigid output has the first 12
+FOLLOWED = (
+    *("q", "omega1", "omega2", "omega3", "drive", "housing", "output", "square"),
+    *("theta1", "turned3", "work_in", ("lost", CAUSES)),
+    *("twist", "relative", "wound_housing", "wound_output"),
 )
 
 CONSTANTS = (
@@ -126,7 +133,8 @@ CONSTANTS = (
     *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
     *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
     ("machine", MACHINE),
-    # averaged: the map
+    # averaged: rates of an instant (see averaged.rates); the map
+    ("mean", FOLLOWED),
     *("map_ready", "map_lock", "map_inertia", "map_evaluations"),
     *(("forward", SIDE), ("backward", SIDE)),
 )
@@ -136,14 +144,6 @@ def constants(map_key):
     """Fields of d; map_key: number of parameters that the map of fidelity averaged depends on."""
     return *CONSTANTS, ("map_key", map_key)
 
-
-# what the equations of motion follow by events: speeds and angles; impulses of M1, Th and Tc, integral of
-# Tc^2; angle of the output, work of M1 and losses by cause. An ideal module of rigid output has the first 12
-FOLLOWED = (
-    *("q", "omega1", "omega2", "omega3", "drive", "housing", "output", "square"),
-    *("theta1", "turned3", "work_in", ("lost", CAUSES)),
-    *("twist", "relative", "wound_housing", "wound_output"),
-)
 
 # nothing in it outlives the call
 WORKSPACE = (
@@ -181,10 +181,7 @@ WORKSPACE = (
     # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2, what it takes,
     # whether a mean slip went against it
     *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "lost_by_drag", "reversed"),
-    # internal step of the averaged motion: both speeds at its end, its error, integrals of omega3, T omega3,
-    # omega2 and, under its torque, omega1
-    *("next", "next_speed", "error", "turned3", "work", "turned2", "turned1", "lost3", "lost", "dragged"),
-    # ... steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
+    # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it
     *(

@@ -79,7 +79,6 @@ def begin(p, u, x, h):
     x.begin_drive_turns = x.drive_turns
     x.input_impulse = 0.0
     x.output_impulse = 0.0
-    x.mesh_impulse = 0.0
     x.housing_impulse = 0.0
     x.output_square = 0.0
     x.turned3 = 0.0

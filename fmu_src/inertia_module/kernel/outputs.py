@@ -67,15 +67,13 @@ def write_means(p, d, x, y):
         turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
         turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
         friction_impulse = per_step * d.b2 * (turned1 - turned / d.k)
-    if p.fidelity == AVERAGED:
-        mesh = per_step * x.mesh_impulse
-        housing = x.output_torque_mean + friction_impulse - mesh
-    else:
-        housing = per_step * x.housing_impulse
+    housing = per_step * x.housing_impulse
+    gained2 = 0.0  # (in averaged that is the pulses')
+    if p.fidelity != AVERAGED:
         if d.losses == 0.0:
             housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
         gained2 = per_step * d.J2 * (x.omega2 - x.begin_omega2)
-        mesh = gained2 + friction_impulse + x.output_torque_mean - housing
+    mesh = gained2 + friction_impulse + x.output_torque_mean - housing
     y.mesh_torque_mean = mesh
     y.housing_torque_mean = housing
     y.loss_power_mean = per_step * x.step_lost

@@ -6,10 +6,8 @@ thought of, energy from nowhere, a freewheel that let go too late, shows in thei
 
 import math
 
-from .accumulate import add, copy, lost_in_all, turn_output, wrap_drive_angle, wrap_input_angle
-from .averaged.balance import jump_averaged, takes_up_jump
-from .averaged.legs import RESTING
-from .averaged.run import end_step, run_averaged, speed_at_start
+from .accumulate import copy, lost_in_all, turn_output, wrap_drive_angle
+from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
 from .codes import (
     AVERAGED,
@@ -89,7 +87,8 @@ def start(p, d, u, x, y, w):
     x.omega2 = p.omega2_start
     x.omega3 = p.omega_out_start
     if p.fidelity == AVERAGED:
-        end_step(d, x, RESTING, -1.0, speed_at_start(d, x))
+        x.omega1 = speed_at_start(d, x)
+        end_step(d, x)
         x.step_switches = 0.0
     else:
         follow_parameters(p, d, x)
@@ -217,10 +216,7 @@ def apply_jump(p, d, u, x, h, jump):
 
 
 def turn_input(p, d, x, start1, h):
-    """Angle and speed of link 1 at the end of the step, its speed given from start1 on."""
-    if p.fidelity == AVERAGED:  # else it has turned with all the rest
-        x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, h * (start1 + 0.5 * x.alpha1 * h))
-        wrap_input_angle(x)
+    """Speed of link 1 at the end of the step, where it is given from start1 on."""
     x.omega1 = start1 + x.alpha1 * h
     x.omega1_low = 0.0
     if p.fidelity == KINEMATIC:

@@ -29,8 +29,10 @@ ROUNDS = 24
 KEPT = 5e-5
 # ... found by moves so many times what is missing, at most
 LARGEST_MOVE = 4.0
-LEAST_ENERGY = 0.1
+LEAST_ENERGY = 1e-3
 LEAST_FADING = 1e-3
+# ... after one to the right energy at once, where more is missing of it than this
+FAR = 0.5
 # ... where omega2 comes back by this, over v
 OTHERWISE = 1e-2
 # internal steps before a period is given up, evaluations before one sign of omega1 is, and the share of a
@@ -360,8 +362,14 @@ def find_steady(d, x, w, side, ratio):
                 if rounds > ROUNDS:
                     return False
                 begin = w.begin_omega2
+                if abs(missed) > FAR:
+                    # losses by load and torques go with the energy: another speed of the same motion
+                    w.drive /= 1.0 + missed
+                    w.begin_energy = max(w.begin_energy / (1.0 + missed), LEAST_ENERGY)
+                    work = energy = 0.0
+                    continue
                 moved = work * work + energy * energy
-                if rounds == 1:
+                if fading == 0.0:
                     # energy fades at the rate of the power that keeps it
                     fading = LEAST_FADING + 2.0 * abs(w.drive * w.sum_omega1) / d.map_inertia
                     gain_by_work = energy_by_energy = -math.expm1(-fading) / fading

@@ -1,271 +1,368 @@
-"""Internal steps of the averaged motion: speed v of the input, given or under its torque, and omega3.
+"""Internal steps of the averaged motion, in any leg: speed v of the input and omega3, with all sums.
 
-Explicit steps use Hermite's corrected trapezoid (order 4) as predictor and corrector, with both
-derivatives. Implicit ones (a light shaft follows the mean torque at once) use the two-derivative method
-of stability function Pade(1, 2): order 3, L-stable, so a transient costs no small steps.
-Source: Hairer and Wanner, Solving Ordinary Differential Equations II, sections IV.3 and IV.5.
-
-A step leaves in the workspace w.next_speed and w.next, |v| and omega3 at its end, w.error, its error over the
-allowed one, and w.turned3, w.work, w.turned2, w.turned1 and w.lost3, the integrals of omega3, T omega3,
-omega2, |omega1|, and b3 omega3^2.
+Gentle ones are of order 3, explicit. Others are by Rosenbrock's method of events.rosenbrock, with derivatives
+by differences: a light shaft follows the mean torque at once, and a transient must cost no small steps.
 """
 
-import math
+from ..codes import FREEWHEEL, VISCOUS
+from ..events.advance import SHORT_GROWTH
+from ..events.rosenbrock import GAMMA, STAGES, A, C
+from ..events.step_size import SHORT_SAFETY, SHORT_SHARE, carry_size, first_size, next_factor
+from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR, WEIGHTS
+from ..tableau import STAGES as ROW
+from .rates import (
+    COASTING,
+    LOCKED,
+    RESTING,
+    SLIPPING,
+    energy_at,
+    last_knot,
+    lock_ratio,
+    torque_at_knot,
+    write_mean_rates,
+)
+from .table import TORQUE
 
-from ..accumulate import add
-from .rates import find_knot, flow, ratio, torque_at_knot
-
-# largest h |df/domega3| of an explicit step
-LARGEST_EXPLICIT = 0.4
-NEWTON_STEPS = 12
+# places in fields.FOLLOWED of v and omega3; how many an ideal module has, and with losses
+V, OMEGA3, IDEAL, LOSSY = 1, 3, 11, 17
+# share of the speeds by which one is changed for a difference
+APART = 1e-7
 # what the energies of a step may miss, in errors allowed of the speeds
 BALANCE = 10.0
-# a transient is resolved by steps up to this h |df/domega3|, until it has come down to so many errors
-RESOLVED = 2.0
-TRANSIENT = 10.0
-# steps tried before the tolerance is given up, and to stop where the shaft rests or the map ends
+# largest step, over the time in which a motion that its balance repels grows by e
+REPELLED = 1.0
+# from such a step on, over the time in which a balance attracts, it may be looked beyond
+STIFF = 0.4
+# steps tried before the tolerance is given up, and to stop where a leg ends
 TRIES = 80
 CUTS = 60
-# a speed within this fraction of another is at it
-ROUNDING = 1e-12
+# a leg that is beyond its end by this share of its speeds or torques has come there
+ARRIVED = 1e-12
 
 
-def hermite(h, begin, end):
-    """Integral over h by value and rate at both ends, order 4."""
-    return h * (0.5 * (begin[0] + end[0]) + h * (begin[1] - end[1]) / 12.0)
+def differentiate_by(d, side, x, w, leg, change, change3, slopes):
+    """Derivatives of all rates by v, or where that is not changed by omega3, by a difference."""
+    write_mean_rates(d, side, x, leg, x.omega1 + change, x.omega3 + change3, slopes)
+    start = w.rates[0].numbers
+    for n in range(LOSSY):
+        slopes.numbers[n] = (slopes.numbers[n] - start[n]) / (change if change != 0.0 else change3)
 
 
-def damped(h, begin, end):
-    """Integral over h, order 3, without the rate at the beginning: right also through a transient."""
-    return h * (begin[0] / 3.0 + end[0] / 1.5 - h * end[1] / 6.0)
+def differentiate(d, side, x, w, leg):
+    """Derivatives of all rates by both speeds at the beginning of a step."""
+    start, by_v, by_omega3 = w.rates[0], w.slopes[0], w.slopes[1]
+    for n in range(LOSSY):
+        by_v.numbers[n] = by_omega3.numbers[n] = 0.0
+    apart = APART * max(abs(x.omega1), x.omega3)
+    if apart == 0.0:
+        # from rest all goes along one line
+        change, change3 = APART * start.omega1, APART * start.omega3
+        if change != 0.0:
+            differentiate_by(d, side, x, w, leg, change, change3, by_v)
+        elif change3 != 0.0:
+            differentiate_by(d, side, x, w, leg, 0.0, change3, by_omega3)
+        return
+    if d.by_torque != 0.0 or x.alpha1 != 0.0:
+        differentiate_by(d, side, x, w, leg, side.direction * apart, 0.0, by_v)
+    if leg == SLIPPING or leg == COASTING:
+        if leg == SLIPPING:
+            # within the map, narrow as it may be
+            most = side.end * abs(x.omega1)
+            apart = APART * max(most, x.omega3)
+            apart = -apart if x.omega3 + apart > most else apart
+        differentiate_by(d, side, x, w, leg, 0.0, apart, by_omega3)
 
 
-def integral(h, begin, end, implicit):
-    """Integral over h by the rule of the step."""
-    return damped(h, begin, end) if implicit else hermite(h, begin, end)
+def how_many_followed(d):
+    """How many of fields.FOLLOWED there are."""
+    return LOSSY if d.lossy != 0.0 else IDEAL
 
 
-def with_product(omega3, now):
-    """(T omega3, its rate) of a flow."""
-    return now[3][0] * omega3, now[3][1] * omega3 + now[3][0] * now[1][0]
+def keep_to_leg(d, side, x, w, leg):
+    """Set the changes of speeds over the step in hand that are known."""
+    if d.by_torque == 0.0:
+        w.change.omega1 = x.alpha1 * w.step
+    if leg == LOCKED:
+        w.change.omega3 = lock_ratio(d, side) * (x.omega1 + w.change.omega1) - x.omega3
 
 
-def middle_speed(h, turned3, begin, end):
-    """Speed of the output in the middle of h, rad/s: that of Simpson's rule for the angle turned."""
-    if h == 0.0:
-        return begin
-    middle = 0.25 * (6.0 * turned3 / h - begin - end)
-    return min(max(middle, min(begin, end)), max(begin, end))
+def make_gentle_step(d, side, x, w, leg, h):
+    """Make the step h by the explicit pair: changes of all that is followed, errors as a last stage."""
+    w.step = h
+    for stage in range(1, GENTLE_END + 1):
+        row = ROW * (GENTLE + stage)
+        v, omega3 = x.omega1, x.omega3
+        for n in range(stage):
+            v += h * WEIGHTS[row + n] * w.rates[n].omega1
+            omega3 += h * WEIGHTS[row + n] * w.rates[n].omega3
+        write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
+    row, row_error = ROW * (GENTLE + GENTLE_END), ROW * GENTLE_ERROR
+    changes, errors = w.change.numbers, w.stages[STAGES - 1].numbers
+    for n in range(how_many_followed(d)):
+        change = error = 0.0
+        for stage in range(GENTLE_END + 1):
+            change += WEIGHTS[row + stage] * w.rates[stage].numbers[n]
+            error += WEIGHTS[row_error + stage] * w.rates[stage].numbers[n]
+        changes[n], errors[n] = h * change, h * error
+    keep_to_leg(d, side, x, w, leg)
 
 
-def finish_step(d, x, w, h, first, last, found_speed, found, implicit):
-    """Leave the speeds at the end of a step and its integrals in w; first, last: flow at its ends."""
-    w.next_speed = found_speed
-    w.next = found
-    w.turned3 = integral(h, (x.omega3, first[1][0]), (found, last[1][0]), implicit)
-    w.work = integral(h, with_product(x.omega3, first), with_product(found, last), implicit)
-    w.lost = integral(h, first[6], last[6], implicit)
-    w.lost3 = 0.0
-    if d.b3 != 0.0:
-        middle = middle_speed(h, w.turned3, x.omega3, found)
-        w.lost3 = d.b3 * h * (x.omega3 * x.omega3 + 4.0 * middle * middle + found * found) / 6.0
-    w.turned2 = integral(h, first[4], last[4], implicit)
+def take_step(d, side, x, w, leg, h):
+    """Make the step h: changes of all that is followed into w.change, at the stages into w.stages."""
+    followed = how_many_followed(d)
+    per_step = 1.0 / h
+    own = 1.0 / (GAMMA * h)
+    by_v, by_omega3 = w.slopes[0].numbers, w.slopes[1].numbers
+    a, b = own - by_v[V], -by_omega3[V]
+    c, e = -by_v[OMEGA3], own - by_omega3[OMEGA3]
+    determinant = a * e - b * c
+    w.step = h
+    for stage in range(STAGES):
+        row = (STAGES - 1) * stage
+        rates, changes = w.rates[min(stage, 1)].numbers, w.stages[stage].numbers
+        if stage > 0:
+            v, omega3 = x.omega1, x.omega3
+            for n in range(stage):
+                v += A[row + n] * w.stages[n].omega1
+                omega3 += A[row + n] * w.stages[n].omega3
+            write_mean_rates(d, side, x, leg, v, omega3, w.rates[1])
+        for n in range(followed):
+            change = 0.0
+            for before in range(stage):
+                change += C[row + before] * w.stages[before].numbers[n]
+            changes[n] = rates[n] + per_step * change
+        v = (e * changes[V] - b * changes[OMEGA3]) / determinant
+        omega3 = (a * changes[OMEGA3] - c * changes[V]) / determinant
+        for n in range(followed):
+            changes[n] = GAMMA * h * (changes[n] + by_v[n] * v + by_omega3[n] * omega3)
+    row = (STAGES - 1) * (STAGES - 1)
+    for n in range(followed):
+        change = w.stages[STAGES - 1].numbers[n]
+        for stage in range(STAGES - 1):
+            change += A[row + stage] * w.stages[stage].numbers[n]
+        w.change.numbers[n] = change
+    keep_to_leg(d, side, x, w, leg)
+
+
+def lost_in_step(d, change):
+    """Energy that the step in hand takes, J."""
+    total = 0.0
+    if d.lossy != 0.0:
+        for cause in range(len(change.lost)):
+            total += change.lost[cause]
+    return total
+
+
+def balance(d, side, x, w, leg, h):
+    """Impulses and work of a step by the balances, exact in its ends."""
+    change = w.change
+    change.output = d.J3 * change.omega3 + x.load_torque * h + d.b3 * change.turned3
+    # the mesh's impulse stood in place of the housing's
+    change.housing = change.output + d.b2 * change.omega2 - change.housing
+    change.omega2 = 0.0
     if d.by_torque != 0.0:
-        w.turned1 = integral(h, first[5], last[5], implicit)
-
-
-def explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
-    """One explicit step."""
+        return
     omega3 = x.omega3
-    # with friction the torque has corners; a longer step tried before may have looked elsewhere since
-    knot = find_knot(side, x, ratio(omega3, speed)) if d.lossy != 0.0 else x.map_knot
-    guess_speed = speed + h * (first[0][0] + 0.5 * h * first[0][1])
-    guess = omega3 + h * (first[1][0] + 0.5 * h * first[1][1])
-    last = flow(d, side, x, guess_speed, speed_rate, guess)
-    found_speed = speed + hermite(h, first[0], last[0])
-    found = omega3 + hermite(h, first[1], last[1])
-    # the corrector leaves h |lambda| / 2 of the predictor's error; across a knot T" jumps
-    share = 0.2 if x.map_knot != knot else 0.5 * h * (steepness(first) + steepness(last))
-    w.error = share * max(abs(found - guess), abs(found_speed - guess_speed)) / allowed
-    finish_step(d, x, w, h, first, last, found_speed, found, False)
+    work = 0.5 * d.J3 * change.omega3 * (2.0 * omega3 + change.omega3) + x.load_torque * change.turned3
+    work += lost_in_step(d, change)
+    before = energy_at(d, side, x, x.omega1)
+    x.omega3 = omega3 + change.omega3
+    work += energy_at(d, side, x, x.omega1 + change.omega1) - before
+    x.omega3 = omega3
+    if leg == COASTING and d.lossy != 0.0:
+        # the torques are linear there, what they take is not
+        cause = FREEWHEEL if change.lost[FREEWHEEL] > change.lost[VISCOUS] else VISCOUS
+        change.lost[cause] += change.work_in - work
+        return
+    change.work_in = work
+    if x.alpha1 == 0.0 and x.omega1 != 0.0:
+        change.drive = change.work_in / x.omega1
 
 
-def steepness(now):
-    """Size of the slopes of a flow, 1/s."""
-    a, b, c, e = now[2]
-    return max(abs(e), max(abs(a), math.sqrt(abs(b * c))))
+def fastest_speed(x, w):
+    """Largest speed at the ends of the step in hand, rad/s."""
+    change = w.change
+    return max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
 
 
-def is_one_way(side, x, b3, speed, found, rate):
-    """Tell whether the torque left keeps the sign of rate at the knots between: no balance is skipped."""
-    low = min(x.omega3, found)
-    high = max(x.omega3, found)
+def energy_residual(d, x, w):
+    """Energy residual of a step under a torque, over its energies."""
+    change = w.change
+    put_in = x.drive_torque * change.theta1
+    put_out = x.load_torque * change.turned3
+    residual = put_in - put_out - 0.5 * d.map_inertia * change.omega1 * (2.0 * x.omega1 + change.omega1)
+    residual -= 0.5 * d.J3 * change.omega3 * (2.0 * x.omega3 + change.omega3)
+    residual -= lost_in_step(d, change)
+    fastest = fastest_speed(x, w)
+    energies = (d.map_inertia + d.J3) * fastest * fastest + abs(put_in) + abs(put_out)
+    return abs(residual) / energies if energies > 0.0 else 0.0
+
+
+def is_one_way(d, side, x, w):
+    """Tell whether the torque left keeps its sign at the knots that a step passes: no balance is skipped."""
+    speed = abs(x.omega1 + w.change.omega1)
+    found = x.omega3 + w.change.omega3
+    low, high = min(x.omega3, found), max(x.omega3, found)
     for n in range(int(side.count)):
-        knot = side.knots[n]
-        here = knot.ratio * speed
+        here = side.knots[n].ratio * speed
         if here >= high:
             break
-        left = speed * speed * torque_at_knot(side, knot, speed) - x.load_torque - b3 * here
-        if here > low and left * rate < 0.0:
+        left = torque_at_knot(side, side.knots[n], speed) - x.load_torque - d.b3 * here
+        if here > low and left * w.rates[0].omega3 < 0.0:
             return False
     return True
 
 
-def implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed):
-    """One implicit step; an error without bound if it is not found."""
-    omega3 = x.omega3
-    found_speed = speed + speed_rate * h
-    found = omega3
-    w.error = 1e300
-    last = first
-    for _ in range(NEWTON_STEPS):
-        last = flow(d, side, x, found_speed, speed_rate, found)
-        x.step_evaluations += 1.0
-        left = found_speed - speed - damped(h, first[0], last[0])
-        left3 = found - omega3 - damped(h, first[1], last[1])
-        # 1 - 2/3 h L + 1/6 (h L)^2 with the slopes L
-        a, b, c, e = last[2]
-        a1 = 1.0 - h * a / 1.5 + h * h * (a * a + b * c) / 6.0
-        a2 = -h * b / 1.5 + h * h * b * (a + e) / 6.0
-        b1 = -h * c / 1.5 + h * h * c * (a + e) / 6.0
-        b2 = 1.0 - h * e / 1.5 + h * h * (b * c + e * e) / 6.0
-        steep = a1 * b2 - a2 * b1
-        move_speed = (a2 * left3 - b2 * left) / steep
-        move = (b1 * left - a1 * left3) / steep
-        found_speed += move_speed
-        found += move
-        moved = max(abs(move), abs(move_speed))
-        if moved <= 1e-3 * allowed or moved <= 1e-15 * (abs(found) + abs(found_speed)):
-            # where the slope is positive the balance repels: a damped step would be drawn to it
-            if e <= 0.0 and is_one_way(side, x, d.b3, found_speed, found, first[1][0]):
-                bent = max(step_error(h, first[0], last[0]), step_error(h, first[1], last[1]))
-                w.error = abs(bent / steep) / allowed
-                # a transient that is damped out within the step would be wrong in the angle and the work
-                slope = abs(first[2][3])
-                if h * slope > RESOLVED:
-                    w.error = max(w.error, abs(first[1][1]) / (slope * slope * TRANSIENT * allowed))
-            break
-    finish_step(d, x, w, h, first, last, found_speed, found, True)
+def step_error(d, side, x, w, leg, remaining):
+    """Estimated error of the step in hand over the allowed one.
 
-
-def step_error(h, begin, end):
-    """Difference that the rate at the end leaves of the change of a rate over h, times h / 3."""
-    return abs(h / 3.0 * (end[0] - begin[0] - h * end[1]))
-
-
-def take_step(d, side, x, w, speed, speed_rate, h, first, allowed):
-    """One step from x.omega3, explicit if it can be; x is left as it is."""
-    if h * steepness(first) <= LARGEST_EXPLICIT:
-        explicit_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-    else:
-        implicit_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-    x.step_evaluations += 1.0
-
-
-def energy_residual(d, side, x, w, speed, fastest, allowed, implicit):
-    """Energy residual of a step under a torque, relative to its tolerance: some errors of the speeds.
-
-    Of an implicit step it is that of link 1: a transient of the shaft that is damped out may miss much of the
-    little that it moves.
+    Args:
+        remaining: of the communication step: what a ramp of link 1 passes through in it is its scale.
     """
-    square = fastest * fastest
-    put_in = side.direction * x.drive_torque * w.turned1
-    gained = 0.5 * d.map_inertia * (w.next_speed - speed) * (w.next_speed + speed)
-    share = abs(put_in - w.work - w.lost - gained) / (d.map_inertia * square + abs(put_in) + abs(w.work))
-    if not implicit:
-        passed_on = x.load_torque * w.turned3 + w.lost3
-        gained = 0.5 * d.J3 * (w.next - x.omega3) * (w.next + x.omega3)
-        share += abs(w.work - passed_on - gained) / (d.J3 * square + abs(w.work) + abs(passed_on))
-    return share * fastest / (BALANCE * allowed)
+    last = w.stages[STAGES - 1]
+    allowed = w.tolerance * fastest_speed(x, w) + 1e-300
+    # (within a narrow map the shaft's speed is no larger)
+    narrow = min(side.end, 1.0) if leg == SLIPPING else 1.0
+    error = abs(last.omega3) / (narrow * allowed + 1e-300)
+    if d.by_torque != 0.0:
+        error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
+    elif x.alpha1 != 0.0:
+        # the balance of energies gives the work of a ramp, not its impulse
+        ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
+        momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped + abs(w.change.drive)
+        error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
+    return error if error < 1e300 else 1e300
 
 
-def take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fastest):
-    """One step, no longer than h, as long as the error and the balance of energies allow.
+def past_end(d, side, x, leg, v, omega3, fastest):
+    """How far the motion is beyond the end of its leg, over its speeds or torques; below 0 within it."""
+    speed = side.direction * v
+    # (link 1 comes to rest where it has not been)
+    past = -speed / fastest if d.by_torque != 0.0 and x.omega1 != 0.0 else -1.0
+    if leg == SLIPPING:
+        return max(past, (omega3 - side.end * speed) / fastest, -omega3 / fastest)
+    if leg == COASTING:
+        return max(past, (side.end * speed - omega3) / fastest)
+    load = x.load_torque
+    if leg == RESTING:
+        if load < 0.0 and x.omega1 == 0.0:
+            return past
+        return max(past, beyond_rest(d, side, load, max(speed, 0.0)))
+    write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
+    most = most_locked_torque(d, side, x, speed)
+    torque = d.mean.output
+    scale = max(most + d.output_drag, abs(load), 1e-300)
+    return max(past, (torque - most) / scale, -(torque + d.output_drag) / scale)
 
-    Returns its length or -1.
+
+def beyond_rest(d, side, load, speed):
+    """How far the mean torque at a shaft at rest is beyond its load, over the torques there are."""
+    knot = side.knots[0]
+    scale = abs(load) + knot.value[TORQUE] * speed * speed + d.housing_drag + d.output_drag
+    return (torque_at_knot(side, knot, speed) - load) / (scale + 1e-300)
+
+
+def most_locked_torque(d, side, x, v):
+    """Largest torque that lock-up holds at this speed, N m; towards it the mean torque tends to no more.
+
+    It is that of the ideal mechanism, less what resists link 2: friction only holds more. Where the ideal
+    mechanism does not come there, that of the last knot may hold with losses.
     """
-    wanted = h
-    for _ in range(TRIES):
-        take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-        if d.by_torque != 0.0:
-            implicit = h * steepness(first) > LARGEST_EXPLICIT
-            residual = energy_residual(d, side, x, w, speed, fastest, allowed, implicit)
-            w.error = max(w.error, residual)
-        if w.error <= 1.0:
-            factor = min(5.0, 0.8 * w.error**-0.25) if w.error > 1e-4 else 5.0
-            # a step cut short by the end of the communication step says little about longer ones
-            x.step_size = max(factor * h, x.step_size) if h == wanted else factor * h
-            return h
-        h *= max(0.1, 0.8 * w.error**-0.25) if w.error < 1e4 else 0.1
-    return -1.0
+    reached = torque_at_knot(side, last_knot(side), v)
+    if side.locks == 0.0 and x.omega2 != x.omega3:
+        return reached
+    omega1 = lock_ratio(d, side) * v
+    held = d.map_lock * omega1 * omega1 - d.housing_drag - (d.b2 + d.housing_drag_viscous) * omega1
+    return max(held, reached)
 
 
-def past_end(side, w):
-    """How far the step went past rest or the end of the map, or v past zero, rad/s."""
-    return max(max(w.next - side.end * w.next_speed, -w.next), -w.next_speed)
-
-
-def cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero):
-    """Cut a step that went past rest or the end of the map where it gets there. Returns its length."""
-    high = h
-    high_past = past_end(side, w)
-    low = 0.0
-    low_past = max(-x.omega3, x.omega3 - side.end * speed)
-    if low_past > -zero:
-        low_past = -high_past  # it begins where the map ends: that is not where it is to stop
-    # Illinois: a secant that never leaves the bracket
+def cut_step(d, side, x, w, leg, fastest, past):
+    """Cut the step in hand, past the end of its leg, where it gets there."""
+    low, high = 0.0, w.step
+    low_past = past_end(d, side, x, leg, x.omega1, x.omega3, fastest)
+    if low_past > -ARRIVED:
+        low_past = -past  # it begins at an end: that is not where it is to stop
+    # Illinois: a secant that never stays at one end
+    kept = 0
     for _ in range(CUTS):
-        h = high - high_past * (high - low) / (high_past - low_past)
+        h = high - past * (high - low) / (past - low_past)
         if not low < h < high:
             h = 0.5 * (low + high)
         if not low < h < high:
-            return high
-        take_step(d, side, x, w, speed, speed_rate, h, first, allowed)
-        past = past_end(side, w)
-        if abs(past) <= zero:
-            break
-        if past > 0.0:
-            high = h
-            high_past = past
-            low_past *= 0.5
+            h = high
+        take_step(d, side, x, w, leg, h)
+        now = past_end(d, side, x, leg, x.omega1 + w.change.omega1, x.omega3 + w.change.omega3, fastest)
+        if abs(now) <= ARRIVED or h == high:
+            return
+        if now > 0.0:
+            high, past = h, now
+            kept = max(kept, 0) + 1
         else:
-            low = h
-            low_past = past
-            high_past *= 0.5
-    return h
+            low, low_past = h, now
+            kept = min(kept, 0) - 1
+        if kept > 1:
+            low_past *= 0.5
+        elif kept < -1:
+            past *= 0.5
 
 
-def slip(d, side, x, w, v, rate, remaining):
-    """Advance v and omega3 by one accurate step; where the shaft rests or the map ends it stops.
+def beyond_leg(d, side, x, w, leg):
+    """How far the step in hand goes beyond the end of its leg (see past_end)."""
+    v, omega3 = x.omega1 + w.change.omega1, x.omega3 + w.change.omega3
+    return past_end(d, side, x, leg, v, omega3, fastest_speed(x, w) + 1e-300)
+
+
+def try_gentle_step(d, side, x, w, leg, h, remaining):
+    """Make the step h by the explicit pair.
 
     Returns:
-        (time passed or -1, impulse of the output torque).
+        Whether that will do: it is within the leg, and of allowed error.
     """
-    speed = abs(v)
-    speed_rate = side.direction * rate
-    omega3 = x.omega3
-    first = flow(d, side, x, speed, speed_rate, omega3)
-    x.step_evaluations += 1.0
-    h = min(remaining, d.max_step)
-    if x.step_size > 0.0:
-        h = min(h, x.step_size)
-    fastest = max(omega3, max(speed, speed + first[0][0] * h))
-    allowed = w.tolerance * fastest + 1e-300
-    h = take_accurate_step(d, side, x, w, speed, speed_rate, h, first, allowed, fastest)
-    if h < 0.0:
-        return -1.0, 0.0
-    zero = ROUNDING * fastest
-    cut = past_end(side, w) > zero
-    if cut:
-        h = cut_step(d, side, x, w, speed, speed_rate, h, first, allowed, zero)
-    w.next_speed = max(w.next_speed, 0.0)
-    end = side.end * w.next_speed
-    rests = cut and -w.next > w.next - end
-    x.omega3, x.omega3_low = add(omega3, x.omega3_low, w.next - omega3)
-    if rests or x.omega3 < 0.0:
-        x.omega3 = 0.0
-        x.omega3_low = 0.0
-    elif cut or x.omega3 > end:
-        x.omega3 = end
-        x.omega3_low = 0.0
-    return h, d.J3 * (w.next - omega3) + x.load_torque * h + d.b3 * w.turned3
+    make_gentle_step(d, side, x, w, leg, h)
+    error = step_error(d, side, x, w, leg, remaining) / SHORT_SHARE
+    x.short_size = next_factor(error, 3.0, SHORT_SAFETY) * h
+    return error <= 1.0 and beyond_leg(d, side, x, w, leg) <= ARRIVED
+
+
+def try_steps(d, side, x, w, leg, limit, remaining):
+    """Make the longest step of allowed error by Rosenbrock's method. Returns whether there is one."""
+    differentiate(d, side, x, w, leg)
+    h = limit
+    if leg == SLIPPING or leg == COASTING:
+        h = first_size(x, limit)
+    growth = max(w.slopes[0].omega1, w.slopes[1].omega3)
+    if h * growth > REPELLED:
+        h = REPELLED / growth
+    for attempt in range(TRIES):
+        take_step(d, side, x, w, leg, h)
+        error = step_error(d, side, x, w, leg, remaining)
+        if leg == SLIPPING and h * abs(w.slopes[1].omega3) > STIFF and not is_one_way(d, side, x, w):
+            error = 1e300
+        factor = next_factor(error, 5.0, SHORT_SAFETY)
+        if error <= 1.0:
+            carry_size(x, h, factor, attempt)
+            return True
+        h *= factor
+    return False
+
+
+def advance_leg(d, side, x, w, leg, remaining):
+    """Make one accurate step in a leg, or its part up to where the leg ends, into w.change.
+
+    Returns:
+        (whether a step is small enough, whether the leg ends there).
+    """
+    write_mean_rates(d, side, x, leg, x.omega1, x.omega3, w.rates[0])
+    limit = min(remaining, d.max_step)
+    ends = False
+    gentle = limit <= x.short_size or x.short_size == 0.0
+    if not gentle or not try_gentle_step(d, side, x, w, leg, limit, remaining):
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        if not try_steps(d, side, x, w, leg, limit, remaining):
+            return False, False
+        past = beyond_leg(d, side, x, w, leg)
+        ends = past > ARRIVED
+        if ends:
+            cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
+    balance(d, side, x, w, leg, w.step)
+    return True, ends

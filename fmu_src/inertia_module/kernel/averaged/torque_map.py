@@ -34,7 +34,18 @@ from .steady import (
     settle,
     speed_of_sums,
 )
-from .table import UNKNOWN_ERROR, error_at_speeds, finish_table, insert_knot, table_error, worst_interval
+from .table import (
+    INPUT,
+    MOTIONS,
+    OMEGA2,
+    TORQUE,
+    UNKNOWN_ERROR,
+    error_at_speeds,
+    insert_knot,
+    set_slopes,
+    table_error,
+    worst_interval,
+)
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
@@ -56,6 +67,8 @@ SHORTEST = 1e-4
 RAMP = 0.02
 # slownesses (see rates) with motions of their own
 SLOWNESSES = (1.0 / 9.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 3.0, 9.0)
+# motions of a knot after the ideal one and these: of links that crawl what goes with the slowness, its square
+LINEAR, SQUARE = 7, 8
 # share of the largest torque that stands for a stall torque of nothing
 LEAST_STALL = 0.01
 
@@ -78,60 +91,62 @@ def crawl(p, d, side, knot):
     Drags go with the square of the slowness, what is viscous goes with it.
     """
     set_losses(p, d, 1.0 / side.slow)
-    linear, square = knot.slower[len(SLOWNESSES)], knot.slower[len(SLOWNESSES) + 1]
     ratio = knot.ratio
     # of the mesh, over the slip
     pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
     overrun = side.direction * pulling + d.output_drag_viscous * ratio
     ahead = d.output_drag - d.housing_drag
-    omega2 = 0.0
+    omega2 = linear = square = 0.0
     if ratio == 0.0:
-        linear.torque[0] = max(overrun, 0.0)
-        square.torque[0] = 0.0
+        linear = max(overrun, 0.0)
     elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
         omega2 = ratio
-        linear.torque[0] = driving
-        square.torque[0] = -d.housing_drag
+        linear = driving
+        square = -d.housing_drag
     else:
         if ahead == 0.0 and overrun > 0.0:
             omega2 = overrun / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
-        linear.torque[0] = -d.output_drag_viscous * (ratio - omega2)
-        square.torque[0] = -d.output_drag
-    linear.omega2[0] = omega2
-    square.omega2[0] = 0.0
-    for cause in range(len(linear.lost)):
-        linear.lost[cause] = square.lost[cause] = 0.0
+        linear = -d.output_drag_viscous * (ratio - omega2)
+        square = -d.output_drag
+    knot.value[TORQUE + LINEAR], knot.value[TORQUE + SQUARE] = linear, square
+    knot.value[OMEGA2 + LINEAR], knot.value[OMEGA2 + SQUARE] = omega2, 0.0
     slip = 1.0 - side.direction * omega2
     over = ratio - omega2
-    linear.lost[VISCOUS] = d.b1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
-    linear.lost[MESH] = d.mesh_loss * pulling * slip * slip
-    linear.lost[FREEWHEEL] = d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over
-    square.lost[FREEWHEEL] = d.housing_drag * omega2 + d.output_drag * over
+    clear_losses(knot, LINEAR)
+    viscous = d.b1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
+    knot.lost[MOTIONS * VISCOUS + LINEAR] = viscous
+    knot.lost[MOTIONS * MESH + LINEAR] = d.mesh_loss * pulling * slip * slip
+    drag = d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over
+    knot.lost[MOTIONS * FREEWHEEL + LINEAR] = drag
+    knot.lost[MOTIONS * FREEWHEEL + SQUARE] = d.housing_drag * omega2 + d.output_drag * over
 
 
-def lock_losses(p, d, side, knot, last):
+def clear_losses(knot, first):
+    """Clear the losses of a knot from one motion on."""
+    for n in range(len(knot.lost)):
+        if n % MOTIONS >= first:
+            knot.lost[n] = 0.0
+
+
+def lock_losses(p, d, side, knot):
     """Write what losses leave where links 1 and 2 turn together with the output: friction and drag.
 
     Args:
-        last: the knot before, whose torque goes on.
+        knot: with the torques of the one before, which go on.
     """
     set_losses(p, d, 1.0 / side.slow if side.slow != 0.0 else 0.0)
     square = knot.ratio * knot.ratio
-    for m in range(len(knot.slower)):
-        slower = knot.slower[m]
-        slower.torque[0] = last.slower[m].torque[0]
-        slower.omega2[0] = knot.ratio if m <= len(SLOWNESSES) else 0.0
+    clear_losses(knot, 0)
+    for m in range(1, MOTIONS):
         # of links that crawl what goes with the slowness, and with its square
-        slow, slow2 = 1.0, 0.0
-        if m < len(SLOWNESSES):
-            slow, slow2 = SLOWNESSES[m], SLOWNESSES[m] * SLOWNESSES[m]
-        elif m > len(SLOWNESSES):
-            slow, slow2 = 0.0, 1.0
-        for cause in range(len(knot.lost)):
-            knot.lost[cause] = slower.lost[cause] = 0.0
-        slower.lost[VISCOUS] = slow * (d.b1 + d.b2) * square
-        slower.lost[FREEWHEEL] = slow * d.housing_drag_viscous * square + slow2 * d.housing_drag * knot.ratio
+        slow, slow2 = (0.0, 1.0) if m == SQUARE else (1.0, 0.0)
+        if m < LINEAR:
+            slow, slow2 = SLOWNESSES[m - 1], SLOWNESSES[m - 1] * SLOWNESSES[m - 1]
+        knot.value[OMEGA2 + m] = knot.ratio if m < SQUARE else 0.0
+        knot.lost[MOTIONS * VISCOUS + m] = slow * (d.b1 + d.b2) * square
+        drag = slow * d.housing_drag_viscous * square + slow2 * d.housing_drag * knot.ratio
+        knot.lost[MOTIONS * FREEWHEEL + m] = drag
 
 
 def find_end(d, side):
@@ -167,6 +182,8 @@ def add_knot(p, d, w, side, n, ratio):
         knot.ratio = ratio / write_steady(d, w, knot)
         found = n == 0 or knot.ratio > side.knots[n - 1].ratio
         found = found and (n == count or knot.ratio < side.knots[n].ratio)
+        if count == 0 and d.lossy != 0.0:
+            side.slow = slow_speed(p, d, knot.value[TORQUE])
     if found and side.slow != 0.0:
         found = add_slower(p, d, w, side, knot, held)
     if not found:
@@ -193,24 +210,24 @@ def foresee(w, side, n, ratio):
     w.begin_omega2 = max(a.begin_omega2 + t * (b.begin_omega2 - a.begin_omega2), 0.0)
 
 
-def write_means(w, values, v):
-    """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, into a knot."""
-    values.torque[0] = w.sum_torque / (w.sum_time * v * v)
-    values.omega2[0] = max(0.0, w.sum_omega2 / (w.sum_time * v))
-    for cause in range(len(values.lost)):
-        values.lost[cause] = w.sum_lost[cause] / (w.sum_time * v**3)
+def write_means(w, knot, m, v):
+    """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, as motion m."""
+    knot.value[TORQUE + m] = w.sum_torque / (w.sum_time * v * v)
+    knot.value[OMEGA2 + m] = max(0.0, w.sum_omega2 / (w.sum_time * v))
+    for cause in range(len(w.sum_lost)):
+        knot.lost[MOTIONS * cause + m] = w.sum_lost[cause] / (w.sum_time * v**3)
 
 
 def write_steady(d, w, knot):
     """Write the motion in the sums into the knot. Returns its speed v."""
     v = speed_of_sums(d, w)
     time = w.sum_time
-    write_means(w, knot, v)
+    write_means(w, knot, 0, v)
     # mean energy of links 1 and 2 without J1, or the mean speed of link 1
-    knot.input[0] = 2.0 * w.sum_energy / time - d.J1
+    knot.value[INPUT] = 2.0 * w.sum_energy / time - d.J1
     if d.by_torque != 0.0:
-        knot.input[0] = abs(w.sum_omega1) / (time * v)
-    variance = w.sum_square / (time * v**4) - knot.torque[0] * knot.torque[0]
+        knot.value[INPUT] = abs(w.sum_omega1) / (time * v)
+    variance = w.sum_square / (time * v**4) - knot.value[TORQUE] * knot.value[TORQUE]
     knot.ripple = math.sqrt(max(variance, 0.0))
     knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
     knot.peak = w.sum_peak / (v * v)
@@ -221,27 +238,25 @@ def add_slower(p, d, w, side, knot, held):
     """Find what friction and drag leave at this knot. Returns whether there are all these steady motions."""
     crawl(p, d, side, knot)
     before = growth = 0.0
-    for cause in range(len(knot.lost)):
-        growth += side.direction * knot.slower[len(SLOWNESSES)].lost[cause]
-    # under its torque links at the lowest speed crawl: rounding decides whether there is a steady motion
-    last = len(SLOWNESSES) - (1 if d.by_torque != 0.0 else 0)
-    for m in range(last):
-        slower = knot.slower[m]
+    for cause in range(len(w.sum_lost)):
+        growth += side.direction * knot.lost[MOTIONS * cause + LINEAR]
+    for m in range(1, LINEAR):
+        slow = SLOWNESSES[m - 1]
+        if m == LINEAR - 1 and d.by_torque != 0.0:
+            # under its torque links at the lowest speed crawl: rounding decides whether there is a motion
+            knot.value[TORQUE + m] = slow * (knot.value[TORQUE + LINEAR] + slow * knot.value[TORQUE + SQUARE])
+            knot.value[OMEGA2 + m] = knot.value[OMEGA2 + LINEAR]
+            for n in range(0, len(knot.lost), MOTIONS):
+                knot.lost[n + m] = slow * (knot.lost[n + LINEAR] + slow * knot.lost[n + SQUARE])
+            break
         given = w.drive
-        w.drive += growth * (SLOWNESSES[m] - before)
-        if not settle(p, w, side, held, SLOWNESSES[m] / side.slow):
+        w.drive += growth * (slow - before)
+        if not settle(p, w, side, held, slow / side.slow):
             return False
-        growth = (w.drive - given) / (SLOWNESSES[m] - before)
-        before = SLOWNESSES[m]
-        write_means(w, slower, speed_of_sums(d, w))
-        slower.omega2[0] = min(slower.omega2[0], knot.ratio)
-    for m in range(last, len(SLOWNESSES)):
-        slower, linear, square = knot.slower[m], knot.slower[m + 1], knot.slower[m + 2]
-        slow = SLOWNESSES[m]
-        slower.torque[0] = slow * (linear.torque[0] + slow * square.torque[0])
-        slower.omega2[0] = linear.omega2[0]
-        for cause in range(len(knot.lost)):
-            slower.lost[cause] = slow * (linear.lost[cause] + slow * square.lost[cause])
+        growth = (w.drive - given) / (slow - before)
+        before = slow
+        write_means(w, knot, m, speed_of_sums(d, w))
+        knot.value[OMEGA2 + m] = min(knot.value[OMEGA2 + m], knot.ratio)
     return True
 
 
@@ -257,25 +272,25 @@ def end_map(p, d, w, side, end):
     if side.locks != 0.0:
         if d.by_torque != 0.0:
             # there both turn alike, faster than link 1 on average before where it is light
-            ratio = max(last.input[0], last.ratio * (1.0 + LAST_SLIP))
+            ratio = max(last.value[INPUT], last.ratio * (1.0 + LAST_SLIP))
             knot = w.knot
             copy(knot.numbers, last.numbers)
-            knot.ratio = knot.input[0] = knot.omega2[0] = ratio
-            lock_losses(p, d, side, knot, last)
+            knot.ratio = knot.value[INPUT] = knot.value[OMEGA2] = ratio
+            lock_losses(p, d, side, knot)
             insert_knot(side, count, knot, 0.0)
-    elif d.by_torque != 0.0 and last.torque[0] > MAP_ERROR * side.knots[0].torque[0]:
+    elif d.by_torque != 0.0 and last.value[TORQUE] > MAP_ERROR * side.knots[0].value[TORQUE]:
         knot = w.knot
         copy(knot.numbers, last.numbers)
         knot.ratio = max(end, last.ratio * (1.0 + RAMP))
-        knot.torque[0] = knot.ripple = knot.peak = 0.0
+        knot.value[TORQUE] = knot.ripple = knot.peak = 0.0
         if side.slow != 0.0:
             crawl(p, d, side, knot)
-            for m in range(len(SLOWNESSES)):
+            for m in range(1, LINEAR):
                 # drag alone is left
-                knot.slower[m].torque[0] = min(knot.slower[m].torque[0], 0.0)
+                knot.value[TORQUE + m] = min(knot.value[TORQUE + m], 0.0)
         insert_knot(side, count, knot, 0.0)
     elif d.lossy == 0.0:
-        last.torque[0] = 0.0
+        last.value[TORQUE] = 0.0
         last.ripple = 0.0
         last.peak = 0.0
 
@@ -335,9 +350,6 @@ def build_side(p, d, w, side, allowed):
         settle(p, w, side, 0.0, 0.0)
         d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
     last_ratio, end = find_end(d, side)
-    if d.lossy != 0.0:
-        settle(p, w, side, 0.0, 0.0)
-        side.slow = slow_speed(p, d, w.sum_torque / (w.sum_time * speed_of_sums(d, w) ** 2))
     if not add_first_knots(p, d, w, side, last_ratio):
         return False
     end_map(p, d, w, side, end)
@@ -350,7 +362,9 @@ def build_side(p, d, w, side, allowed):
             if d.by_torque == 0.0:
                 return False
             side.knots[n].error = 0.0
-    finish_table(side)
+    if side.count > 1.0:
+        for n in range(int(side.count)):
+            set_slopes(side, n)
     side.end = side.knots[int(side.count) - 1].ratio
     return True
 
