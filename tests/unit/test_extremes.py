@@ -54,9 +54,6 @@ LIMITS = [
     Limit("satellite bodies", r"Jt (1000|1e\+06)", "bevel", ANY, DISTANCES),
     # a shaft that swings from the start under a drive that hardly turns: its phase cannot be told
     Limit("input speed under load", "-?(2e-150|1e-200|1e-313) rad/s", ANY, "elastic, event", ERRORS),
-    # averaged: more happens in a step than a mean can tell
-    Limit("inertia ratio", "J2 1e.09", "bevel", "averaged", DISTANCES),
-    Limit("reversal", "ramp through zero in 1e-06 s", ANY, "averaged", DISTANCES),
     # timestepping: motions that multiply errors, steps too long for the motion or the shaft
     Limit("communication step", "1000 s", "bevel", FIXED, ERRORS),
     Limit("fixed step", "10?0? rad", ANY, FIXED, DISTANCES + ENERGIES),
