@@ -63,11 +63,10 @@ def size_afresh(d, x):
     return AFRESH_PHASE / max(d.harmonic * d.k * abs(x.omega1 - x.omega2), 1e-300)
 
 
-def first_size(d, x, limit):
-    """Size a step is tried with first: that carried in the state, if there is one, at most limit.
+def resume_size(d, x):
+    """Take up the step size that the contact mode was left with, where the output is rigid.
 
-    With a rigid output each contact mode goes on with the size it was left with. What link 2 does while it is
-    held and the speed of link 1 is given is known however long the step.
+    What link 2 does while it is held and the speed of link 1 is given is known however long the step.
     """
     mode = int(x.mode)
     if d.elastic == 0.0 and mode != int(x.sized_mode):
@@ -76,6 +75,10 @@ def first_size(d, x, limit):
         if mode != HELD or d.by_torque != 0.0:
             x.step_size = min(x.step_size, size_afresh(d, x))
         x.sized_mode = x.mode
+
+
+def first_size(x, limit):
+    """Size a step is tried with first: that carried in the state, if there is one, at most limit."""
     return min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
 
 
@@ -115,7 +118,8 @@ def try_short_step(d, x, w, remaining):
 
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
-    h = first_size(d, x, limit)
+    resume_size(d, x)
+    h = first_size(x, limit)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
     differentiated = False
     for attempt in range(REJECTIONS):
