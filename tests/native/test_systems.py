@@ -101,8 +101,9 @@ def deviations(identifier, opened, text):
         assert len(there[name]) == len(here) == STEPS + 1
         pairs = zip(transposed(here), transposed(there[name]), strict=True)
         for label, (mine, other) in zip(outputs(identifier), pairs, strict=True):
-            # the error of the integration is nothing but rounding, and which moments a peak sees hangs on it
-            if label in ("energy_residual", "torque_peak", "satellite_force_peak"):
+            # the error of the integration is nothing but rounding, and which moments a peak sees hangs on it,
+            # as do the steps that it takes
+            if label in ("energy_residual", "torque_peak", "satellite_force_peak", "rhs_evaluations"):
                 continue
             size = max(map(abs, mine))
             worst = max(abs(a - b) for a, b in zip(mine, other, strict=True))

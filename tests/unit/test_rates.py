@@ -2,7 +2,7 @@
 
 The rates decide whether a dip of a guard is looked for and which contact mode follows a tie: a wrong one
 costs steps, or shows in a rare motion alone. Those of fidelity averaged are in test_averaged_map.py,
-those of inertia in test_reduced_inertia.py, motion of the imbalance in test_multibody.py.
+those of inertia in test_angles.py, motion of the imbalance in test_multibody.py.
 """
 
 import random

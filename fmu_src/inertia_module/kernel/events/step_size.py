@@ -68,13 +68,18 @@ def resume_size(d, x):
 
     What link 2 does while it is held and the speed of link 1 is given is known however long the step.
     """
-    mode = int(x.mode)
-    if d.elastic == 0.0 and mode != int(x.sized_mode):
-        x.sizes[int(x.sized_mode)] = x.step_size
-        x.step_size = x.sizes[mode] if x.sizes[mode] > 0.0 else AFRESH * x.step_size
-        if mode != HELD or d.by_torque != 0.0:
-            x.step_size = min(x.step_size, size_afresh(d, x))
-        x.sized_mode = x.mode
+    if d.elastic != 0.0 or x.mode == x.sized_mode:
+        return
+    resumed = AFRESH * x.step_size
+    for mode in range(len(x.sizes)):  # what a forged state says is no place in an array
+        if mode == x.sized_mode:
+            x.sizes[mode] = x.step_size
+        elif mode == x.mode and x.sizes[mode] > 0.0:
+            resumed = x.sizes[mode]
+    x.step_size = resumed
+    if x.mode != HELD or d.by_torque != 0.0:
+        x.step_size = min(x.step_size, size_afresh(d, x))
+    x.sized_mode = x.mode
 
 
 def first_size(x, limit):
