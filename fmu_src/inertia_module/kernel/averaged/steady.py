@@ -12,6 +12,7 @@ from ..accumulate import copy
 from ..derive import TWO_PI
 from ..equations.choice import choose_next_states, choose_states
 from ..events.advance import advance_general
+from ..events.step_size import AFRESH
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, kinetic_energy
 
@@ -238,8 +239,9 @@ def follow(d, x, w, length):
             return -1.0, 0.0
         if event:
             choose_next_states(d, x)
-            # what was locked for long moves at once now
-            x.step_size = min(x.step_size, FIRST_PHASE / (d.harmonic * d.k))
+            # what was locked for long moves at once now: the size of its last steps, long ago, says nothing
+            x.sized_mode = x.mode
+            x.step_size = min(AFRESH * x.step_size, FIRST_PHASE / (d.harmonic * d.k))
         time += passed
         energy += w.change.turned3
         left = rest
