@@ -7,9 +7,11 @@ by differences: a light shaft follows the mean torque at once, and a transient m
 from ..codes import FREEWHEEL, VISCOUS
 from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
+from ..events.stages import LOST, OMEGA3, weighed_rate
+from ..events.stages import OMEGA1 as V
 from ..events.step_size import SHORT_SAFETY, SHORT_SHARE, carry_size, first_size, next_factor
-from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR, WEIGHTS
-from ..tableau import STAGES as ROW
+from ..fields import CAUSES
+from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR
 from .rates import (
     COASTING,
     LOCKED,
@@ -23,8 +25,8 @@ from .rates import (
 )
 from .table import TORQUE
 
-# places in fields.FOLLOWED of v and omega3; how many an ideal module has, and with losses
-V, OMEGA3, IDEAL, LOSSY = 1, 3, 11, 17
+# how many of fields.FOLLOWED a module with losses has
+LOSSY = LOST + CAUSES
 # share of the speeds by which one is changed for a difference
 APART = 1e-7
 # what the energies of a step may miss, in errors allowed of the speeds
@@ -75,7 +77,7 @@ def differentiate(d, side, x, w, leg):
 
 def how_many_followed(d):
     """How many of fields.FOLLOWED there are."""
-    return LOSSY if d.lossy != 0.0 else IDEAL
+    return LOSSY if d.lossy != 0.0 else LOST
 
 
 def keep_to_leg(d, side, x, w, leg):
@@ -90,20 +92,12 @@ def make_gentle_step(d, side, x, w, leg, h):
     """Make the step h by the explicit pair: changes of all that is followed, errors as a last stage."""
     w.step = h
     for stage in range(1, GENTLE_END + 1):
-        row = ROW * (GENTLE + stage)
-        v, omega3 = x.omega1, x.omega3
-        for n in range(stage):
-            v += h * WEIGHTS[row + n] * w.rates[n].omega1
-            omega3 += h * WEIGHTS[row + n] * w.rates[n].omega3
+        v = x.omega1 + h * weighed_rate(w, GENTLE + stage, stage, V)
+        omega3 = x.omega3 + h * weighed_rate(w, GENTLE + stage, stage, OMEGA3)
         write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
-    row, row_error = ROW * (GENTLE + GENTLE_END), ROW * GENTLE_ERROR
-    changes, errors = w.change.numbers, w.stages[STAGES - 1].numbers
     for n in range(how_many_followed(d)):
-        change = error = 0.0
-        for stage in range(GENTLE_END + 1):
-            change += WEIGHTS[row + stage] * w.rates[stage].numbers[n]
-            error += WEIGHTS[row_error + stage] * w.rates[stage].numbers[n]
-        changes[n], errors[n] = h * change, h * error
+        w.change.numbers[n] = h * weighed_rate(w, GENTLE + GENTLE_END, GENTLE_END, n)
+        w.stages[STAGES - 1].numbers[n] = h * weighed_rate(w, GENTLE_ERROR, GENTLE_END + 1, n)
     keep_to_leg(d, side, x, w, leg)
 
 
