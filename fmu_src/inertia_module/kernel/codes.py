@@ -9,8 +9,8 @@ HELD_DRIVING = 3
 # none of the guards (events.guards)
 NONE = -1
 
-# causes of losses: viscous friction of links, drives and output; the elastic shaft; meshes; journals of the
-# satellites; freewheels; the air about the satellites
+# causes of losses: viscous friction of links, drives and output; the elastic shaft; and of a machine with
+# losses the meshes; journals of the satellites; freewheels; the air about the satellites
 VISCOUS = 0
 SHAFT = 1
 MESH = 2

@@ -9,8 +9,10 @@ and V_theta the torques of weights and air; f = 1/eta or
 1/(2 - eta) makes the loss of the mesh 2-16 (1 - eta) |M2| |omega1 - omega2| whichever way the power flows.
 """
 
+from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
 from ..inertia import reduced_inertia
 from ..layout import imbalance
+from ..links import friction_power
 from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques, windage_torques
 from .states import GEARED, IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
@@ -251,6 +253,39 @@ def equations(d, x, prescribed, load, fixed, lossy):
     if d.elastic != 0.0:
         driven = shaft - d.friction * (m.omega3 - m.relative) - load
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
+
+
+def power_of_freewheels(d, x, m):
+    """Power that drag and damping of both freewheels take, W, never below 0."""
+    slip = m.omega3 - m.omega2
+    lost = 0.0
+    if x.housing_state == OPEN:
+        lost = -m.housing * m.omega2
+    elif x.housing_state == WOUND:
+        lost = d.housing_damping * m.omega2 * m.omega2
+    if x.output_state == OPEN:
+        lost -= m.output * slip
+    elif x.output_state == WOUND:
+        lost += d.freewheel_damping * slip * slip
+    return lost
+
+
+def write_powers_lost(d, x, m, rates, lossy):
+    """Write the powers that the causes of losses take of the motion in m, after evaluate, into rates, W."""
+    if d.elastic != 0.0:
+        omega4 = m.omega3 - m.relative
+        shaft = d.damping * m.relative * m.relative + d.friction * omega4 * omega4
+        rates.lost[SHAFT] = shaft - d.balancer * d.J4 * m.alpha3 * omega4
+    if d.viscous != 0.0:
+        rates.lost[VISCOUS] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
+    if lossy:
+        slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
+        # of one sign up to the event, and smooth beyond it
+        turned = x.slip_sign * d.k * slip
+        rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
+        rates.lost[JOURNAL] = m.journals * turned
+        rates.lost[FREEWHEEL] = power_of_freewheels(d, x, m)
+        rates.lost[WINDAGE] = m.windage
 
 
 def stored_besides(d, x):

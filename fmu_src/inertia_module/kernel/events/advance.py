@@ -1,11 +1,12 @@
 """The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, JOURNAL, MESH, NONE, SHAFT, VISCOUS, WINDAGE
+from ..codes import FREEWHEEL, MESH, NONE, SHAFT, VISCOUS
 from ..equations.choice import take_speeds
 from ..equations.motion import recall, take_state
 from ..equations.satellites import with_sign_changed
 from ..equations.states import LOCKED, OPEN, WOUND, is_wound
+from ..fields import CAUSES
 from ..loads import INSIDE_PHASE, sample_load
 from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS, last_stage
 from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
@@ -64,7 +65,7 @@ def commit(d, x, w):
     if d.losses != 0.0:
         x.wound_housing += change.wound_housing
         x.wound_output += change.wound_output
-        for cause in (MESH, JOURNAL, FREEWHEEL, WINDAGE):
+        for cause in range(MESH, CAUSES):
             add_loss(x, cause, change.lost[cause])
     x.input_impulse += change.drive
     x.housing_impulse += change.housing

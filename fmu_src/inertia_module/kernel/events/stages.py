@@ -3,10 +3,8 @@
 w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
 """
 
-from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
-from ..equations.motion import equations, evaluate
-from ..equations.states import IDEAL, LOCKED, LOSSY, OPEN, WOUND
-from ..links import friction_power
+from ..equations.motion import equations, evaluate, write_powers_lost
+from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import SLIP, how_many_guards, value_and_rate
 
@@ -27,21 +25,6 @@ def how_many_move(d):
     if d.elastic == 0.0:
         return RIGID_OUTPUT
     return WITH_WINDUP if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
-
-
-def power_of_freewheels(d, x, m):
-    """Power that drag and damping of both freewheels take, W, never below 0."""
-    slip = m.omega3 - m.omega2
-    lost = 0.0
-    if x.housing_state == OPEN:
-        lost = -m.housing * m.omega2
-    elif x.housing_state == WOUND:
-        lost = d.housing_damping * m.omega2 * m.omega2
-    if x.output_state == OPEN:
-        lost -= m.output * slip
-    elif x.output_state == WOUND:
-        lost += d.freewheel_damping * slip * slip
-    return lost
 
 
 def solve_motion(d, x, w):
@@ -76,25 +59,15 @@ def rates_of(d, x, w, n, lossy):
         rates.turned3 -= m.relative
         rates.twist = m.relative
         rates.relative = m.rate_relative
-        shaft = d.damping * m.relative * m.relative + d.friction * rates.turned3 * rates.turned3
-        rates.lost[SHAFT] = shaft - d.balancer * d.J4 * m.alpha3 * rates.turned3
     rates.work_in = m.drive * m.omega1
     rates.drive = m.drive
     rates.housing = m.housing
     rates.output = m.output
     rates.square = m.output * m.output
-    if d.viscous != 0.0:
-        viscous = friction_power(d, m.omega1, m.omega2, d.b2)
-        rates.lost[VISCOUS] = viscous + d.b3 * m.omega3 * m.omega3
+    write_powers_lost(d, x, m, rates, lossy)
     if lossy:
-        # of one sign up to the event, and smooth beyond it
-        turned = x.slip_sign * rates.q
         rates.wound_housing = -m.omega2 if x.housing_state == WOUND else 0.0
         rates.wound_output = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
-        rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
-        rates.lost[JOURNAL] = m.journals * turned
-        rates.lost[WINDAGE] = m.windage
-        rates.lost[FREEWHEEL] = power_of_freewheels(d, x, m)
     for which in range(how_many_guards(d) if lossy else SLIP):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
