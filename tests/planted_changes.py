@@ -137,7 +137,7 @@ SELECTION = {
 CHANGES = r"""
 equations/satellites.py: turn1 = omega1 {+|-} across * rate_q
 equations/satellites.py: power += speed * {square|speed}
-events/stages.py: rates.lost[WINDAGE] = {|0.5 * }m.windage
+equations/motion.py: rates.lost[WINDAGE] = {|0.5 * }m.windage
 links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
 inertia.py: b1 = mass * (y * z2 {-|+} z * y2)
 inertia.py: b1 {-|+}= d.body_b * sin_a
@@ -243,8 +243,8 @@ equations/satellites.py: spin_x = x1 {+|-} y
 equations/satellites.py: d.weight * (y1 * sine {+|-} z1 * cosine)
 equations/satellites.py: negative = torque {<|>} 0.0
 equations/satellites.py: mass * (y * z1 {-|+} z * y1)
-events/stages.py: lost {-|+}= m.output * slip
-events/stages.py: m.mesh * slip {+|-} m.spun
+equations/motion.py: lost {-|+}= m.output * slip
+equations/motion.py: m.mesh * slip {+|-} m.spun
 events/stages.py: rates.twist = {|-}m.relative
 events/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
 events/error.py: scale = energy if n {>=|<} WORK_IN
