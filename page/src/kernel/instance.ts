@@ -13,6 +13,8 @@ const settable = variables.filter((v) => v.causality === "input" || v.causality 
 
 export class Instance {
   private readonly records = new Records();
+  /** Places of the rates given over the coming step, and of that they are. */
+  private readonly rated: number[] = [];
 
   /** An instance with the start values of the table. */
   constructor() {
@@ -35,8 +37,10 @@ export class Instance {
   setRate(name: string, rate: number): void {
     const input = found(name);
     const numbers = this.records.view();
-    numbers[this.records.offset(RECORD.input) + input.ratePlace] = rate;
-    numbers[this.records.offset(RECORD.input) + input.rateGivenPlace] = 1;
+    const inputs = this.records.offset(RECORD.input);
+    numbers[inputs + input.ratePlace] = rate;
+    numbers[inputs + input.rateGivenPlace] = 1;
+    this.rated.push(inputs + input.ratePlace, inputs + input.rateGivenPlace);
   }
 
   /** Check the parameters, alone and together, and take the initial state.
@@ -53,11 +57,10 @@ export class Instance {
    *  @throws Refused for bad inputs or a bad step; the state is as it was. */
   advance(step: number): void {
     this.call(tables.operations.STEP, step);
+    if (this.rated.length === 0) return;
     const numbers = this.records.view();
-    for (const input of variables.filter((v) => v.causality === "input")) {
-      numbers[this.records.offset(RECORD.input) + input.ratePlace] = 0;
-      numbers[this.records.offset(RECORD.input) + input.rateGivenPlace] = 0;
-    }
+    for (const place of this.rated) numbers[place] = 0;
+    this.rated.length = 0;
   }
 
   /** What cannot be built of a mechanism whose parameters are accepted: a sentence each. */

@@ -4,7 +4,7 @@ import { unpacked } from "./packed";
 import { embedded, tables } from "./tables";
 
 /** Operation, addresses of the records p, d, u, x, y and w, communication step in s. Answers a status. */
-type Call = (operation: bigint, ...recordsAndStep: number[]) => bigint;
+type Call = (operation: bigint, p: number, d: number, u: number, x: number, y: number, w: number, step: number) => bigint;
 
 interface Kernel {
   call: Call;
@@ -64,7 +64,8 @@ export class Records {
 
   /** Call the kernel with these records. Returns its status. */
   call(operation: number, step: number): number {
-    return Number(loaded().call(BigInt(operation), ...this.addresses, step));
+    const [p = NaN, d = NaN, u = NaN, x = NaN, y = NaN, w = NaN] = this.addresses;
+    return Number(loaded().call(BigInt(operation), p, d, u, x, y, w, step));
   }
 
   /** Let another instance have the memory; this one cannot be used any more. */

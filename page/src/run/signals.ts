@@ -8,10 +8,8 @@ export interface Signal {
 
 export type Input = number | Signal;
 
-/** Value and rate of an input at a time, just after it; constant before the first and after the last point. */
-export function inputAt(input: Input, time: number): { value: number; rate: number } {
-  if (typeof input === "number") return { value: input, rate: 0 };
-  const { times, values } = input;
+/** Value and rate of a signal at a time, just after it; constant before the first and after the last point. */
+export function inputAt({ times, values }: Signal, time: number): { value: number; rate: number } {
   const after = times.findIndex((at) => at > time);
   if (after === 0) return { value: values[0] ?? NaN, rate: 0 };
   if (after === -1) return { value: values.at(-1) ?? NaN, rate: 0 };

@@ -1,7 +1,7 @@
 // A run step by step: a module, its inputs over time, and what it has put into columns.
 
 import { Instance } from "../kernel/instance";
-import { type Input, inputAt } from "./signals";
+import { type Input, type Signal, inputAt } from "./signals";
 
 export interface Plan {
   parameters: Readonly<Record<string, number>>;
@@ -20,6 +20,7 @@ export class Stepping {
   done = 0;
   private readonly instance = new Instance();
   private readonly targets: [number, Float64Array][];
+  private readonly signals: [string, Signal][] = [];
 
   /** @throws Refused where the module refuses the parameters. */
   constructor(private readonly plan: Plan) {
@@ -31,7 +32,11 @@ export class Stepping {
     });
     try {
       this.instance.set(plan.parameters);
-      this.setInputs();
+      for (const [name, input] of Object.entries(plan.inputs)) {
+        if (typeof input === "number") this.instance.set({ [name]: input });
+        else this.signals.push([name, input]);
+      }
+      this.setSignals();
       this.instance.start();
     } catch (error) {
       this.instance.release();
@@ -48,7 +53,7 @@ export class Stepping {
   /** Take one communication step.
    *  @throws Refused where the module refuses it. */
   advance(): void {
-    this.setInputs();
+    this.setSignals();
     this.instance.advance(this.plan.step);
     this.done += 1;
     this.keep();
@@ -58,12 +63,12 @@ export class Stepping {
     this.instance.release();
   }
 
-  private setInputs(): void {
+  private setSignals(): void {
     const time = this.done * this.plan.step;
-    for (const [name, input] of Object.entries(this.plan.inputs)) {
-      const { value, rate } = inputAt(input, time);
+    for (const [name, signal] of this.signals) {
+      const { value, rate } = inputAt(signal, time);
       this.instance.set({ [name]: value });
-      if (typeof input !== "number") this.instance.setRate(name, rate);
+      this.instance.setRate(name, rate);
     }
   }
 
