@@ -163,7 +163,9 @@ def step_error(d, x, w, fastest):
     energy = 0.0
     if counts(d, x, w, WORK_IN):
         energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
-        energy = max(energy, FROM_REST * momentum * fastest)
+        # at rest a shaft that a load begins to twist, which moves the links later, is all that there is
+        twisted = 0.5 * d.stiffness * w.change.twist * w.change.twist
+        energy = max(energy, FROM_REST * momentum * fastest, twisted)
     for number in range(moving + len(HELD_SUMS)):
         n = MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
