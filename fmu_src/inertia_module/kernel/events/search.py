@@ -144,7 +144,8 @@ def guard_tolerance(d, x, w, which, fastest):
         return VELOCITY_ROUNDING * max(imparted, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, w.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
-    return share * torques_at(d, m, w.prescribed, w.load)
+    # (a freewheel feels no load behind a shaft, but the shaft)
+    return share * torques_at(d, m, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
 
 
 def first_event(d, x, w, fastest, cleared):
