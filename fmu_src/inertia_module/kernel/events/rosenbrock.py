@@ -86,7 +86,7 @@ def differentiate_by(d, x, w, n, apart):
     shaft, rates = w.slopes[n], w.rates[0]
     by_driven = shaft.turned3
     lost = 2.0 * (d.damping * rates.twist * shaft.twist + d.friction * rates.turned3 * by_driven)
-    lost -= d.balancer * d.J4 * (rates.omega3 * by_driven + shaft.omega3 * rates.turned3)
+    lost += d.balancer * d.J4 * (rates.omega3 * shaft.twist + shaft.omega3 * rates.twist)
     shaft.lost[SHAFT] = lost
 
 

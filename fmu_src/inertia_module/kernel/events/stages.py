@@ -77,7 +77,8 @@ def rates_of(d, x, w, n, lossy):
         rates.twist = m.relative
         rates.relative = m.rate_relative
         shaft = d.damping * m.relative * m.relative + d.friction * rates.turned3 * rates.turned3
-        rates.lost[SHAFT] = shaft - d.balancer * d.J4 * m.alpha3 * rates.turned3
+        # (less what the balancer would do at the speed of the hub, whose integral advance.commit knows)
+        rates.lost[SHAFT] = shaft + d.balancer * d.J4 * m.alpha3 * m.relative
     rates.work_in = m.drive * m.omega1
     rates.drive = m.drive
     rates.housing = m.housing
