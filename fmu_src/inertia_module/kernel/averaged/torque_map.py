@@ -320,7 +320,7 @@ def add_first_knots(p, d, w, side, most):
 
 
 def extend(p, d, w, side):
-    """Add knots as long as torque is passed: losses hold link 2 until it is thrown from further on, and faster.
+    """Add knots as long as torque is passed: losses may hold link 2 until it is thrown faster.
 
     (Forwards none is passed beyond ratio 1, where the map ends already.)
     """

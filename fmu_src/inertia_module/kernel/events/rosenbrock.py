@@ -110,7 +110,9 @@ def differentiate(d, x, w):
     if x.output_state != LOCKED:
         differentiate_by(d, x, w, MOVE_3, speed)
     differentiate_by(d, x, w, MOVE_TWIST, torque / d.stiffness)
-    slow = min(speed, torque / d.damping) if d.damping > 0.0 else speed
+    # (of the driven mass alone at first, where the hub hardly moves)
+    swing = max(speed, APART * abs(x.relative))
+    slow = min(swing, torque / d.damping) if d.damping > 0.0 else swing
     differentiate_by(d, x, w, MOVE_RELATIVE, slow)
     if x.housing_state == WOUND:
         differentiate_by(d, x, w, MOVE_HOUSING, torque / d.housing_stiffness)

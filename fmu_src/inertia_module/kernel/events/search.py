@@ -126,7 +126,8 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
             if value < -zero:
                 sigma = find_crossing(d, x, w, which, zero, low, high, high, False)
                 if w.pair != THIRDS and is_exact(x, which):
-                    sigma = find_crossing(d, x, w, which, zero, low, high, sigma, True)
+                    # (a torque with a kink may have fallen where its fit has not)
+                    sigma = find_crossing(d, x, w, which, zero, 0.0, high, sigma, True)
                 if sigma >= 0.0:
                     return sigma
         low = high
