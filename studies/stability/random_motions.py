@@ -116,7 +116,8 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     if motion.level.method == TIMESTEPPING:
         name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
     beyond = relative(max(energy - rounding, 0.0), found.energy)
-    figures[name] = Figure(beyond, energy_bound(accuracy))
+    turns = abs(found.end["angle"]) / (2.0 * math.pi)
+    figures[name] = Figure(beyond, energy_bound(accuracy, turns))
     breaches = BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (REGAINED,)
     return figures | {name: Figure(found.share(name), BREACH) for name in breaches}
 

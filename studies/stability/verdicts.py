@@ -49,8 +49,9 @@ from .motion import (
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12
-# tolerances that the energy residual may come to, of the largest energy
+# tolerances that the energy residual may come to, of the largest energy; more for each turn of the drives
 ENERGY_TOLERANCES = 100.0
+PER_TURN = 0.1
 # accuracies, and effects of a change of the problem by a tolerance, that a result may be off
 RESULT_ACCURACIES = 3.0
 # no relative error is allowed to be larger, whatever accuracy is asked for: a looser bound would say nothing
@@ -81,9 +82,9 @@ LEAST_POWER = -15
 SEPARATOR = " | "
 
 
-def energy_bound(accuracy: float) -> float:
-    """Energy residual allowed, of the largest energy."""
-    return min(LARGEST_ERROR, ENERGY_TOLERANCES * accuracy + ROUNDING)
+def energy_bound(accuracy: float, turns: float = 0.0) -> float:
+    """Energy residual allowed, of the largest energy, after so many turns of the drives."""
+    return min(LARGEST_ERROR, (ENERGY_TOLERANCES + PER_TURN * turns) * accuracy + ROUNDING)
 
 
 def result_bound(accuracy: float, sensitivity: float) -> float:

@@ -12,7 +12,7 @@ from .table import INPUT, MOTIONS, OMEGA2, TORQUE, interpolate
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
 # slower than at the lowest speed of the map by this, the torque goes with the square of the speed once more
-SLOWEST = 1e6
+SLOWEST = 1e12
 # to find the ratio of the accelerations from rest
 FROM_REST = 40
 # lowest speed with a motion of its own, and its logarithm
@@ -101,13 +101,12 @@ def curve_at(side, n, s, curve):
     return interpolate(side.knots[n], side.knots[n + 1], curve, s)
 
 
-def look_up(side, x, speed, omega3):
+def look_up(side, x, speed, s):
     """Mean torque over v^2 and mean omega2 over |v| of the map.
 
     Args:
-        side, x: the map, and the state that remembers its knot. speed: |v|. omega3: of the output shaft.
+        side, x: the map, and the state that remembers its knot. speed: |v|. s: ratio of the output to it.
     """
-    s = ratio(omega3, speed)
     n = find_knot(side, x, s)
     if side.slow == 0.0:
         return curve_at(side, n, s, TORQUE)[0], curve_at(side, n, s, OMEGA2)[0]
@@ -142,10 +141,9 @@ def lost_at_knot(knot, cause, now):
     return lost
 
 
-def write_losses(side, x, speed, omega3, lost):
+def write_losses(side, x, speed, s, lost):
     """Write the mean powers that the causes take by the map, over |v|, into lost, N m. Returns their sum."""
     now = shares(slowness(side, speed))
-    s = ratio(omega3, speed)
     n = find_knot(side, x, s)
     here = side.knots[n]
     t = 0.0
@@ -195,7 +193,8 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     x.step_evaluations += 1.0
     # friction and drag resist at rest too
     slow = max(speed, side.slow / SLOWEST)
-    factor, part = look_up(side, x, slow, max(omega3, side.end * slow) if leg == COASTING else omega3)
+    s = ratio(omega3, speed)
+    factor, part = look_up(side, x, slow, max(s, side.end) if leg == COASTING else s)
     torque = factor * slow * slow
     share, share1 = look_up_input(side, x, speed, omega3)
     if leg != SLIPPING:
@@ -209,10 +208,10 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
         for _ in range(FROM_REST):
             share, share1 = look_up_input(side, x, growing, start)[0], 0.0
             growing = share * abs(x.drive_torque) / d.map_inertia
-        _, part = look_up(side, x, growing, start)
+        _, part = look_up(side, x, growing, ratio(start, growing))
     resisting = 0.0
     if d.lossy != 0.0:
-        resisting = write_losses(side, x, slow, omega3, rates.lost)
+        resisting = write_losses(side, x, slow, s, rates.lost)
     beyond = omega3 - passing
     if leg == COASTING:
         # drag alone is left (between its motions the map may have a trace of torque here)
@@ -254,7 +253,6 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
         rates.drive = x.drive_torque
         rates.housing = direction * taken / share - d.b1 * omega1
     else:
-        s = ratio(omega3, speed)
         stored = (d.J1 + share - 0.5 * s * share1) * rate + 0.5 * share1 * rates.omega3
         rates.drive = direction * (stored + taken + d.b1 * speed)
         rates.housing = direction * taken

@@ -74,8 +74,6 @@ def choose_leg(d, side, x, v):
     speed = abs(v)
     if stays_locked(d, side, x, v):
         return LOCKED
-    if x.omega3 == v == trend(d, x) == 0.0 and -min(d.output_drag, d.housing_drag) <= load < 0.0:
-        return RESTING  # drag of both freewheels holds the shaft
     past = beyond_rest(d, side, load, speed)
     if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
         if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):

@@ -239,8 +239,6 @@ def past_end(d, side, x, leg, v, omega3, fastest):
         return max(past, (side.end * speed - omega3) / fastest)
     load = x.load_torque
     if leg == RESTING:
-        if load < 0.0 and x.omega1 == 0.0:
-            return past
         return max(past, beyond_rest(d, side, load, max(speed, 0.0)))
     write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
     most = most_locked_torque(d, side, x, speed)
@@ -250,10 +248,14 @@ def past_end(d, side, x, leg, v, omega3, fastest):
 
 
 def beyond_rest(d, side, load, speed):
-    """How far the mean torque at a shaft at rest is beyond its load, over the torques there are."""
+    """How far the mean torque at a shaft at rest is beyond its load, over the torques there are.
+
+    A load that pushes it is held by the drag of both freewheels.
+    """
     knot = side.knots[0]
     scale = abs(load) + knot.value[TORQUE] * speed * speed + d.housing_drag + d.output_drag
-    return (torque_at_knot(side, knot, speed) - load) / (scale + 1e-300)
+    held = min(d.output_drag, d.housing_drag) if load < 0.0 else 0.0
+    return (torque_at_knot(side, knot, speed) - load - held) / (scale + 1e-300)
 
 
 def most_locked_torque(d, side, x, v):

@@ -293,6 +293,9 @@ def end_map(p, d, w, side, end):
         last.value[TORQUE] = 0.0
         last.ripple = 0.0
         last.peak = 0.0
+    elif side.direction < 0.0:
+        for m in range(LINEAR):
+            last.value[TORQUE + m] = min(last.value[TORQUE + m], 0.0)
 
 
 def add_first_knots(p, d, w, side, most):
@@ -314,6 +317,20 @@ def add_first_knots(p, d, w, side, most):
         else:
             step *= 0.5
     return d.map_evaluations <= MOST_EVALUATIONS
+
+
+def extend(p, d, w, side):
+    """Add knots as long as torque is passed: losses may hold link 2 until it is thrown faster.
+
+    (Forwards none is passed beyond ratio 1, where the map ends already.)
+    """
+    n = int(side.count)
+    least = MAP_ERROR * side.knots[0].value[TORQUE]
+    while 1 < n and 2 * n < len(side.knots) and side.knots[n - 1].value[TORQUE] > least:
+        last = side.knots[n - 1].ratio
+        if not add_knot(p, d, w, side, n, 2.0 * last - side.knots[n - 2].ratio):
+            return
+        n += 1
 
 
 def power_at_speed(p, w, side):
@@ -352,6 +369,8 @@ def build_side(p, d, w, side, allowed):
     last_ratio, end = find_end(d, side)
     if not add_first_knots(p, d, w, side, last_ratio):
         return False
+    if d.lossy != 0.0 and d.by_torque == 0.0 and side.direction < 0.0:
+        extend(p, d, w, side)
     end_map(p, d, w, side, end)
     while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < ENOUGH_EVALUATIONS:
         n, error = worst_interval(side)

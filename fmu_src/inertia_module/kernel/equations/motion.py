@@ -275,7 +275,8 @@ def write_powers_lost(d, x, m, rates, lossy):
     if d.elastic != 0.0:
         omega4 = m.omega3 - m.relative
         shaft = d.damping * m.relative * m.relative + d.friction * omega4 * omega4
-        rates.lost[SHAFT] = shaft - d.balancer * d.J4 * m.alpha3 * omega4
+        # (less what the balancer would do at the speed of the hub, whose integral advance.commit knows)
+        rates.lost[SHAFT] = shaft + d.balancer * d.J4 * m.alpha3 * m.relative
     if d.viscous != 0.0:
         rates.lost[VISCOUS] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
     if lossy:

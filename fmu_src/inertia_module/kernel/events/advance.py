@@ -56,7 +56,8 @@ def commit(d, x, w):
     if d.elastic != 0.0:
         x.twist, x.twist_low = add(x.twist, x.twist_low, change.twist)
         x.relative, x.relative_low = add(x.relative, x.relative_low, change.relative)
-        add_loss(x, SHAFT, change.lost[SHAFT])
+        balancing = d.balancer * d.J4 * (x.omega3 - 0.5 * change.omega3) * change.omega3
+        add_loss(x, SHAFT, change.lost[SHAFT] - balancing)
     work = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * change.turned3)

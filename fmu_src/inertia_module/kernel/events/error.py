@@ -3,7 +3,7 @@
 import math
 
 from ..codes import JOURNAL, MESH
-from ..equations.states import LOCKED, WOUND
+from ..equations.states import LOCKED, OPEN, WOUND, is_wound
 from ..links import kinetic_energy, response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from .stages import (
@@ -57,8 +57,17 @@ def fastest_behind(d, x, w):
     output = max(abs(x.omega3), abs(x.omega3 + w.change.omega3))
     if d.elastic == 0.0:
         return output
-    twisted = TWIST_SHARE * shaft_frequency(d, 1.0 / d.J3) * abs(x.twist)
-    return max(output, abs(x.omega3 - x.relative), twisted)
+    change = w.change
+    twist = max(abs(x.twist), abs(x.twist + change.twist))
+    driven = max(abs(x.omega3 - x.relative), abs(x.omega3 + change.omega3 - x.relative - change.relative))
+    return max(output, driven, TWIST_SHARE * shaft_frequency(d, 1.0 / d.J3) * twist)
+
+
+def speed_behind(d, x, w, fastest):
+    """Speed that links 1 and 2 are measured by: a shaft that winds up freewheels moves them as it moves."""
+    if x.output_state == OPEN or not is_wound(x):
+        return fastest
+    return max(fastest, fastest_behind(d, x, w))
 
 
 def speed_of_torque(d, x, w, fastest):
@@ -73,20 +82,23 @@ def speed_of_torque(d, x, w, fastest):
     return (pulses + abs(w.load) + held) / damping
 
 
-def leniency(d, x, w, rate, fastest):
-    """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
+def speed_of_swing(d, x, w, rate, speed, fastest):
+    """Speed that errors of the shaft's swing are measured by: it holds little where the output moves faster.
 
     A swing wider than pulses make it has been excited by a load, and is followed.
 
     Args:
-        rate: of the shaft between hub and driven mass, rad/s.
+        rate: of the shaft between hub and driven mass, rad/s. speed: that of the output's errors, rad/s.
     """
     change = w.change
     swing = max(abs(x.relative), abs(x.relative + change.relative))
     swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
     moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
     pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
-    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
+    if swing >= min(moved, pulses):
+        return speed
+    # of the output's own speed at most: no error of one that hardly swings may be wider than its swing
+    return max(speed, SWING * moved * min(speed / max(swing, 1e-300), 1.0))
 
 
 def scale_of(d, x, w, n, fastest):
@@ -96,8 +108,9 @@ def scale_of(d, x, w, n, fastest):
         return 1.0
     if n == OMEGA1:
         return max(response(d, d.J1) * fastest, change)
+    moved = speed_behind(d, x, w, fastest)
     if n == OMEGA2:
-        speed = response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * fastest
+        speed = response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * moved
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     speed = response(d, d.J2 + d.J3) * max(fastest, fastest_behind(d, x, w))
     if n == OMEGA3:
@@ -107,12 +120,12 @@ def scale_of(d, x, w, n, fastest):
         if d.F_by_alpha1 == 0.0:
             speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
-            speed *= leniency(d, x, w, rate, fastest)
+            speed = speed_of_swing(d, x, w, rate, speed, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
-        return max(fastest * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
-    return max(fastest * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
+        return max(moved * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
+    return max(moved * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
 
 
 def counts(d, x, w, n):
@@ -159,11 +172,12 @@ def step_error(d, x, w, fastest):
     sum3 = 0.0
     count = 0
     moving = how_many_move(d)
-    momentum = momentum_passed(d) * fastest
+    moved = speed_behind(d, x, w, fastest)
+    momentum = momentum_passed(d) * moved
     energy = 0.0
     if counts(d, x, w, WORK_IN):
         energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
-        energy = max(energy, FROM_REST * momentum * fastest)
+        energy = max(energy, FROM_REST * momentum * moved)
     for number in range(moving + len(HELD_SUMS)):
         n = MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):

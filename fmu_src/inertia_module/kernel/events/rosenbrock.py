@@ -86,7 +86,7 @@ def differentiate_by(d, x, w, n, apart):
     shaft, rates = w.slopes[n], w.rates[0]
     by_driven = shaft.turned3
     lost = 2.0 * (d.damping * rates.twist * shaft.twist + d.friction * rates.turned3 * by_driven)
-    lost -= d.balancer * d.J4 * (rates.omega3 * by_driven + shaft.omega3 * rates.turned3)
+    lost += d.balancer * d.J4 * (rates.omega3 * shaft.twist + shaft.omega3 * rates.twist)
     shaft.lost[SHAFT] = lost
 
 
@@ -110,7 +110,9 @@ def differentiate(d, x, w):
     if x.output_state != LOCKED:
         differentiate_by(d, x, w, MOVE_3, speed)
     differentiate_by(d, x, w, MOVE_TWIST, torque / d.stiffness)
-    slow = min(speed, torque / d.damping) if d.damping > 0.0 else speed
+    # (of the driven mass alone at first, where the hub hardly moves)
+    swing = max(speed, APART * abs(x.relative))
+    slow = min(swing, torque / d.damping) if d.damping > 0.0 else swing
     differentiate_by(d, x, w, MOVE_RELATIVE, slow)
     if x.housing_state == WOUND:
         differentiate_by(d, x, w, MOVE_HOUSING, torque / d.housing_stiffness)

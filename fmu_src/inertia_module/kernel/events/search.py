@@ -126,7 +126,8 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
             if value < -zero:
                 sigma = find_crossing(d, x, w, which, zero, low, high, high, False)
                 if w.pair != THIRDS and is_exact(x, which):
-                    sigma = find_crossing(d, x, w, which, zero, low, high, sigma, True)
+                    # (a torque with a kink may have fallen where its fit has not)
+                    sigma = find_crossing(d, x, w, which, zero, 0.0, high, sigma, True)
                 if sigma >= 0.0:
                     return sigma
         low = high
@@ -144,7 +145,8 @@ def guard_tolerance(d, x, w, which, fastest):
         return VELOCITY_ROUNDING * max(imparted, fastest_output)
     m = d.machine
     share = max(TORQUE_ROUNDING, w.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
-    return share * torques_at(d, m, w.prescribed, w.load)
+    # (a freewheel feels no load behind a shaft, but the shaft)
+    return share * torques_at(d, m, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
 
 
 def first_event(d, x, w, fastest, cleared):
