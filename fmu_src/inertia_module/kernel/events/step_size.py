@@ -3,7 +3,6 @@
 import math
 
 from ..codes import HELD
-from ..equations.states import is_rough
 from ..links import fastest_own_rate
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
@@ -114,9 +113,8 @@ def try_short_step(d, x, w, remaining):
     x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
-    rough = is_rough(d)
     for guard in range(how_many_guards(d)):
-        if is_watched(d, x, guard, rough) and not is_clear(x, w, guard):
+        if is_watched(d, x, guard) and not is_clear(x, w, guard):
             return -1.0
     return fastest
 
