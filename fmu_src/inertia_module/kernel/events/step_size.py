@@ -3,7 +3,7 @@
 import math
 
 from ..codes import HELD
-from ..links import fastest_own_rate
+from ..links import fastest_own_rate, shaft_frequency
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
 from .guards import how_many_guards, is_clear, is_watched
@@ -20,6 +20,9 @@ QUIET_PHASE = 2.0
 # phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
 STIFF = 4.0
 STIFF_SHARE = 0.5
+# a swing of at most so many tolerances of the output's speed is let go of, by a stiff step of this phase,
+# where stiff ones may then grow to so much
+LET_GO, LET_GO_PHASE, WORTH = 5.0, 8.0, 100.0
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 SHORT_SAFETY = 0.9
@@ -119,11 +122,19 @@ def try_short_step(d, x, w, remaining):
     return fastest
 
 
+def swings_little(d, x, w):
+    """Tell whether the swing at the beginning of the step is next to none of the output's motion."""
+    swing = max(abs(x.relative), abs(w.rates[0].relative) / shaft_frequency(d, 1.0 / d.J3))
+    return d.J3 * swing <= LET_GO * w.tolerance * (d.J3 + d.J4) * abs(x.omega3)
+
+
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     resume_size(d, x)
     h = first_size(x, limit)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    if h * own <= STIFF and limit * own > WORTH and swings_little(d, x, w):
+        h = LET_GO_PHASE / own
     differentiated = False
     for attempt in range(REJECTIONS):
         order, safety = 8.0, SAFETY
