@@ -17,7 +17,7 @@ from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations.choice import choose_states
 from inertia_module.kernel.equations.states import LOCKED, OPEN
 from inertia_module.kernel.events.advance import begin_step
-from inertia_module.kernel.events.guards import general_guard, is_exact
+from inertia_module.kernel.events.guards import fitted_guard, is_exact
 from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.links import inertia_at_output, prescribed_at_input
@@ -84,8 +84,8 @@ def in_mode(values, mode, chance):
 def assert_guard_rates(d, x, w, which, **accuracy):
     """That the rates of a guard inside the step in hand are those of its values."""
     for sigma in (0.2, 0.5, 0.8):
-        _, rate = general_guard(x, w, which, sigma)
-        assert_rates(rate, lambda s, sigma=sigma: general_guard(x, w, which, sigma + s)[0], 0.05, **accuracy)
+        _, rate = fitted_guard(x, w, which, sigma)
+        assert_rates(rate, lambda s, sigma=sigma: fitted_guard(x, w, which, sigma + s)[0], 0.05, **accuracy)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -104,7 +104,7 @@ def test_guards_in_an_explicit_step(values, chance, mode):
         assert_guard_rates(d, x, w, which, rel=1e-4, share=1e-6)
         if is_exact(x, which):
             for sigma in (0.2, 0.5, 0.8):
-                value = general_guard(x, w, which, sigma)[0]
+                value = fitted_guard(x, w, which, sigma)[0]
                 assert value == pytest.approx(exact_guard(d, x, w, which, sigma), rel=1e-6, abs=1e-9)
 
 

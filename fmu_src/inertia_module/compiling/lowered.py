@@ -30,7 +30,7 @@ NEEDLESS = (
 # the derivatives they do not want. The compiler by itself finds them too long.
 INLINED = (
     *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
-    *("events.stages.rates_of", "events.stages.weighed_four", "events.guards.watch"),
+    *("events.stages.rates_of", "events.stages.weighed_four"),
     *("inertia.reduced_inertia", "sine.sine_cosine", "sine.sines_cosines"),
 )
 # of all passes: what the first makes simple is short enough to become part of its callers in the second

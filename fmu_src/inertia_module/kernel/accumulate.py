@@ -73,12 +73,6 @@ def wrap_input_angle(x):
         x.input_turns += periods
 
 
-def turn_against(x, load, angle):
-    """Count an angle of the output, driven mass if elastic, and the work on the load."""
-    x.turned3 += angle
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, load * angle)
-
-
 def turn_output(x):
     """Add the angle of the step to that of the output shaft, in [0, 2 pi); whole turns are counted."""
     x.output_angle, x.output_angle_low = add(x.output_angle, x.output_angle_low, x.turned3)

@@ -86,6 +86,10 @@ def derive_bevel(p, d):
     # three satellites or more even out what does not turn with the satellite itself
     d.F_by_speed = 2.0 * reach * (rate if p.satellites <= 2.0 else 2.0 * s * arm)
     d.F_by_alpha1 = d.k * rate * rate + reach * rate
+    # the highest harmonic of q in the reduced inertia
+    d.harmonic = 2.0 * d.s
+    if p.satellites <= 2.0:
+        d.harmonic = 2.0 + 2.0 * d.s
 
 
 def derive_planar(p, d):
@@ -105,6 +109,7 @@ def derive_planar(p, d):
     d.pole_arm = 0.0
     d.spin = 0.0
     derive_period(1.0, d)
+    d.harmonic = 1.0
     d.F_by_slip = 0.0
     d.F_by_speed = 2.0 * arm * centre
     d.F_by_alpha1 = d.k * arm * arm + arm * (arm + centre)
@@ -179,16 +184,6 @@ def add_bodies(p, d):
     d.F_by_alpha1 += d.k * (abs(d.body_b) + (1.0 + d.k) * own)
 
 
-def derive_harmonic(p, d):
-    """Highest harmonic of q in the reduced inertia: how finely a guard has to be sampled."""
-    if d.planar != 0.0:
-        d.harmonic = 1.0
-    elif p.satellites <= 2.0:
-        d.harmonic = 2.0 + 2.0 * d.s
-    else:
-        d.harmonic = 2.0 * d.s
-
-
 def lightest_link2(d):
     """Least inertia behind link 2, J2 + k^2 G, over its largest, in a turn.
 
@@ -238,7 +233,6 @@ def derive(p, d):
     d.single = 1.0 if p.satellites == 1.0 else 0.0
     d.paired = 1.0 if p.satellites <= 2.0 else 0.0
     d.mass = p.imbalance_mass * p.modules * p.satellites
-    derive_harmonic(p, d)
     d.J1 = p.input_inertia
     d.J2 = p.link2_inertia
     d.J3 = p.output_inertia
@@ -274,7 +268,6 @@ def derive(p, d):
     singular = not d.lightest > SINGULAR_RATIO
     if d.by_torque != 0.0:
         d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
-    if p.drive == DRIVE_TORQUE:
         if p.fidelity == KINEMATIC:
             return PRESCRIBED
         if not p.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:

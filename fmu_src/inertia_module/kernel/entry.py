@@ -1,19 +1,7 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .accumulate import copy
-from .codes import (
-    CHECK,
-    ELASTIC,
-    OK,
-    OUTPUTS,
-    RATES,
-    RIGID,
-    START,
-    STEP_TO_SWITCH,
-    SWITCH,
-    TUNE,
-    WARN,
-)
+from .codes import CHECK, ELASTIC, OK, OUTPUTS, RATES, RIGID, START, STEP_TO_SWITCH, SWITCH, TUNE, WARN
 from .derive import warnings
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate

@@ -56,16 +56,8 @@ STATE = (
     # fixed steps: I, I', B, G at q, and the friction by load in the last one, N m
     *("i", "i1", "b", "g", "friction"),
     # general: what freewheels and slip do, wind-up; impulse of Th in the step
-    *(
-        "housing_state",
-        "output_state",
-        "slip_sign",
-        "flow_sign",
-        "spin_signs",
-        "wound_housing",
-        "wound_output",
-        "housing_impulse",
-    ),
+    *("housing_state", "output_state", "slip_sign", "flow_sign", "spin_signs"),
+    *("wound_housing", "wound_output", "housing_impulse"),
     # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
     *("ended", "slip_reached_zero", "switching"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
@@ -184,16 +176,8 @@ WORKSPACE = (
     # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it
-    *(
-        "sum_time",
-        "sum_torque",
-        "sum_square",
-        "sum_energy",
-        "sum_gain",
-        "sum_omega1",
-        "sum_omega2",
-        "sum_peak",
-    ),
+    *("sum_time", "sum_torque", "sum_square", "sum_energy"),
+    *("sum_gain", "sum_omega1", "sum_omega2", "sum_peak"),
     ("sum_lost", CAUSES),
     # state at the beginning of the call, of two short steps for rates, of a part of a step
     *(("before", STATE), ("kept", STATE), ("part", STATE)),

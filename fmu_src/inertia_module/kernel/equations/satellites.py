@@ -10,6 +10,13 @@ from ..inertia import reduced_inertia
 from ..layout import acceleration, imbalance
 from ..sine import sine_cosine
 
+# angles in one turn at which it is looked at, for each of its highest harmonics; turns looked at
+ANGLES = 64
+# satellites at most whose torques' signs are followed: bits of one number, set where negative
+MANY = 50
+# in place of that number: signs as the torques have them
+AS_THEY_ARE = -1.0
+
 
 def inertia_at(d, place):
     """Part of inertia.reduced_inertia for motion.evaluate, of one bevel imbalance whose place is known."""
@@ -23,14 +30,6 @@ def inertia_at(d, place):
         mass * (x1 * x1 + y1 * y1 + z1 * z1) + d.J16,
         2.0 * mass * (x1 * x2 + y1 * y2 + z1 * z2),
     )
-
-
-# angles in one turn at which it is looked at, for each of its highest harmonics; turns looked at
-ANGLES = 64
-# satellites at most whose torques' signs are followed: bits of one number, set where negative
-MANY = 50
-# in place of that number: signs as the torques have them
-AS_THEY_ARE = -1.0
 
 
 def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):

@@ -6,15 +6,8 @@ their torques, by the signs that the losses go by.
 """
 
 from ..equations.satellites import MANY
-from ..equations.states import OPEN, WOUND
-from ..tableau import (
-    NODES,
-    PARTS,
-    THIRDS,
-    dense_change,
-    dense_rate,
-    last_stage,
-)
+from ..equations.states import OPEN, WOUND, is_rough
+from ..tableau import NODES, PARTS, THIRDS, dense_change, dense_rate, last_stage
 
 HOUSING = 0
 OUTPUT = 1
@@ -36,10 +29,10 @@ def how_many_guards(d):
     return SPIN + int(d.number)
 
 
-def is_watched(d, x, which, rough):
-    """Tell whether this guard can end what is; rough: see states.is_rough."""
+def is_watched(d, x, which):
+    """Tell whether this guard can end what is."""
     if which == SLIP:
-        return rough
+        return is_rough(d)
     if which >= FLOW:
         return x.slip_sign != 0.0 and (which > FLOW or d.mesh_loss != 0.0)
     return (d.housing if which == HOUSING else d.output) != 0.0
@@ -130,7 +123,7 @@ def fit_through(x, w, which):
         one.dense[3] = 2.25 * (first + second - begin - end)
 
 
-def general_guard(x, w, which, sigma):
+def fitted_guard(x, w, which, sigma):
     """A guard at the fraction sigma of the step and its rate per unit of sigma, from its fit.
 
     What the guard lacks of zero at the beginning is rounding, and left out, but that of a spring.
@@ -148,7 +141,7 @@ def general_guard(x, w, which, sigma):
     return value - (0.0 if is_spring(x, which) else min(start, 0.0)), 0.5 * slope / APART
 
 
-def general_fourth_bound(x, w, which):
+def fourth_bound_of_fit(x, w, which):
     """Bound of the fourth derivative of the fit."""
     dense = w.watched[which].dense
     if is_speed(x, which) or w.pair == THIRDS:

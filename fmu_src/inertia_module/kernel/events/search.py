@@ -11,13 +11,12 @@ import math
 from ..codes import NONE
 from ..equations.choice import torques_at
 from ..equations.motion import recall
-from ..equations.states import is_rough
 from ..links import response
 from ..tableau import END, PARTS, STAGES, THIRDS, fit
 from .guards import (
     fit_through,
-    general_fourth_bound,
-    general_guard,
+    fitted_guard,
+    fourth_bound_of_fit,
     how_many_guards,
     is_clear,
     is_exact,
@@ -79,7 +78,7 @@ def find_crossing(d, x, w, which, zero, low, high, sigma, exact):
     """
     fallen = not exact
     for _ in range(CROSSING_LOOKS):
-        value, rate = general_guard(x, w, which, sigma)
+        value, rate = fitted_guard(x, w, which, sigma)
         if exact:
             value = exact_guard(d, x, w, which, sigma)
         if -4.0 * zero <= value < -zero:
@@ -109,10 +108,10 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """
     part = 1.0 / looks
     low = 0.0
-    value_low, rate_low = general_guard(x, w, which, low)
+    value_low, rate_low = fitted_guard(x, w, which, low)
     high = part
     while low < 1.0:
-        value, rate = general_guard(x, w, which, high)
+        value, rate = fitted_guard(x, w, which, high)
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low
@@ -154,10 +153,9 @@ def first_event(d, x, w, fastest, cleared):
     earliest = -1.0
     which = NONE
     inside = False
-    rough = is_rough(d)
     looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
     for guard in range(how_many_guards(d)):
-        if guard == cleared or not is_watched(d, x, guard, rough):
+        if guard == cleared or not is_watched(d, x, guard):
             continue
         if is_clear(x, w, guard):
             continue
@@ -169,7 +167,7 @@ def first_event(d, x, w, fastest, cleared):
                 inside = True
             fit(w.step, w.watched[guard].rate, w.watched[guard].dense)
         zero = guard_tolerance(d, x, w, guard, fastest)
-        sigma = first_crossing(d, x, w, guard, zero, general_fourth_bound(x, w, guard), looks)
+        sigma = first_crossing(d, x, w, guard, zero, fourth_bound_of_fit(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard

@@ -3,8 +3,7 @@
 import math
 
 from ..codes import HELD
-from ..equations.states import is_rough
-from ..links import fastest_own_rate
+from ..links import fastest_own_rate, shaft_frequency
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
 from .guards import how_many_guards, is_clear, is_watched
@@ -21,6 +20,9 @@ QUIET_PHASE = 2.0
 # phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
 STIFF = 4.0
 STIFF_SHARE = 0.5
+# a swing of at most so many tolerances of the output's speed is let go of, by a stiff step of this phase,
+# where stiff ones may then grow to so much
+LET_GO, LET_GO_PHASE, WORTH = 5.0, 8.0, 100.0
 # steps are often as long as is stable, and a little longer are tried in vain
 SAFETY = 0.8
 SHORT_SAFETY = 0.9
@@ -114,11 +116,16 @@ def try_short_step(d, x, w, remaining):
     x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
-    rough = is_rough(d)
     for guard in range(how_many_guards(d)):
-        if is_watched(d, x, guard, rough) and not is_clear(x, w, guard):
+        if is_watched(d, x, guard) and not is_clear(x, w, guard):
             return -1.0
     return fastest
+
+
+def swings_little(d, x, w):
+    """Tell whether the swing at the beginning of the step is next to none of the output's motion."""
+    swing = max(abs(x.relative), abs(w.rates[0].relative) / shaft_frequency(d, 1.0 / d.J3))
+    return d.J3 * swing <= LET_GO * w.tolerance * (d.J3 + d.J4) * abs(x.omega3)
 
 
 def try_steps(d, x, w, limit):
@@ -126,6 +133,8 @@ def try_steps(d, x, w, limit):
     resume_size(d, x)
     h = first_size(x, limit)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    if h * own <= STIFF and limit * own > WORTH and swings_little(d, x, w):
+        h = LET_GO_PHASE / own
     differentiated = False
     for attempt in range(REJECTIONS):
         order, safety = 8.0, SAFETY

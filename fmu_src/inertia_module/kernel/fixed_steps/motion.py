@@ -8,7 +8,7 @@ midpoint rule.
 
 import math
 
-from ..accumulate import add, add_loss, copy, turn_against
+from ..accumulate import add, add_loss, copy
 from ..codes import SHAFT, VISCOUS
 from ..equations.satellites import AS_THEY_ARE, spin_torques, weight_torques
 from ..impulse import push_driven_mass
@@ -355,5 +355,7 @@ def turn_shaft(d, x, w, end3, h):
             x.relative = 0.0
             x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    turn_against(x, w.load, h * mean4)
+    angle = h * mean4
+    x.turned3 += angle
+    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * angle)
     x.omega3 = end3
