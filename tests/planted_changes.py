@@ -157,7 +157,7 @@ accumulate.py: shift)) {+|-} (change - shift)
 accumulate.py: angle_low {-|+} periods * period_low
 averaged/step.py: x.load_torque * h {+|-} d.b3 * change.turned3
 averaged/step.py: change.output {+|-} d.b2 * change.omega2 - change.housing
-accumulate.py: x.energy_out_low, load {*|+} angle
+fixed_steps/motion.py: x.energy_out_low, w.load {*|+} angle
 events/stages.py: rates.square = m.output {*|+} m.output
 tableau.py: *(0.11846{3|4}
 links.py: d.b1 * omega1 * omega1 {+|-} d.bq * rate_q * rate_q + friction
