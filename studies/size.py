@@ -40,12 +40,12 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7524,
+    "kernel": 7521,
     "compiling": 683,
     "harness": 2235,
     "fidelity": 809,
     "export, page, cli, common": 1792,
-    "package": 22956,
+    "package": 22953,
     "studies": 6575,
     "tests": 16662,
 }
