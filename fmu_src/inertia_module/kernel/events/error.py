@@ -82,23 +82,20 @@ def speed_of_torque(d, x, w, fastest):
     return (pulses + abs(w.load) + held) / damping
 
 
-def speed_of_swing(d, x, w, rate, speed, fastest):
-    """Speed that errors of the shaft's swing are measured by: it holds little where the output moves faster.
+def leniency(d, x, w, rate, fastest):
+    """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
 
     A swing wider than pulses make it has been excited by a load, and is followed.
 
     Args:
-        rate: of the shaft between hub and driven mass, rad/s. speed: that of the output's errors, rad/s.
+        rate: of the shaft between hub and driven mass, rad/s.
     """
     change = w.change
     swing = max(abs(x.relative), abs(x.relative + change.relative))
     swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
     moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
     pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
-    if swing >= min(moved, pulses):
-        return speed
-    # of the output's own speed at most: no error of one that hardly swings may be wider than its swing
-    return max(speed, SWING * moved * min(speed / max(swing, 1e-300), 1.0))
+    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
 
 
 def scale_of(d, x, w, n, fastest):
@@ -120,7 +117,7 @@ def scale_of(d, x, w, n, fastest):
         if d.F_by_alpha1 == 0.0:
             speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
-            speed = speed_of_swing(d, x, w, rate, speed, fastest)
+            speed *= leniency(d, x, w, rate, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
