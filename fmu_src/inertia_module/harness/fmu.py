@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Mapping, Sequence
-from ctypes import c_double, c_uint, c_void_p
+from ctypes import Structure, addressof, byref, c_double, c_size_t, c_uint, c_void_p
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
@@ -12,13 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FmuError, did_you_mean
+from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
 
 if TYPE_CHECKING:
     from .loading import Unpacked
 
-__all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu"]
+__all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu", "run"]
 
+Array = NDArray[np.float64]
+
+# function of the native FMUs that takes many steps in one call
+RUN = "inertiaModuleRun"
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 # calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
@@ -26,6 +33,11 @@ _CALLS = {
     "2.0": {"Real": "Real", "Boolean": "Boolean", "": "Integer"},
     "3.0": {"Real": "Float64", "Boolean": "Boolean", "Enumeration": "Int64", "": "Int32"},
 }
+
+
+# a run is made of calls of at least so many steps; s that they take about: progress and Ctrl-C come in between
+FEWEST_STEPS = 64
+CALL_TIME = 0.1
 
 
 class Closing:
@@ -53,6 +65,55 @@ class Plant(Protocol):
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
         """Read values by name."""
+
+
+def _take_steps(
+    plant: Plant, lengths: Array, names: Sequence[str], inputs: Array, outputs: Sequence[str]
+) -> Array:
+    """Take steps with a plant, one after the other; see Fmu.take_steps."""
+    rows = [plant.read(outputs)]
+    for length, values in zip(lengths.tolist(), inputs.tolist(), strict=True):
+        plant.set(**dict(zip(names, values, strict=True)))
+        plant.advance(length)
+        rows.append(plant.read(outputs))
+    return np.array(rows)
+
+
+def run(
+    plant: Plant,
+    lengths: Array,
+    inputs: Mapping[str, Array],
+    outputs: Sequence[str],
+    progress: Progress | None = None,
+) -> Array:
+    """Run a plant with given inputs: many steps in one call where it has one for that, the same bits anyway.
+
+    Args:
+        plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
+        inputs: by name, for each step, shape (steps,). outputs: names.
+        progress: told how much of the run is done (0 to 1).
+
+    Returns:
+        The outputs at the start and after each step, shape (steps + 1, outputs).
+
+    Raises:
+        Refused: as set, advance and read of the plant.
+    """
+    take_steps = getattr(plant, "take_steps", None) or partial(_take_steps, plant)
+    names, table = tuple(inputs), np.empty((lengths.size, len(inputs)))
+    for place, values in enumerate(inputs.values()):
+        table[:, place] = values
+    rows = np.empty((lengths.size + 1, len(outputs)))
+    done, number = 0, FEWEST_STEPS
+    while True:
+        end, begun = min(done + number, lengths.size), time.perf_counter()
+        rows[done : end + 1] = take_steps(lengths[done:end], names, table[done:end], outputs)
+        number = 2 * number if time.perf_counter() - begun < CALL_TIME else FEWEST_STEPS
+        done = end
+        if progress is not None:
+            progress(done / lengths.size)
+        if done == lengths.size:
+            return rows
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -129,6 +190,16 @@ class Kept(NamedTuple):
     time: float
 
 
+class Run(Structure):
+    """Many steps as the native FMUs take them in one call: struct run of fmu/shell/instance.h."""
+
+    _fields_ = (
+        *(("time", c_double), ("steps", c_size_t), ("input_count", c_size_t), ("output_count", c_size_t)),
+        *((name, c_void_p) for name in ("input_references", "output_references")),
+        *((name, c_void_p) for name in ("lengths", "inputs", "outputs")),
+    )
+
+
 class Fmu(Closing):
     """One co-simulation instance of an FMU, 2.0 or 3.0, initialised and ready to step; a context manager.
 
@@ -171,6 +242,7 @@ class Fmu(Closing):
         self._unpacked: Unpacked | None = None
         self._instance: Any = None
         self._readers: dict[tuple[str, ...], tuple[Any, Any, int, list[tuple[int, str]]]] = {}
+        self._arrays: dict[tuple[str, ...], Any] = {}
         try:
             self._load()
             self._call("setupExperiment", tolerance, start_time, stop_time)
@@ -259,6 +331,13 @@ class Fmu(Closing):
     def _references(self, names: str | Sequence[str]) -> list[int]:
         return [self._variable(name).valueReference for name in as_names(names)]
 
+    def _address(self, names: Sequence[str]) -> int:
+        """Address of the value references of some names."""
+        key = tuple(names)
+        if key not in self._arrays:
+            self._arrays[key] = (c_uint * len(key))(*self._references(key))
+        return addressof(self._arrays[key])
+
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:
         """Set variables by name: all of them or, on an unknown name or value, none."""
         calls: dict[str, dict[int, float]] = {}
@@ -321,6 +400,36 @@ class Fmu(Closing):
         except FmuError as error:
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
+
+    def take_steps(
+        self, lengths: Array, names: Sequence[str], inputs: Array, outputs: Sequence[str]
+    ) -> Array:
+        """Take steps, in one call where the FMU offers it: see run.
+
+        Args:
+            lengths: of the steps, s, shape (steps,). names: of inputs. inputs: for each step, shape (steps,
+                inputs). outputs: names.
+
+        Returns:
+            The outputs before the first and after each step, shape (steps + 1, outputs).
+
+        Raises:
+            FmuError: an unknown name, or the FMU refused a value or a step; its state is as it was before that.
+        """
+        if getattr(self._instance, RUN, None) is None:
+            return _take_steps(self, lengths, names, inputs, outputs)
+        rows = np.empty((lengths.size + 1, len(outputs)))
+        asked = Run(self.time, lengths.size, len(names), len(outputs))
+        asked.input_references, asked.output_references = map(self._address, (names, outputs))
+        given = (np.ascontiguousarray(lengths), np.ascontiguousarray(inputs), rows)
+        asked.lengths, asked.inputs, asked.outputs = (one.ctypes.data for one in given)
+        try:
+            self._call(RUN, self._instance.component, byref(asked))
+        except FmuError as error:
+            raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
+        finally:
+            self.time = asked.time
+        return rows
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).

@@ -136,6 +136,18 @@ enum status take_step(struct instance *c, enum operation operation, double time,
 int has_stopped(const struct instance *c);
 void carry_out_switch(struct instance *c);
 
+/* A run: many steps in one call, with the bits of a loop of calls that read, set and step. Rows are of numbers of any
+ * type, one before the first step and one after each; of inputs one for each step. Steps: to take, then those taken. */
+struct run {
+    double time; /* of the next step */
+    size_t steps, input_count, output_count;
+    const uint32_t *input_references, *output_references;
+    const double *lengths, *inputs;
+    double *outputs;
+};
+enum status take_steps(struct instance *c, struct run *run,
+                       enum status (*step)(struct instance *c, double time, double length));
+
 /* Go through a step and show the instance as it is after each switch in it; then it is as it was before. */
 void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished));
 

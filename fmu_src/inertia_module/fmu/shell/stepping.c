@@ -94,3 +94,30 @@ enum status take_step(struct instance *c, enum operation operation, double time,
         trace(c, length);
     return OK;
 }
+
+enum status take_steps(struct instance *c, struct run *run,
+                       enum status (*step)(struct instance *c, double time, double length))
+{
+    static const struct type number = {"number", ~0u, read_real, write_real};
+    if (!c)
+        return ERROR;
+    if (!run || (run->steps > 0 && !run->lengths))
+        return without_array(c, "a run");
+    const size_t wanted = run->steps;
+    const double *inputs = run->inputs;
+    double *outputs = run->outputs;
+    enum status status = get_values(c, run->output_references, run->output_count, outputs, &number);
+    for (run->steps = 0; status == OK && run->steps < wanted; run->steps++) {
+        const double length = run->lengths[run->steps];
+        status = set_values(c, run->input_references, run->input_count, inputs, &number);
+        if (status == OK)
+            status = step(c, run->time, length);
+        if (status != OK)
+            break;
+        run->time += length;
+        inputs += run->input_count;
+        outputs += run->output_count;
+        status = get_values(c, run->output_references, run->output_count, outputs, &number);
+    }
+    return status;
+}
