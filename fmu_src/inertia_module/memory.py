@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
@@ -316,6 +317,27 @@ class Module(ModelInstance):
                 setattr(self.derived, name, getattr(known, name))
         super()._begin()
         kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
+
+
+class _OfThread(threading.local):
+    """A module of each thread, for checks."""
+
+    def __init__(self) -> None:
+        self.module = Module("plain")
+
+
+_of_thread = _OfThread()
+
+
+def check_parameters(**values: float | str) -> None:
+    """Check parameters of an inertia module: those given, and all together.
+
+    Raises:
+        Refused: as start of a module.
+    """
+    module = _of_thread.module  # to make one takes as long as the check
+    module.parameters.numbers[:] = _at_start(module.model)[0].numbers
+    module.check(**values)
 
 
 class DrivenShaft(ModelInstance):

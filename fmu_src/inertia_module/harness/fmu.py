@@ -68,15 +68,14 @@ class Plant(Protocol):
 
 
 def _take_steps(
-    plant: Plant, lengths: Array, names: Sequence[str], inputs: Array, outputs: Sequence[str]
-) -> Array:
+    plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+) -> None:
     """Take steps with a plant, one after the other; see Fmu.take_steps."""
-    rows = [plant.read(outputs)]
-    for length, values in zip(lengths.tolist(), inputs.tolist(), strict=True):
-        plant.set(**dict(zip(names, values, strict=True)))
+    rows[0] = plant.read(outputs)
+    for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
+        plant.set(**dict(zip(inputs, values, strict=True)))
         plant.advance(length)
-        rows.append(plant.read(outputs))
-    return np.array(rows)
+        row[:] = plant.read(outputs)
 
 
 def run(
@@ -84,36 +83,32 @@ def run(
     lengths: Array,
     inputs: Mapping[str, Array],
     outputs: Sequence[str],
+    rows: Array,
     progress: Progress | None = None,
-) -> Array:
-    """Run a plant with given inputs: many steps in one call where it has one for that, the same bits anyway.
+) -> None:
+    """Run a plant with given inputs: many steps in one call where it has one for that, with the same bits.
 
     Args:
         plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
         inputs: by name, for each step, shape (steps,). outputs: names.
+        rows: for the outputs at the start and after each step, shape (steps + 1, outputs).
         progress: told how much of the run is done (0 to 1).
-
-    Returns:
-        The outputs at the start and after each step, shape (steps + 1, outputs).
 
     Raises:
         Refused: as set, advance and read of the plant.
     """
     take_steps = getattr(plant, "take_steps", None) or partial(_take_steps, plant)
-    names, table = tuple(inputs), np.empty((lengths.size, len(inputs)))
+    names, given = tuple(inputs), np.empty((lengths.size, len(inputs)))
     for place, values in enumerate(inputs.values()):
-        table[:, place] = values
-    rows = np.empty((lengths.size + 1, len(outputs)))
+        given[:, place] = values
     done, number = 0, FEWEST_STEPS
-    while True:
+    while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
-        rows[done : end + 1] = take_steps(lengths[done:end], names, table[done:end], outputs)
+        take_steps(lengths[done:end], names, given[done:end], outputs, rows[done : end + 1])
         number = 2 * number if time.perf_counter() - begun < CALL_TIME else FEWEST_STEPS
         done = end
         if progress is not None:
             progress(done / lengths.size)
-        if done == lengths.size:
-            return rows
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -194,9 +189,9 @@ class Run(Structure):
     """Many steps as the native FMUs take them in one call: struct run of fmu/shell/instance.h."""
 
     _fields_ = (
-        *(("time", c_double), ("steps", c_size_t), ("input_count", c_size_t), ("output_count", c_size_t)),
-        *((name, c_void_p) for name in ("input_references", "output_references")),
-        *((name, c_void_p) for name in ("lengths", "inputs", "outputs")),
+        *(("time", c_double), ("steps", c_size_t), ("lengths", c_void_p)),
+        *(("input_count", c_size_t), ("inputs", c_void_p), ("set", c_void_p)),
+        *(("output_count", c_size_t), ("outputs", c_void_p), ("read", c_void_p), ("row_size", c_size_t)),
     )
 
 
@@ -402,34 +397,32 @@ class Fmu(Closing):
         self.time += step
 
     def take_steps(
-        self, lengths: Array, names: Sequence[str], inputs: Array, outputs: Sequence[str]
-    ) -> Array:
-        """Take steps, in one call where the FMU offers it: see run.
+        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+    ) -> None:
+        """Take steps, in one call where the FMU offers it: run does so for any plant.
 
         Args:
-            lengths: of the steps, s, shape (steps,). names: of inputs. inputs: for each step, shape (steps,
-                inputs). outputs: names.
-
-        Returns:
-            The outputs before the first and after each step, shape (steps + 1, outputs).
+            lengths: of the steps, s, shape (steps,). inputs, outputs: names. given: values of the inputs for
+                each step, shape (steps, inputs). rows: for those of the outputs before the first and after
+                each step, shape (steps + 1, outputs), each of them in one piece.
 
         Raises:
             FmuError: an unknown name, or the FMU refused a value or a step; its state is as it was before that.
         """
         if getattr(self._instance, RUN, None) is None:
-            return _take_steps(self, lengths, names, inputs, outputs)
-        rows = np.empty((lengths.size + 1, len(outputs)))
-        asked = Run(self.time, lengths.size, len(names), len(outputs))
-        asked.input_references, asked.output_references = map(self._address, (names, outputs))
-        given = (np.ascontiguousarray(lengths), np.ascontiguousarray(inputs), rows)
-        asked.lengths, asked.inputs, asked.outputs = (one.ctypes.data for one in given)
+            _take_steps(self, lengths, inputs, given, outputs, rows)
+            return
+        lengths, given = np.ascontiguousarray(lengths), np.ascontiguousarray(given)
+        asked = Run(self.time, lengths.size, lengths.ctypes.data)
+        asked.input_count, asked.inputs, asked.set = len(inputs), self._address(inputs), given.ctypes.data
+        asked.output_count, asked.outputs, asked.read = len(outputs), self._address(outputs), rows.ctypes.data
+        asked.row_size = rows.strides[0] // rows.itemsize
         try:
             self._call(RUN, self._instance.component, byref(asked))
         except FmuError as error:
             raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
         finally:
             self.time = asked.time
-        return rows
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).

@@ -109,10 +109,11 @@ def drive(
     with contextlib.ExitStack() as stack:
         fmu = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
         report = progress or stack.enter_context(progress_bar(f"driving {fmu.path.name}"))
-        rows = run(fmu, np.diff(times), held, outputs, report)
+        rows = np.empty((times.size, len(table.names) + len(outputs)))
+        rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
+        run(fmu, np.diff(times), held, outputs, rows[:, len(table.names) :], report)
         units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
-    recorded = {name: rows[:, i] for i, name in enumerate(outputs)}
-    return Result.from_columns({TIME: times, **columns, **recorded}, units)
+    return Result.from_rows((TIME, *columns, *outputs), rows, units)
 
 
 def whole_steps(duration: float, step: float) -> int:

@@ -162,14 +162,13 @@ class ClosedLoop:
     def run(self, stop_time: float, progress: Progress | None = None) -> Result:
         """Step to the stop time, s, and return the rows as a named table. Raises as rows does."""
         if isinstance(self.surroundings, Sources):
-            number = self._steps(stop_time)
-            times = np.arange(number + 1) * self.step
-            signals = self.surroundings.table(times)
+            number, first = self._steps(stop_time), 1 + len(self._outputs)
+            rows = np.empty((number + 1, len(self.names)))
+            rows[:, 0] = np.arange(number + 1) * self.step
+            signals = rows[:, first:] = self.surroundings.table(rows[:, 0])
             inputs = {name: signals[:-1, index] for name, index in self._driven}
-            found = run(self.plant, np.full(number, self.step), inputs, self._outputs, progress)
-            table = np.column_stack((times, found, signals))
+            run(self.plant, np.full(number, self.step), inputs, self._outputs, rows[:, 1:first], progress)
         else:
-            table = np.array(list(self.rows(stop_time, progress)))
-        columns = {name: table[:, index] for index, name in enumerate(self.names)}
+            rows = np.array(list(self.rows(stop_time, progress)))
         known = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
-        return Result.from_columns(columns, {name: known.get(name, "") for name in self.names[1:]})
+        return Result.from_rows(self.names, rows, {name: known.get(name, "") for name in self.names[1:]})

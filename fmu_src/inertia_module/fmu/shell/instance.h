@@ -136,14 +136,18 @@ enum status take_step(struct instance *c, enum operation operation, double time,
 int has_stopped(const struct instance *c);
 void carry_out_switch(struct instance *c);
 
-/* A run: many steps in one call, with the bits of a loop of calls that read, set and step. Rows are of numbers of any
- * type, one before the first step and one after each; of inputs one for each step. Steps: to take, then those taken. */
+/* A run: many steps in one call, with the bits of a loop of calls that read, set and step. */
 struct run {
-    double time; /* of the next step */
-    size_t steps, input_count, output_count;
-    const uint32_t *input_references, *output_references;
-    const double *lengths, *inputs;
-    double *outputs;
+    double time;      /* of the next step */
+    size_t steps;     /* to take, then those taken */
+    const double *lengths;
+    size_t input_count;
+    const uint32_t *inputs;
+    const double *set; /* of inputs, a row for each step */
+    size_t output_count;
+    const uint32_t *outputs;
+    double *read;      /* of outputs of any type, a row before the first step and one after each */
+    size_t row_size;   /* from one of these rows to the next */
 };
 enum status take_steps(struct instance *c, struct run *run,
                        enum status (*step)(struct instance *c, double time, double length));

@@ -104,20 +104,20 @@ enum status take_steps(struct instance *c, struct run *run,
     if (!run || (run->steps > 0 && !run->lengths))
         return without_array(c, "a run");
     const size_t wanted = run->steps;
-    const double *inputs = run->inputs;
-    double *outputs = run->outputs;
-    enum status status = get_values(c, run->output_references, run->output_count, outputs, &number);
+    const double *set = run->set;
+    double *read = run->read;
+    enum status status = get_values(c, run->outputs, run->output_count, read, &number);
     for (run->steps = 0; status == OK && run->steps < wanted; run->steps++) {
         const double length = run->lengths[run->steps];
-        status = set_values(c, run->input_references, run->input_count, inputs, &number);
+        status = set_values(c, run->inputs, run->input_count, set, &number);
         if (status == OK)
             status = step(c, run->time, length);
         if (status != OK)
             break;
         run->time += length;
-        inputs += run->input_count;
-        outputs += run->output_count;
-        status = get_values(c, run->output_references, run->output_count, outputs, &number);
+        set += run->input_count;
+        read += run->row_size;
+        status = get_values(c, run->outputs, run->output_count, read, &number);
     }
     return status;
 }
