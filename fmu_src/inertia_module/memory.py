@@ -14,7 +14,7 @@ from .common.errors import Refused, did_you_mean, must_be
 from .compiling import CompilationUnavailable
 from .compiling import load as compiled
 from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
-from .contract.records import record_type
+from .contract.records import KernelRun, record_type
 from .contract.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER
 from .kernel import codes
 
@@ -213,6 +213,40 @@ class ModelInstance:
         for variable in self.model.with_causality(INPUT):
             setattr(self.inputs, f"{variable.name}_rate", 0.0)
             setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
+
+    def take_steps(
+        self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
+    ) -> bool:
+        """Take steps in one call of a compiled kernel; tell whether that can be, else nothing is done.
+
+        Args:
+            lengths: of the steps, s, shape (steps,). inputs, outputs: names. given: values of the inputs for
+                each step, shape (steps, inputs). rows: for those of the outputs before the first and after
+                each step, shape (steps + 1, outputs). See records.Run.
+
+        Raises:
+            Refused: bad inputs or a bad step, or work without end; the state is as it was before that step.
+        """
+        ends = {one.name: one.ends for one in self.model.with_causality(INPUT)}
+        within = ends.keys() >= set(inputs) and all(
+            ((ends[name][0] <= values) & (values <= ends[name][1])).all()
+            for name, values in zip(inputs, given.T, strict=True)
+        )
+        if self._entry is None or not self.started or not within:
+            return False
+        places = [(ctypes.c_void_p * len(names))(*map(self._address, names)) for names in (inputs, outputs)]
+        set_at, read_at = map(ctypes.addressof, places)
+        asked = KernelRun(0.0, lengths, set_at, given, read_at, rows)
+        asked.operation, asked.records = codes.STEP, self._addresses
+        number = len(self.model.records[2]) // 3  # rates of inputs come after them
+        asked.rates, asked.rate_count = self._addresses[2] + 8 * number, 2 * number
+        status = compiled.load_run(self.model)(ctypes.addressof(asked))
+        self._check(status, float(lengths[min(asked.steps, len(lengths) - 1)]))
+        return True
+
+    def _address(self, name: str) -> int:
+        record = RECORD_OF[self.model.by_name[name].causality]
+        return int(self._addresses[record]) + 8 * self.model.place(name)
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:

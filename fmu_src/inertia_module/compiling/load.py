@@ -15,6 +15,7 @@ from .targets import here
 
 # operation, addresses of p, d, u, x, y and w, communication step
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
+RUN_SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)
 # in a Python FMU: the libraries of its native twin, one a platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
 
@@ -41,6 +42,16 @@ def _library(model: Model) -> Path:
 
 
 @functools.cache
+def _opened(model: Model) -> ctypes.CDLL:
+    return ctypes.CDLL(str(_library(model)))
+
+
+def load_run(model: Model) -> Callable[..., int]:
+    """The function of a compiled kernel that takes many steps: run(address of a records.KernelRun)."""
+    return RUN_SIGNATURE(("inertia_module_kernel_run", _opened(model)))
+
+
+@functools.cache
 def load(model: Model) -> Callable[..., int]:
     """A compiled kernel: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
 
@@ -51,7 +62,7 @@ def load(model: Model) -> Callable[..., int]:
         CompilationUnavailable: there is none here, and it cannot be made.
     """
     try:
-        return SIGNATURE(("inertia_module_kernel", ctypes.CDLL(str(_library(model)))))
+        return SIGNATURE(("inertia_module_kernel", _opened(model)))
     except CompilationUnavailable:
         raise
     except Exception as error:

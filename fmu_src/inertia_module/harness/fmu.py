@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Mapping, Sequence
-from ctypes import Structure, addressof, byref, c_double, c_size_t, c_uint, c_void_p
-from functools import partial
+from ctypes import addressof, byref, c_double, c_uint, c_void_p
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import FmuError, did_you_mean
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
+from ..contract.records import Run
 
 if TYPE_CHECKING:
     from .loading import Unpacked
@@ -35,7 +35,7 @@ _CALLS = {
 }
 
 
-# a run is made of calls of at least so many steps; s that they take about: progress and Ctrl-C come in between
+# a run is calls of at least so many steps, which take about so long, s: progress and Ctrl-C come in between
 FEWEST_STEPS = 64
 CALL_TIME = 0.1
 
@@ -67,17 +67,6 @@ class Plant(Protocol):
         """Read values by name."""
 
 
-def _take_steps(
-    plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-) -> None:
-    """Take steps with a plant, one after the other; see Fmu.take_steps."""
-    rows[0] = plant.read(outputs)
-    for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
-        plant.set(**dict(zip(inputs, values, strict=True)))
-        plant.advance(length)
-        row[:] = plant.read(outputs)
-
-
 def run(
     plant: Plant,
     lengths: Array,
@@ -86,7 +75,7 @@ def run(
     rows: Array,
     progress: Progress | None = None,
 ) -> None:
-    """Run a plant with given inputs: many steps in one call where it has one for that, with the same bits.
+    """Run a plant with given inputs: many steps in one call where it can do so, with the same bits.
 
     Args:
         plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
@@ -97,18 +86,35 @@ def run(
     Raises:
         Refused: as set, advance and read of the plant.
     """
-    take_steps = getattr(plant, "take_steps", None) or partial(_take_steps, plant)
-    names, given = tuple(inputs), np.empty((lengths.size, len(inputs)))
+    names, given, lengths = (
+        tuple(inputs),
+        np.empty((lengths.size, len(inputs))),
+        np.ascontiguousarray(lengths),
+    )
     for place, values in enumerate(inputs.values()):
         given[:, place] = values
+    in_one_call = getattr(plant, "take_steps", None)
     done, number = 0, FEWEST_STEPS
     while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
-        take_steps(lengths[done:end], names, given[done:end], outputs, rows[done : end + 1])
+        part = lengths[done:end], names, given[done:end], outputs, rows[done : end + 1]
+        if in_one_call is None or not in_one_call(*part):
+            _take_steps(plant, *part)
         number = 2 * number if time.perf_counter() - begun < CALL_TIME else FEWEST_STEPS
         done = end
         if progress is not None:
             progress(done / lengths.size)
+
+
+def _take_steps(
+    plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+) -> None:
+    """Take steps one after the other; see Fmu.take_steps."""
+    rows[0] = plant.read(outputs)
+    for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
+        plant.set(**dict(zip(inputs, values, strict=True)))
+        plant.advance(length)
+        row[:] = plant.read(outputs)
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -183,16 +189,6 @@ class Kept(NamedTuple):
 
     state: c_void_p
     time: float
-
-
-class Run(Structure):
-    """Many steps as the native FMUs take them in one call: struct run of fmu/shell/instance.h."""
-
-    _fields_ = (
-        *(("time", c_double), ("steps", c_size_t), ("lengths", c_void_p)),
-        *(("input_count", c_size_t), ("inputs", c_void_p), ("set", c_void_p)),
-        *(("output_count", c_size_t), ("outputs", c_void_p), ("read", c_void_p), ("row_size", c_size_t)),
-    )
 
 
 class Fmu(Closing):
@@ -398,31 +394,27 @@ class Fmu(Closing):
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-    ) -> None:
-        """Take steps, in one call where the FMU offers it: run does so for any plant.
+    ) -> bool:
+        """Take steps in one call, and tell whether the FMU offers that; else nothing is done: see run.
 
         Args:
             lengths: of the steps, s, shape (steps,). inputs, outputs: names. given: values of the inputs for
                 each step, shape (steps, inputs). rows: for those of the outputs before the first and after
-                each step, shape (steps + 1, outputs), each of them in one piece.
+                each step, shape (steps + 1, outputs). See records.Run.
 
         Raises:
-            FmuError: an unknown name, or the FMU refused a value or a step; its state is as it was before that.
+            FmuError: an unknown name, or the FMU refused a value or a step; it is as it was before that.
         """
         if getattr(self._instance, RUN, None) is None:
-            _take_steps(self, lengths, inputs, given, outputs, rows)
-            return
-        lengths, given = np.ascontiguousarray(lengths), np.ascontiguousarray(given)
-        asked = Run(self.time, lengths.size, lengths.ctypes.data)
-        asked.input_count, asked.inputs, asked.set = len(inputs), self._address(inputs), given.ctypes.data
-        asked.output_count, asked.outputs, asked.read = len(outputs), self._address(outputs), rows.ctypes.data
-        asked.row_size = rows.strides[0] // rows.itemsize
+            return False
+        asked = Run(self.time, lengths, self._address(inputs), given, self._address(outputs), rows)
         try:
             self._call(RUN, self._instance.component, byref(asked))
         except FmuError as error:
             raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
         finally:
             self.time = asked.time
+        return True
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).

@@ -38,7 +38,7 @@ class Table:
             before, after = self.points[backward[0] : backward[0] + 2]
             raise ValueError(f"points of a table must increase, {after:g} comes after {before:g}")
 
-    def __call__(self, points: ArrayLike) -> NDArray[np.float64]:
+    def __call__(self, points: float | NDArray[np.float64]) -> NDArray[np.float64]:
         """Values at points, or the value at one."""
         return np.asarray(np.interp(points, self.points, self.values))
 
