@@ -219,10 +219,7 @@ class ModelInstance:
     ) -> bool:
         """Take steps in one call of a compiled kernel; tell whether that can be, else nothing is done.
 
-        Args:
-            lengths: of the steps, s, shape (steps,). inputs, outputs: names. given: values of the inputs for
-                each step, shape (steps, inputs). rows: for those of the outputs before the first and after
-                each step, shape (steps + 1, outputs). See records.Run.
+        Args: as of harness.fmu.Fmu.take_steps.
 
         Raises:
             Refused: bad inputs or a bad step, or work without end; the state is as it was before that step.
@@ -353,14 +350,8 @@ class Module(ModelInstance):
         kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
 
 
-class _OfThread(threading.local):
-    """A module of each thread, for checks."""
-
-    def __init__(self) -> None:
-        self.module = Module("plain")
-
-
-_of_thread = _OfThread()
+# a module of each thread, for checks: to make one takes as long as a check
+_of_thread = threading.local()
 
 
 def check_parameters(**values: float | str) -> None:
@@ -369,7 +360,9 @@ def check_parameters(**values: float | str) -> None:
     Raises:
         Refused: as start of a module.
     """
-    module = _of_thread.module  # to make one takes as long as the check
+    if not hasattr(_of_thread, "module"):
+        _of_thread.module = Module("plain")
+    module = _of_thread.module
     module.parameters.numbers[:] = _at_start(module.model)[0].numbers
     module.check(**values)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Mapping, Sequence
-from ctypes import addressof, byref, c_double, c_uint, c_void_p
+from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
@@ -38,6 +38,8 @@ _CALLS = {
 # a run is calls of at least so many steps, which take about so long, s: progress and Ctrl-C come in between
 FEWEST_STEPS = 64
 CALL_TIME = 0.1
+# of a run that only reads
+NO_STEPS, NO_INPUTS = np.empty(0), np.empty((0, 0))
 
 
 class Closing:
@@ -232,7 +234,7 @@ class Fmu(Closing):
         self._kept: list[Kept] = []
         self._unpacked: Unpacked | None = None
         self._instance: Any = None
-        self._readers: dict[tuple[str, ...], tuple[Any, Any, int, list[tuple[int, str]]]] = {}
+        self._readers: dict[tuple[str, ...], tuple[Array, Run]] = {}
         self._arrays: dict[tuple[str, ...], Any] = {}
         try:
             self._load()
@@ -355,25 +357,18 @@ class Fmu(Closing):
         """
         key = as_names(names)
         if key not in self._readers:
-            # arguments of the call that reads the reals, and places and names of the others, in rising order
-            reals = [name for name in key if self._variable(name).type == "Real"]
-            others = [(n, name) for n, name in enumerate(key) if self.variables[name].type != "Real"]
-            count = len(reals)
-            self._readers[key] = (
-                (c_uint * count)(*self._references(reals)),
-                (c_double * count)(),
-                count,
-                others,
-            )
-        references, values, count, others = self._readers[key]
-        if count:
-            component = getattr(self._instance, "component", None)
-            self._call("fmi2GetReal", component, references, count, values)
-        found = list(values)
-        for place, name in others:
-            variable = self.variables[name]
-            found.insert(place, float(self._call(f"get{self._kind(variable)}", [variable.valueReference])[0]))
-        return tuple(found)
+            row = np.empty((1, len(key)))
+            self._readers[key] = row, Run(0.0, NO_STEPS, 0, NO_INPUTS, self._address(key), row)
+        row, reading = self._readers[key]
+        if getattr(self._instance, RUN, None) is not None:
+            self._call(RUN, self._instance.component, byref(reading))
+            return tuple(row[0].tolist())
+        kinds: dict[str, list[int]] = {}
+        for place, name in enumerate(key):
+            kinds.setdefault(self._kind(self.variables[name]), []).append(place)
+        for kind, places in kinds.items():
+            row[0, places] = self._call(f"get{kind}", self._references([key[place] for place in places]))
+        return tuple(row[0].tolist())
 
     def __getitem__(self, name: str) -> float:
         return self.read(name)[0]

@@ -197,9 +197,6 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     def setRealInputDerivatives(self, *arguments: Any) -> None:
         raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
 
-    def fmi2GetReal(self, component: Any, references: Any, count: int, values: Any) -> None:
-        self.fmi3GetFloat64(component, references, count, values, count)
-
 
 # --- check of any FMU ---
 

@@ -109,10 +109,6 @@ class Sources:
             found[:, place] = signal(times) if isinstance(signal, Table) else signal
         return found
 
-    def dynamics(self, *_: Any) -> NDArray[np.float64]:
-        """Give the next states: there are none."""
-        return np.zeros(0)
-
     def to_control(self) -> Any:
         """Convert it to a static discrete-time control.NonlinearIOSystem."""
         return sampled(self.name, self.dt, [], self.output_labels, lambda time, *_: (self.output(time), ()))
