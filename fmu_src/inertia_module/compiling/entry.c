@@ -18,7 +18,7 @@ int64_t inertia_module_kernel(int64_t operation, double *p, double *d, double *u
     return KERNEL(operation, p, d, u, x, y, w, h);
 }
 
-/* A run: many steps in one call (contract/records.py has it for Python). */
+/* A run: many steps in one call (memory.Run in Python). */
 struct kernel_run {
     double time; /* for others */
     size_t steps; /* to take, then those taken */

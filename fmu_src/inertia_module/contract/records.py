@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import operator
-from typing import Any, ClassVar
+from typing import Any
 
 # a field: a name; a name and a length; a name, fields and maybe a number of records
 Field = Any
@@ -56,44 +56,3 @@ def place(fields: tuple[Field, ...], name: str) -> int:
         AttributeError: there is no such field.
     """
     return int(operator.attrgetter(name)(_counted(fields)))
-
-
-class Run(ctypes.Structure):
-    """A run, many steps in one call: struct run of the FMUs (fmu/shell/instance.h).
-
-    Args:
-        lengths: of the steps, s, shape (steps,). inputs, outputs: addresses of what says which they are.
-        given: values of the inputs for each step, shape (steps, inputs). rows: for the outputs before the
-            first and after each step, shape (steps + 1, outputs). All these arrays lie in one piece, but rows
-            may have others in between.
-
-    Attributes:
-        time: s, for an FMU that of the step at hand. steps: to take, then those taken.
-    """
-
-    _fields_: ClassVar[Any] = (
-        *(("time", ctypes.c_double), ("steps", ctypes.c_size_t), ("lengths", ctypes.c_void_p)),
-        *(("input_count", ctypes.c_size_t), ("inputs", ctypes.c_void_p), ("set", ctypes.c_void_p)),
-        *(("output_count", ctypes.c_size_t), ("outputs", ctypes.c_void_p), ("read", ctypes.c_void_p)),
-        ("row_size", ctypes.c_size_t),
-    )
-
-    def __init__(self, time: float, lengths: Any, inputs: int, given: Any, outputs: int, rows: Any) -> None:
-        super().__init__(time, len(lengths), lengths.ctypes.data)
-        self.input_count, self.inputs, self.set = given.shape[1], inputs, given.ctypes.data
-        self.output_count, self.outputs, self.read = rows.shape[1], outputs, rows.ctypes.data
-        self.row_size = rows.strides[0] // rows.itemsize
-
-
-class KernelRun(Run):
-    """A run of a kernel: struct kernel_run of compiling/entry.c.
-
-    Attributes:
-        operation: that takes a step. records: addresses of p, d, u, x, y and w. rates: address of what holds
-            for one step, and is 0 then. rate_count: doubles of it.
-    """
-
-    _fields_: ClassVar[Any] = (
-        *(("operation", ctypes.c_int64), ("records", ctypes.c_void_p * 6)),
-        *(("rates", ctypes.c_void_p), ("rate_count", ctypes.c_size_t)),
-    )

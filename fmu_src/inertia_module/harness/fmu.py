@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import FmuError, did_you_mean
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
-from ..contract.records import Run
+from ..memory import Run
 
 if TYPE_CHECKING:
     from .loading import Unpacked
@@ -358,7 +358,7 @@ class Fmu(Closing):
         key = as_names(names)
         if key not in self._readers:
             row = np.empty((1, len(key)))
-            self._readers[key] = row, Run(0.0, NO_STEPS, 0, NO_INPUTS, self._address(key), row)
+            self._readers[key] = row, Run(NO_STEPS, 0, NO_INPUTS, self._address(key), row)
         row, reading = self._readers[key]
         if getattr(self._instance, RUN, None) is not None:
             self._call(RUN, self._instance.component, byref(reading))
@@ -390,19 +390,19 @@ class Fmu(Closing):
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
     ) -> bool:
-        """Take steps in one call, and tell whether the FMU offers that; else nothing is done: see run.
+        """Take steps in one call, and tell whether the FMU offers that; else nothing is done.
 
         Args:
-            lengths: of the steps, s, shape (steps,). inputs, outputs: names. given: values of the inputs for
-                each step, shape (steps, inputs). rows: for those of the outputs before the first and after
-                each step, shape (steps + 1, outputs). See records.Run.
+            lengths, outputs, rows: as of run. inputs: names. given: values of these, shape (steps, inputs). Each
+                array, and each of the rows, lies in one piece.
 
         Raises:
             FmuError: an unknown name, or the FMU refused a value or a step; it is as it was before that.
         """
         if getattr(self._instance, RUN, None) is None:
             return False
-        asked = Run(self.time, lengths, self._address(inputs), given, self._address(outputs), rows)
+        asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
+        asked.time = self.time
         try:
             self._call(RUN, self._instance.component, byref(asked))
         except FmuError as error:
