@@ -393,7 +393,7 @@ class Fmu(Closing):
         """Take steps in one call, and tell whether the FMU offers that; else nothing is done.
 
         Args:
-            lengths, outputs, rows: as of run. inputs: names. given: values of these, shape (steps, inputs). Each
+            lengths, outputs, rows: as of run. inputs: names. given: their values, shape (steps, inputs). Each
                 array, and each of the rows, lies in one piece.
 
         Raises:
