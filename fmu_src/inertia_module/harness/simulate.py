@@ -97,12 +97,9 @@ def drive(
         FmuError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
         Refused: stop_time or step is not positive; all of these are kinds of it.
     """
-    for name, value in (("stop_time", stop_time), ("step", step)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise Refused(f"{name} must be a positive number of seconds, is {value}")
+    times = communication_points(stop_time, step)
     path, outputs = fmu_file(path), as_names(outputs)
     table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
-    times = communication_points(stop_time, step)
     columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}
     held = {name: columns[name][:-1] for name in names}
     start = {name: float(values[0]) for name, values in held.items()}
@@ -123,7 +120,14 @@ def whole_steps(duration: float, step: float) -> int:
 
 
 def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
-    """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped)."""
+    """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped).
+
+    Raises:
+        Refused: stop_time or step is not positive.
+    """
+    for name, value in (("stop_time", stop_time), ("step", step)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise Refused(f"{name} must be a positive number of seconds, is {value}")
     count = math.ceil(stop_time / step - 1e-9)
     times = np.arange(count + 1, dtype=np.float64) * step
     times[-1] = stop_time

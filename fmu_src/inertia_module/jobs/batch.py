@@ -28,22 +28,22 @@ def batch(
     Args:
         values: parameters and inputs by name: numbers, strings (units, names of items), or arrays of them.
         stop_time: s. outputs: names of variables.
-        step: communication step, s, by default the whole run: the fastest, and step means are means of the run.
+        step: communication step, s, by default the whole run: it is fastest, and means are those of the run.
         workers: threads, by default one for each core.
 
     Returns:
-        Outputs at the end by name, NaN where a run was refused, and `refused`, the sentences why, else "", all
-        of the shape that the values are broadcast to.
+        Outputs at the end by name, NaN where a run was refused, and `refused`, sentences why, else "". All
+        have the shape that the values are broadcast to.
 
     Raises:
-        Refused: an unknown name. ValueError: arrays that cannot be broadcast together.
+        Refused: an unknown name, no positive time. ValueError: arrays that cannot be broadcast together.
     """
     known = Module.model.by_name  # which tells a name that it has not
     names = [known[name].name for name in as_names(outputs)]
     given = zip(values, np.broadcast_arrays(*values.values()), strict=True)
     arrays = {known[name].name: array for name, array in given}
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
-    lengths = np.diff(communication_points(stop_time, step or stop_time))
+    lengths = np.diff(communication_points(stop_time, stop_time if step is None else step))
     found = np.full((len(names), *shape), np.nan)
     refused = np.full(shape, "", dtype=object)
 
