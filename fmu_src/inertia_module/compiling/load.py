@@ -12,8 +12,8 @@ from ..contract.models import Model
 from . import CompilationUnavailable
 from .targets import here
 
-# operation, addresses of p, d, u, x, y and w, communication step
-CALL = (ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
+# operation, addresses of p, d, u, x, y and w, communication step; address of a memory.Run
+CALLS = {"": (ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double), "_run": (ctypes.c_void_p,)}
 # in a Python FMU: the libraries of its native twin, one a platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
 
@@ -51,9 +51,9 @@ def load(model: Model) -> ctypes.CDLL:
     """
     try:
         library = ctypes.CDLL(str(_library(model)))
-        for function, arguments in (("kernel", CALL), ("kernel_run", [ctypes.c_void_p])):
-            found = getattr(library, f"inertia_module_{function}")
-            found.argtypes, found.restype = arguments, ctypes.c_int64
+        for ending, arguments in CALLS.items():
+            function = getattr(library, f"inertia_module_kernel{ending}")
+            function.argtypes, function.restype = arguments, ctypes.c_int64
         return library
     except CompilationUnavailable:
         raise

@@ -35,8 +35,8 @@ _CALLS = {
 }
 
 
-# a run is calls of at least so many steps, which take about so long, s: progress and Ctrl-C come in between
-FEWEST_STEPS = 64
+# a run begins with a call of so many steps; others take about so long, s: progress and Ctrl-C come in between
+FIRST_STEPS = 8
 CALL_TIME = 0.1
 # of a run that only reads
 NO_STEPS, NO_INPUTS = np.empty(0), np.empty((0, 0))
@@ -88,21 +88,17 @@ def run(
     Raises:
         Refused: as set, advance and read of the plant.
     """
-    names, given, lengths = (
-        tuple(inputs),
-        np.empty((lengths.size, len(inputs))),
-        np.ascontiguousarray(lengths),
-    )
-    for place, values in enumerate(inputs.values()):
-        given[:, place] = values
+    lengths, given = np.ascontiguousarray(lengths), np.empty((lengths.size, len(inputs)))
+    for column, values in zip(given.T, inputs.values(), strict=True):
+        column[:] = values
     in_one_call = getattr(plant, "take_steps", None)
-    done, number = 0, FEWEST_STEPS
+    done, number = 0, FIRST_STEPS
     while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
-        part = lengths[done:end], names, given[done:end], outputs, rows[done : end + 1]
+        part = lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1]
         if in_one_call is None or not in_one_call(*part):
             _take_steps(plant, *part)
-        number = 2 * number if time.perf_counter() - begun < CALL_TIME else FEWEST_STEPS
+        number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
         done = end
         if progress is not None:
             progress(done / lengths.size)
