@@ -42,11 +42,11 @@ BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 OVER: Mapping[str, int] = {
     "kernel": 7487,
     "compiling": 686,
-    "harness": 2399,
-    "fidelity": 809,
+    "harness": 2400,
+    "fidelity": 810,
     "jobs": 2671,
     "export, page, cli, common": 1792,
-    "package": 23180,
+    "package": 23182,
     "studies": 6601,
     "tests": 16821,
 }

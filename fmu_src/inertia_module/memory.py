@@ -259,7 +259,8 @@ class ModelInstance:
         number = len(self.model.records[2]) // 3  # rates of inputs come after them
         asked.rates, asked.rate_count = self._addresses[2] + 8 * number, 2 * number
         status = self._compiled.inertia_module_kernel_run(ctypes.addressof(asked))
-        self._check(status, float(lengths[min(asked.steps, len(lengths) - 1)]))
+        if status != codes.OK:
+            raise Refused(self.explain(status, float(lengths[asked.steps])))
         return True
 
     def _address(self, name: str) -> int:

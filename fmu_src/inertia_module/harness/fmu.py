@@ -97,17 +97,17 @@ def run(
         end, begun = min(done + number, lengths.size), time.perf_counter()
         part = lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1]
         if in_one_call is None or not in_one_call(*part):
-            _take_steps(plant, *part)
+            take_steps(plant, *part)
         number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
         done = end
         if progress is not None:
             progress(done / lengths.size)
 
 
-def _take_steps(
+def take_steps(
     plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
 ) -> None:
-    """Take steps one after the other; see Fmu.take_steps."""
+    """Take steps with a plant one after the other; arguments as of Fmu.take_steps."""
     rows[0] = plant.read(outputs)
     for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
         plant.set(**dict(zip(inputs, values, strict=True)))
