@@ -44,9 +44,9 @@ OVER: Mapping[str, int] = {
     "compiling": 686,
     "harness": 2400,
     "fidelity": 810,
-    "jobs": 2671,
+    "jobs": 2672,
     "export, page, cli, common": 1792,
-    "package": 23182,
+    "package": 23183,
     "studies": 6601,
     "tests": 16821,
 }

@@ -1,13 +1,16 @@
 """Runs in one call: the bits, refusals and states of the loop, whoever takes the steps."""
 
+from ctypes import byref
+
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.variables import COMPUTED
 from inertia_module.harness import fmu as harness
 from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.memory import Module
+from inertia_module.memory import Module, Run
 
 from .conftest import ELASTIC, R1
 
@@ -90,6 +93,25 @@ def test_unknown_names_and_closed_instances_are_refused(fmu_path):
             run(fmu, {"omega_out": np.zeros(300)})
     with pytest.raises(FmuError, match="is closed"):
         run(fmu)
+
+
+@pytest.mark.parametrize("missing", [{"steps": 1, "lengths": None}, {"input_count": 1}, {"output_count": 1}])
+def test_null_pointers_are_refused(fmu_path, missing):
+    asked = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
+    for name, value in missing.items():
+        setattr(asked, name, value)
+    with Fmu(fmu_path, inputs=R1) as fmu:
+        call = getattr(fmu._instance, harness.RUN)
+        for component, run_asked in (
+            (fmu._instance.component, byref(asked)),
+            (fmu._instance.component, None),
+        ):
+            with pytest.raises(FMICallException):
+                call(component, run_asked)
+            assert "must be given, one is NULL" in fmu.messages.pop()
+        with pytest.raises(FMICallException):
+            call(None, byref(asked))
+        fmu.advance(0.01)
 
 
 def test_fmu_without_such_a_call_runs_by_the_loop(built):

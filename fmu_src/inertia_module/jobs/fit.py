@@ -190,10 +190,11 @@ class Stopped:
             self._largest = np.maximum(self._largest, values)
         self._now = time
         while self._next <= time + near:
+            kept = values
             if self._over_steps and self._now > self._since:
                 means = self._sums / (self._now - self._since)
-                values = np.where(self._means, means, np.where(self._peaks, self._largest, values))
-            self.rows.append(values)
+                kept = np.where(self._means, means, np.where(self._peaks, self._largest, values))
+            self.rows.append(kept)
             self._since, self._sums, self._largest = self._now, 0.0 * self._sums, 0.0 * self._largest
 
 
