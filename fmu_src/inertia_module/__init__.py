@@ -18,6 +18,7 @@ PUBLIC = {
     "Result": "harness.results",
     "Scene": "scene",
     "SceneResult": "scene",
+    "batch": "jobs.batch",
     "chart_figure": "figures.jobs",
     "current_fmu": "fmu.builder",
     "design": "jobs.design",

@@ -9,6 +9,7 @@ from .harness.chart import torque_converter_chart as torque_converter_chart
 from .harness.fmu import Fmu as Fmu
 from .harness.results import Result as Result
 from .harness.simulate import drive as drive
+from .jobs.batch import batch as batch
 from .jobs.design import design as design
 from .jobs.fit import fit as fit
 from .jobs.orders import orders as orders

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+import threading
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
 
@@ -30,8 +31,8 @@ def _map_of(key: tuple[float, ...]) -> list[Any]:
     return []
 
 
-def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[Callable[..., int] | None, str]:
-    """Choose the compiled entry, or None for the plain kernel, and why.
+def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[ctypes.CDLL | None, str]:
+    """Choose the library of the compiled kernel, or None for the plain one, and why.
 
     Args:
         kernel: "compiled", "plain", or "auto": what the environment variable INERTIA_MODULE_KERNEL
@@ -70,6 +71,27 @@ def _at_start(model: Model) -> tuple[Any, ...]:
     return records
 
 
+class Run(ctypes.Structure):
+    """Many steps in one call: struct run of fmu/shell/instance.h, and with its end that of compiling/entry.c.
+
+    Args: as of harness.fmu.Fmu.take_steps, with addresses of what says which inputs and outputs they are.
+    """
+
+    _fields_: ClassVar[Any] = (
+        *(("time", ctypes.c_double), ("steps", ctypes.c_size_t), ("lengths", ctypes.c_void_p)),
+        *(("input_count", ctypes.c_size_t), ("inputs", ctypes.c_void_p), ("set", ctypes.c_void_p)),
+        *(("output_count", ctypes.c_size_t), ("outputs", ctypes.c_void_p), ("read", ctypes.c_void_p)),
+        *(("row_size", ctypes.c_size_t), ("operation", ctypes.c_int64), ("records", ctypes.c_void_p * 6)),
+        *(("rates", ctypes.c_void_p), ("rate_count", ctypes.c_size_t)),
+    )
+
+    def __init__(self, lengths: Any, inputs: int, given: Any, outputs: int, rows: Any) -> None:
+        super().__init__(0.0, len(lengths), lengths.ctypes.data)
+        self.input_count, self.inputs, self.set = given.shape[1], inputs, given.ctypes.data
+        self.output_count, self.outputs, self.read = rows.shape[1], outputs, rows.ctypes.data
+        self.row_size = rows.strides[0] // rows.itemsize
+
+
 class ModelInstance:
     """A model in memory: set parameters and inputs, start, step, read.
 
@@ -85,7 +107,7 @@ class ModelInstance:
 
     def __init__(self, kernel: str = "auto") -> None:
         self._wanted = kernel
-        self._entry: Callable[..., int] | None = None
+        self._compiled: ctypes.CDLL | None = None
         self.kernel = ""
         self._records = tuple(type(record).from_buffer_copy(record) for record in _at_start(self.model))
         self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
@@ -95,12 +117,12 @@ class ModelInstance:
     def load_kernel(self) -> None:
         """Load the kernel (and compile it, the first time ever) now instead of at the start."""
         if not self.kernel:
-            self._entry, self.kernel = choose_kernel(self._wanted, self.model)
+            self._compiled, self.kernel = choose_kernel(self._wanted, self.model)
 
     def call(self, operation: int, step_size: float) -> int:
         """Call the kernel (an operation of kernel.codes) and return its status."""
-        if self._entry is not None:
-            return self._entry(operation, *self._addresses, step_size)
+        if self._compiled is not None:
+            return int(self._compiled.inertia_module_kernel(operation, *self._addresses, step_size))
         return self.model.call(operation, *self._records, step_size)
 
     def set(self, **values: float | str) -> None:
@@ -174,7 +196,7 @@ class ModelInstance:
         """
         if not self.started:
             raise Refused("rates must come after the start, the module has not been started")
-        copy = type(self)("plain" if self._entry is None else "compiled")
+        copy = type(self)("plain" if self._compiled is None else "compiled")
         copy.restore(self.save())
         self._check(copy.call(codes.RATES, 0.0), 0.0)
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
@@ -212,6 +234,38 @@ class ModelInstance:
         for variable in self.model.with_causality(INPUT):
             setattr(self.inputs, f"{variable.name}_rate", 0.0)
             setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
+
+    def take_steps(
+        self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
+    ) -> bool:
+        """Take steps in one call of a compiled kernel; tell whether that can be, else nothing is done.
+
+        Args: as of harness.fmu.Fmu.take_steps.
+
+        Raises:
+            Refused: bad inputs or a bad step, or work without end; the state is as it was before that step.
+        """
+        ends = {one.name: one.ends for one in self.model.with_causality(INPUT)}
+        within = ends.keys() >= set(inputs) and all(
+            ((ends[name][0] <= values) & (values <= ends[name][1])).all()
+            for name, values in zip(inputs, given.T, strict=True)
+        )
+        if self._compiled is None or not self.started or not within:
+            return False
+        places = [(ctypes.c_void_p * len(names))(*map(self._address, names)) for names in (inputs, outputs)]
+        set_at, read_at = map(ctypes.addressof, places)
+        asked = Run(lengths, set_at, given, read_at, rows)
+        asked.operation, asked.records = codes.STEP, self._addresses
+        number = len(self.model.records[2]) // 3  # rates of inputs come after them
+        asked.rates, asked.rate_count = self._addresses[2] + 8 * number, 2 * number
+        status = self._compiled.inertia_module_kernel_run(ctypes.addressof(asked))
+        if status != codes.OK:
+            raise Refused(self.explain(status, float(lengths[asked.steps])))
+        return True
+
+    def _address(self, name: str) -> int:
+        record = RECORD_OF[self.model.by_name[name].causality]
+        return int(self._addresses[record]) + 8 * self.model.place(name)
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
@@ -316,6 +370,23 @@ class Module(ModelInstance):
                 setattr(self.derived, name, getattr(known, name))
         super()._begin()
         kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
+
+
+# a module of each thread, for checks: to make one takes as long as a check
+_of_thread = threading.local()
+
+
+def check_parameters(**values: float | str) -> None:
+    """Check parameters of an inertia module: those given, and all together.
+
+    Raises:
+        Refused: as start of a module.
+    """
+    if not hasattr(_of_thread, "module"):
+        _of_thread.module = Module("plain")
+    module = _of_thread.module
+    module.parameters.numbers[:] = _at_start(module.model)[0].numbers
+    module.check(**values)
 
 
 class DrivenShaft(ModelInstance):

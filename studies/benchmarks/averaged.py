@@ -40,7 +40,7 @@ BEGIN, END = 2.0, 4.0  # s, of the means
 
 def player():
     """Compiled loop: steps of h with the inputs given, from the state given. Returns how many it refused."""
-    entry = load_kernel(INERTIA_MODULE)
+    entry = load_kernel(INERTIA_MODULE).inertia_module_kernel
     omega1_place, load_place = INERTIA_MODULE.place("omega1"), INERTIA_MODULE.place("load_torque")
 
     @numba.njit

@@ -1,22 +1,30 @@
 """Speed of sweeps.
 
-Of scene R1 (one second, constant inputs, tolerance 1e-6) runs a second with one worker and with two; of a launch with
-engine, vehicle and closed loop the time of a run with two workers against that alone in this process.
+Of examples/reference.toml as it comes (one second in 2,000 steps, ten outputs, tolerance 1e-9) and of the same machine in
+one step (one output, tolerance 1e-6) runs a second with one worker and with two, and the time of a run in this process
+against that of its kernel; of a launch with engine, vehicle and closed loop the time of a run with two workers against
+that alone in this process.
 
 Run: python -m studies.benchmarks.sweep [RUNS]
 """
 
 import os
+import statistics
 import sys
 import time
 
+import numpy as np
+
 from inertia_module import current_fmu, example, load_scene
+from inertia_module.harness.fmu import run
+from inertia_module.harness.simulate import whole_steps
 from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
-from inertia_module.scene.run import SceneRunner
+from inertia_module.memory import Module
+from inertia_module.scene.run import SceneRunner, start_of
 
-LAUNCHES, ALONE = 40, 5
+LAUNCHES, ALONE, REPEATS = 40, 5, 31
 
 
 def task_and_points(scene, runs):
@@ -38,26 +46,45 @@ def measure(task, points, workers):
 
 
 def own_time(task, points):
-    """Time of a run in this process, s: the mean of some."""
+    """Time of a run in this process, s: the median of some."""
     with SceneRunner(current_fmu()) as runner:
         figures_of = task.prepare(task.settings, runner)
-        evaluate(figures_of, points[:1])
+        return statistics.median(row.cost for row in evaluate(figures_of, points).rows)
+
+
+def time_of_kernel(scene):
+    """Time that the kernel alone takes for the steps of a run with constant inputs, s: the median of some."""
+    values, inputs = start_of(scene)
+    module = Module().start(**values, **inputs)
+    begin, step, times = module.save(), scene.run.communication_step, []
+    lengths = np.full(whole_steps(scene.run.stop_time, step), step)
+    for _ in range(REPEATS):
+        module.restore(begin)
         began = time.perf_counter()
-        evaluate(figures_of, points)
-        return (time.perf_counter() - began) / len(points)
+        run(module, lengths, {}, (), np.empty((lengths.size + 1, 0)))
+        times.append(time.perf_counter() - began)
+    return statistics.median(times)
 
 
 def main(runs):
     print(f"load average {os.getloadavg()[0]:.1f}")
-    settings = {
+    reference = load_scene(example("reference"))
+    one_step = {
         "run": {"communication_step": "1 s", "outputs": ["omega_out"]},
         "accuracy": {"tolerance": 1e-6},
     }
-    task, points = task_and_points(load_scene(example("reference")).replaced(**settings), runs)
-    one, two = (measure(task, points, workers) for workers in (1, 2))
-    print(
-        f"R1: {1.0 / one:.0f} runs/s with one worker, {1.0 / two:.0f} with two, {one / two:.2f} times as many"
-    )
+    scenes = {
+        "R1 in one step, tolerance 1e-6": (reference.replaced(**one_step), runs),
+        "reference.toml as it comes, 2,000 steps": (reference, runs // 10),
+    }
+    for name, (scene, number) in scenes.items():
+        task, points = task_and_points(scene, number)
+        alone, kernel = own_time(task, points), time_of_kernel(scene)
+        one, two = (measure(task, points, workers) for workers in (1, 2))
+        print(
+            f"{name}: {1.0 / one:.0f} runs/s with one worker, {1.0 / two:.0f} with two, {one / two:.2f} times"
+            f" as many; a run alone {1e3 * alone:.2f} ms, of which the kernel {1e3 * kernel:.2f} ms"
+        )
     task, points = task_and_points(load_scene(example("engine_launch")), LAUNCHES)
     alone, shared = own_time(task, points[:: LAUNCHES // ALONE]), 2.0 * measure(task, points, 2)
     print(

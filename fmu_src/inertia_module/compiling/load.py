@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import functools
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
 from ..common.files import PACKAGE_FOLDER, content_hash, kept, ready_made
@@ -13,8 +12,8 @@ from ..contract.models import Model
 from . import CompilationUnavailable
 from .targets import here
 
-# operation, addresses of p, d, u, x, y and w, communication step
-SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double)
+# operation, addresses of p, d, u, x, y and w, communication step; address of a memory.Run
+CALLS = {"": (ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double), "_run": (ctypes.c_void_p,)}
 # in a Python FMU: the libraries of its native twin, one a platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
 
@@ -41,8 +40,8 @@ def _library(model: Model) -> Path:
 
 
 @functools.cache
-def load(model: Model) -> Callable[..., int]:
-    """A compiled kernel: entry(operation, p, d, u, x, y, w, h) with addresses of arrays of doubles.
+def load(model: Model) -> ctypes.CDLL:
+    """A compiled kernel: the library with the functions of compiling/entry.c.
 
     An FMU and a wheel bring it along; in a clone the first call ever on a machine compiles (about a minute
     for the module), later ones load from the cache.
@@ -51,7 +50,11 @@ def load(model: Model) -> Callable[..., int]:
         CompilationUnavailable: there is none here, and it cannot be made.
     """
     try:
-        return SIGNATURE(("inertia_module_kernel", ctypes.CDLL(str(_library(model)))))
+        library = ctypes.CDLL(str(_library(model)))
+        for ending, arguments in CALLS.items():
+            function = getattr(library, f"inertia_module_kernel{ending}")
+            function.argtypes, function.restype = arguments, ctypes.c_int64
+        return library
     except CompilationUnavailable:
         raise
     except Exception as error:

@@ -17,6 +17,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -31,9 +32,10 @@ from ..common.files import cache_folder, content_hash, sources, write_figure
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..harness import results
+from ..harness.fmu import take_steps
 from ..harness.results import TIME
 from ..harness.simulate import Result, whole_steps
-from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID, STEP, TIMESTEPPING
+from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID, TIMESTEPPING
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS
 from ..memory import Module
@@ -442,8 +444,6 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 # --- trial runs ---
 
 REFERENCE_TOLERANCE = 1e-12
-# a call that the kernel refuses at once costs what every call costs around it
-_REFUSED_STEP = -1.0
 # no further call once so much time has passed, s
 _PATIENCE = 0.5
 # shortest time that can be measured, s a call
@@ -480,22 +480,23 @@ def kernel_time(
     communication_step: float,
     repeats: int = 31,
 ) -> float:
-    """Measure the time of the kernel for a run that succeeds, s: that of all calls less that of empty ones.
+    """Measure the time of the kernel for a run that succeeds, s: that of all steps less that of none.
 
     Args:
         module: that ran it. begin: its state before (Module.save). communication_step: s.
         inputs: (omega1, load_torque, drive_torque) of each step. repeats: at most.
     """
+    given, lengths = np.array(inputs, dtype=float), np.full(len(inputs), communication_step)
+    rows = np.empty((len(inputs) + 1, 0))
 
-    def calls(size: float) -> None:
+    def steps(number: int) -> None:
         module.restore(begin)
-        held, call = module.inputs, module.call
-        for held.omega1, held.load_torque, held.drive_torque in inputs:
-            call(STEP, size)
+        part = lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1]
+        if not module.take_steps(*part):
+            take_steps(module, *part)
 
-    spent = median_time(lambda: calls(communication_step), repeats)
-    empty = median_time(lambda: calls(_REFUSED_STEP), repeats)
-    return max(spent - empty, _RESOLUTION * len(inputs))
+    spent, none = (median_time(partial(steps, number), repeats) for number in (len(inputs), 0))
+    return max(spent - none, _RESOLUTION * len(inputs))
 
 
 # --- a run ---

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Mapping, Sequence
-from ctypes import c_double, c_uint, c_void_p
+from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
 
@@ -12,13 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FmuError, did_you_mean
+from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
+from ..memory import Run
 
 if TYPE_CHECKING:
     from .loading import Unpacked
 
-__all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu"]
+__all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu", "run"]
 
+Array = NDArray[np.float64]
+
+# function of the native FMUs that takes many steps in one call
+RUN = "inertiaModuleRun"
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 # calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
@@ -26,6 +33,13 @@ _CALLS = {
     "2.0": {"Real": "Real", "Boolean": "Boolean", "": "Integer"},
     "3.0": {"Real": "Float64", "Boolean": "Boolean", "Enumeration": "Int64", "": "Int32"},
 }
+
+
+# a run begins with a call of so many steps; others take about so long, s: progress and Ctrl-C come in between
+FIRST_STEPS = 8
+CALL_TIME = 0.1
+# of a run that only reads
+NO_STEPS, NO_INPUTS = np.empty(0), np.empty((0, 0))
 
 
 class Closing:
@@ -53,6 +67,52 @@ class Plant(Protocol):
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
         """Read values by name."""
+
+
+def run(
+    plant: Plant,
+    lengths: Array,
+    inputs: Mapping[str, Array],
+    outputs: Sequence[str],
+    rows: Array,
+    progress: Progress | None = None,
+) -> None:
+    """Run a plant with given inputs: many steps in one call where it can do so, with the same bits.
+
+    Args:
+        plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
+        inputs: by name, for each step, shape (steps,). outputs: names.
+        rows: for the outputs at the start and after each step, shape (steps + 1, outputs).
+        progress: told how much of the run is done (0 to 1).
+
+    Raises:
+        Refused: as set, advance and read of the plant.
+    """
+    lengths, given = np.ascontiguousarray(lengths), np.empty((lengths.size, len(inputs)))
+    for column, values in zip(given.T, inputs.values(), strict=True):
+        column[:] = values
+    in_one_call = getattr(plant, "take_steps", None)
+    done, number = 0, FIRST_STEPS
+    while done < lengths.size:
+        end, begun = min(done + number, lengths.size), time.perf_counter()
+        part = lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1]
+        if in_one_call is None or not in_one_call(*part):
+            take_steps(plant, *part)
+        number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
+        done = end
+        if progress is not None:
+            progress(done / lengths.size)
+
+
+def take_steps(
+    plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+) -> None:
+    """Take steps with a plant one after the other; arguments as of Fmu.take_steps."""
+    rows[0] = plant.read(outputs)
+    for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
+        plant.set(**dict(zip(inputs, values, strict=True)))
+        plant.advance(length)
+        row[:] = plant.read(outputs)
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -170,7 +230,8 @@ class Fmu(Closing):
         self._kept: list[Kept] = []
         self._unpacked: Unpacked | None = None
         self._instance: Any = None
-        self._readers: dict[tuple[str, ...], tuple[Any, Any, int, list[tuple[int, str]]]] = {}
+        self._readers: dict[tuple[str, ...], tuple[Array, Run]] = {}
+        self._arrays: dict[tuple[str, ...], Any] = {}
         try:
             self._load()
             self._call("setupExperiment", tolerance, start_time, stop_time)
@@ -259,6 +320,13 @@ class Fmu(Closing):
     def _references(self, names: str | Sequence[str]) -> list[int]:
         return [self._variable(name).valueReference for name in as_names(names)]
 
+    def _address(self, names: Sequence[str]) -> int:
+        """Address of the value references of some names."""
+        key = tuple(names)
+        if key not in self._arrays:
+            self._arrays[key] = (c_uint * len(key))(*self._references(key))
+        return addressof(self._arrays[key])
+
     def _assign(self, values: Mapping[str, float | bool | str]) -> None:
         """Set variables by name: all of them or, on an unknown name or value, none."""
         calls: dict[str, dict[int, float]] = {}
@@ -285,25 +353,18 @@ class Fmu(Closing):
         """
         key = as_names(names)
         if key not in self._readers:
-            # arguments of the call that reads the reals, and places and names of the others, in rising order
-            reals = [name for name in key if self._variable(name).type == "Real"]
-            others = [(n, name) for n, name in enumerate(key) if self.variables[name].type != "Real"]
-            count = len(reals)
-            self._readers[key] = (
-                (c_uint * count)(*self._references(reals)),
-                (c_double * count)(),
-                count,
-                others,
-            )
-        references, values, count, others = self._readers[key]
-        if count:
-            component = getattr(self._instance, "component", None)
-            self._call("fmi2GetReal", component, references, count, values)
-        found = list(values)
-        for place, name in others:
-            variable = self.variables[name]
-            found.insert(place, float(self._call(f"get{self._kind(variable)}", [variable.valueReference])[0]))
-        return tuple(found)
+            row = np.empty((1, len(key)))
+            self._readers[key] = row, Run(NO_STEPS, 0, NO_INPUTS, self._address(key), row)
+        row, reading = self._readers[key]
+        if getattr(self._instance, RUN, None) is not None:
+            self._call(RUN, self._instance.component, byref(reading))
+            return tuple(row[0].tolist())
+        kinds: dict[str, list[int]] = {}
+        for place, name in enumerate(key):
+            kinds.setdefault(self._kind(self.variables[name]), []).append(place)
+        for kind, places in kinds.items():
+            row[0, places] = self._call(f"get{kind}", self._references([key[place] for place in places]))
+        return tuple(row[0].tolist())
 
     def __getitem__(self, name: str) -> float:
         return self.read(name)[0]
@@ -321,6 +382,30 @@ class Fmu(Closing):
         except FmuError as error:
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
+
+    def take_steps(
+        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+    ) -> bool:
+        """Take steps in one call, and tell whether the FMU offers that; else nothing is done.
+
+        Args:
+            lengths, outputs, rows: as of run. inputs: names. given: their values, shape (steps, inputs). Each
+                array, and each of the rows, lies in one piece.
+
+        Raises:
+            FmuError: an unknown name, or the FMU refused a value or a step; it is as it was before that.
+        """
+        if getattr(self._instance, RUN, None) is None:
+            return False
+        asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
+        asked.time = self.time
+        try:
+            self._call(RUN, self._instance.component, byref(asked))
+        except FmuError as error:
+            raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
+        finally:
+            self.time = asked.time
+        return True
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).

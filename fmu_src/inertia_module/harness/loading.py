@@ -13,7 +13,7 @@ import tempfile
 import threading
 import weakref
 from collections.abc import Iterator
-from ctypes import byref
+from ctypes import byref, c_void_p
 from dataclasses import dataclass, field
 from multiprocessing.util import Finalize
 from pathlib import Path
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from fmpy import extract, platform_tuple, simulate_fmu, supported_platforms
 from fmpy import platform as host
-from fmpy.fmi1 import calloc, free, printLogMessage
+from fmpy.fmi1 import FMICallException, calloc, free, printLogMessage
 from fmpy.fmi2 import (
     FMU2Slave,
     fmi2CallbackAllocateMemoryTYPE,
@@ -34,7 +34,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 from fmpy.validation import validate_fmu
 
-from .fmu import Fmu, read_description
+from .fmu import RUN, Fmu, read_description
 
 # status of a warning in FMI 2.0; above it are errors
 WARNING = 1
@@ -159,7 +159,17 @@ def instantiate(description: Any, folder: str, name: str, listener: Fmu) -> Any:
 
         instance = Slave(**arguments)
         instance.instantiate(logMessage=log, loggingOn=True)
+    whole_runs = getattr(instance.dll, RUN, None)
+    if whole_runs is not None:
+        whole_runs.argtypes, whole_runs.restype = (c_void_p, c_void_p), _check_status
+        setattr(instance, RUN, whole_runs)
     return instance
+
+
+def _check_status(status: int) -> None:
+    """Raise where fmpy does for functions of the standards."""
+    if status > WARNING:
+        raise FMICallException(RUN, status)
 
 
 class Slave(FMU3Slave):  # type: ignore[misc]
@@ -186,9 +196,6 @@ class Slave(FMU3Slave):  # type: ignore[misc]
 
     def setRealInputDerivatives(self, *arguments: Any) -> None:
         raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
-
-    def fmi2GetReal(self, component: Any, references: Any, count: int, values: Any) -> None:
-        self.fmi3GetFloat64(component, references, count, values, count)
 
 
 # --- check of any FMU ---

@@ -7,7 +7,7 @@ import html
 import io
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,6 +73,14 @@ class Result:
             raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")
         ordered = {TIME: arrays.pop(TIME), **arrays}
         return cls(ordered, {TIME: "s", **given})
+
+    @classmethod
+    def from_rows(cls, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> Result:
+        """Take over rows, shape (n, names), time first and in s. Raises as from_columns."""
+        columns = dict(zip(names, rows.T, strict=True))
+        if len(columns) == len(names) and np.isfinite(rows).all() and (rows[1:, 0] >= rows[:-1, 0]).all():
+            return cls(columns, {TIME: "s", **units})
+        return cls.from_columns(columns, units)
 
     def without(self, names: Set[str]) -> Result:
         """The table without the columns of these names."""

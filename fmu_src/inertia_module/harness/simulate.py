@@ -14,13 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.errors import Refused, did_you_mean
 from ..common.terminal import Progress, progress_bar
 from ..common.units import split_quantity
-from .fmu import Fmu, FmuError, Plant, as_names, fmu_file, read_description
+from .fmu import Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
-
-# steps between two reports of progress
-REPORT_STEPS = 50
 
 
 def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:
@@ -100,29 +97,20 @@ def drive(
         FmuError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
         Refused: stop_time or step is not positive; all of these are kinds of it.
     """
-    for name, value in (("stop_time", stop_time), ("step", step)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise Refused(f"{name} must be a positive number of seconds, is {value}")
+    times = communication_points(stop_time, step)
     path, outputs = fmu_file(path), as_names(outputs)
     table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
-    times = communication_points(stop_time, step)
     columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}
-    given = {name: columns[name] for name in names}
-    rows = np.empty((times.size, len(outputs)))
-    start = {name: float(values[0]) for name, values in given.items()}
+    held = {name: columns[name][:-1] for name in names}
+    start = {name: float(values[0]) for name, values in held.items()}
     with contextlib.ExitStack() as stack:
         fmu = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
         report = progress or stack.enter_context(progress_bar(f"driving {fmu.path.name}"))
-        rows[0] = fmu.read(outputs)
-        for n in range(times.size - 1):
-            fmu.set(**{name: float(values[n]) for name, values in given.items()})
-            fmu.advance(float(times[n + 1] - times[n]))
-            rows[n + 1] = fmu.read(outputs)
-            if n % REPORT_STEPS == 0:
-                report((n + 1) / (times.size - 1))
+        rows = np.empty((times.size, len(table.names) + len(outputs)))
+        rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
+        run(fmu, np.diff(times), held, outputs, rows[:, len(table.names) :], report)
         units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
-    recorded = {name: rows[:, i] for i, name in enumerate(outputs)}
-    return Result.from_columns({TIME: times, **columns, **recorded}, units)
+    return Result.from_rows((TIME, *columns, *outputs), rows, units)
 
 
 def whole_steps(duration: float, step: float) -> int:
@@ -132,7 +120,14 @@ def whole_steps(duration: float, step: float) -> int:
 
 
 def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
-    """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped)."""
+    """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped).
+
+    Raises:
+        Refused: stop_time or step is not positive.
+    """
+    for name, value in (("stop_time", stop_time), ("step", step)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise Refused(f"{name} must be a positive number of seconds, is {value}")
     count = math.ceil(stop_time / step - 1e-9)
     times = np.arange(count + 1, dtype=np.float64) * step
     times[-1] = stop_time

@@ -139,14 +139,13 @@ class WiredFmus(Closing):
             )
         read = [(f"{name}.{output}", self._fmu(name), output) for name, output in outputs]
         times = self.time + self.step * np.arange(steps + 1)
-        rows = np.empty((times.size, len(read)))
-        for n in range(times.size):
+        rows = np.empty((times.size, 1 + len(read)))
+        for n, time in enumerate(times):
             if n > 0:
                 self.advance()
-            rows[n] = [fmu[output] for _, fmu, output in read]
+            rows[n] = [time, *(fmu[output] for _, fmu, output in read)]
         units = {name: fmu.units[output] for name, fmu, output in read if output in fmu.units}
-        columns = {TIME: times} | {name: rows[:, i] for i, (name, _, _) in enumerate(read)}
-        return Result.from_columns(columns, units)
+        return Result.from_rows((TIME, *(name for name, _, _ in read)), rows, units)
 
     def close(self) -> None:
         """Close all FMUs."""

@@ -1,8 +1,9 @@
 """The engineer's jobs, one call each; the commands take the same arguments."""
 
+from .batch import batch
 from .design import DesignResult, design
 from .fit import FitResult, fit
 from .orders import Orders, orders
 from .sweep import SweepResult, sweep
 
-__all__ = ["DesignResult", "FitResult", "Orders", "SweepResult", "design", "fit", "orders", "sweep"]
+__all__ = ["DesignResult", "FitResult", "Orders", "SweepResult", "batch", "design", "fit", "orders", "sweep"]

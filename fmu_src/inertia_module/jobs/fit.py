@@ -29,7 +29,7 @@ from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME, COMPUTED
-from ..harness.fmu import fmu_file
+from ..harness.fmu import fmu_file, run
 from ..harness.simulate import Plant, Result
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
@@ -146,7 +146,7 @@ class Stopped:
         self._sums, self._largest = np.zeros(len(names)), np.zeros(len(names))
         self._now, self._since = 0.0, 0.0
         self.rows: list[Array] = []
-        self._keep_until(near)
+        self._pass_by(0.0, np.array(plant.read(self._names)), near)
 
     def set(self, **values: float) -> None:
         """Set inputs by name."""
@@ -158,33 +158,43 @@ class Stopped:
 
     def advance(self, step: float) -> None:
         """Advance by a communication step, s, by way of the times within it."""
-        end = self._now + step
-        while self._next < end - self._near:
-            self._go(self._next)
-            self._keep_until(self._now)
-        self._go(end)
-        self._keep_until(end + self._near)
+        self.take_steps(np.array([step]), (), np.empty((1, 0)), (), np.empty((2, 0)))
+
+    def take_steps(
+        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+    ) -> bool:
+        """Take steps by way of the times within them; arguments as of Fmu.take_steps. It always can."""
+        points = np.cumsum([self._now, *lengths])
+        first = np.searchsorted(self._times, points[:-1] + self._near, "right")
+        after = np.searchsorted(self._times, points[1:] - self._near)
+        parts = [[*self._times[i:k], end] for i, k, end in zip(first, after, points[1:], strict=True)]
+        stops, number = np.concatenate(parts), [len(part) for part in parts]
+        held = dict(zip(inputs, np.repeat(given, number, axis=0).T, strict=True))
+        found = np.empty((stops.size + 1, len(outputs) + len(self._names)))
+        run(self._plant, np.diff(stops, prepend=self._now), held, (*outputs, *self._names), found)
+        rows[:] = found[np.cumsum([0, *number]), : len(outputs)]
+        near = np.zeros(stops.size)
+        near[np.cumsum(number) - 1] = self._near
+        for time, values, reach in zip(stops.tolist(), found[1:, len(outputs) :], near, strict=True):
+            self._pass_by(time, values, reach)
+        return True
 
     @property
     def _next(self) -> float:
         return float(self._times[len(self.rows)]) if len(self.rows) < self._times.size else math.inf
 
-    def _go(self, time: float) -> None:
-        length = time - self._now
-        self._plant.advance(length)
-        self._now = time
-        if self._over_steps:
-            values = np.array(self._plant.read(self._names))
-            self._sums += length * values
+    def _pass_by(self, time: float, values: Array, near: float) -> None:
+        """Keep the values at a time, s, for those of the measurement up to it and so near after it, s."""
+        if self._over_steps and time > self._now:
+            self._sums += (time - self._now) * values
             self._largest = np.maximum(self._largest, values)
-
-    def _keep_until(self, time: float) -> None:
-        while self._next <= time:
-            values = np.array(self._plant.read(self._names))
+        self._now = time
+        while self._next <= time + near:
+            kept = values
             if self._over_steps and self._now > self._since:
                 means = self._sums / (self._now - self._since)
-                values = np.where(self._means, means, np.where(self._peaks, self._largest, values))
-            self.rows.append(values)
+                kept = np.where(self._means, means, np.where(self._peaks, self._largest, values))
+            self.rows.append(kept)
             self._since, self._sums, self._largest = self._now, 0.0 * self._sums, 0.0 * self._largest
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
-from ..harness.fmu import as_names
+from ..harness.fmu import as_names, run
 from ..harness.simulate import Plant, Result, whole_steps
 from .sources import Signal, Sources
 
@@ -132,12 +132,7 @@ class ClosedLoop:
             ValueError: the stop time is not a whole number of steps.
             FmuError: the FMU refuses a value or a step.
         """
-        number = whole_steps(stop_time, self.step)
-        if not number:
-            raise ValueError(
-                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
-                f" one, is {stop_time:g} s"
-            )
+        number = self._steps(stop_time)
         report_every = max(number // _PROGRESS_CALLS, 1)
         names = [*self.surroundings.input_labels, *self._outputs]
         state = np.zeros(self.surroundings.nstates)
@@ -155,9 +150,25 @@ class ClosedLoop:
                 self.plant.set(**{name: signals[index] for name, index in self._driven})
                 self.plant.advance(self.step)
 
+    def _steps(self, stop_time: float) -> int:
+        number = whole_steps(stop_time, self.step)
+        if not number:
+            raise ValueError(
+                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
+                f" one, is {stop_time:g} s"
+            )
+        return number
+
     def run(self, stop_time: float, progress: Progress | None = None) -> Result:
         """Step to the stop time, s, and return the rows as a named table. Raises as rows does."""
-        table = np.array(list(self.rows(stop_time, progress)))
-        columns = {name: table[:, index] for index, name in enumerate(self.names)}
+        if isinstance(self.surroundings, Sources):
+            number, first = self._steps(stop_time), 1 + len(self._outputs)
+            rows = np.empty((number + 1, len(self.names)))
+            rows[:, 0] = np.arange(number + 1) * self.step
+            signals = rows[:, first:] = self.surroundings.table(rows[:, 0])
+            inputs = {name: signals[:-1, index] for name, index in self._driven}
+            run(self.plant, np.full(number, self.step), inputs, self._outputs, rows[:, 1:first], progress)
+        else:
+            rows = np.array(list(self.rows(stop_time, progress)))
         known = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
-        return Result.from_columns(columns, {name: known.get(name, "") for name in self.names[1:]})
+        return Result.from_rows(self.names, rows, {name: known.get(name, "") for name in self.names[1:]})

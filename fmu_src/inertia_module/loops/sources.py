@@ -38,9 +38,9 @@ class Table:
             before, after = self.points[backward[0] : backward[0] + 2]
             raise ValueError(f"points of a table must increase, {after:g} comes after {before:g}")
 
-    def __call__(self, point: float) -> float:
-        """Value at a point."""
-        return float(np.interp(point, self.points, self.values))
+    def __call__(self, points: float | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values at points, or the value at one."""
+        return np.asarray(np.interp(points, self.points, self.values))
 
 
 Signal = float | Table
@@ -48,7 +48,7 @@ Signal = float | Table
 
 def evaluate(signal: Signal, point: float) -> float:
     """Value of a constant or a table at a point (time, s, or distance, m)."""
-    return signal(point) if isinstance(signal, Table) else signal
+    return float(signal(point)) if isinstance(signal, Table) else signal
 
 
 def sampled(
@@ -102,9 +102,12 @@ class Sources:
         """The signals at a time, s."""
         return np.array([evaluate(signal, time) for signal in self.signals.values()])
 
-    def dynamics(self, *_: Any) -> NDArray[np.float64]:
-        """Give the next states: there are none."""
-        return np.zeros(0)
+    def table(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The signals at times, s, shape (times, signals)."""
+        found = np.empty((times.size, len(self.signals)))
+        for place, signal in enumerate(self.signals.values()):
+            found[:, place] = signal(times) if isinstance(signal, Table) else signal
+        return found
 
     def to_control(self) -> Any:
         """Convert it to a static discrete-time control.NonlinearIOSystem."""

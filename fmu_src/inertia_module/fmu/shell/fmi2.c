@@ -106,10 +106,23 @@ fmi2Status fmi2Reset(fmi2Component c)
     return (fmi2Status)reset(c);
 }
 
+static enum status do_step(struct instance *c, double time, double step)
+{
+    return take_step(c, OPERATION_STEP_ONLY, time, step);
+}
+
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_state_prior)
 {
     (void)no_state_prior;
-    return (fmi2Status)take_step(c, OPERATION_STEP_ONLY, time, step);
+    return (fmi2Status)do_step(c, time, step);
+}
+
+/* Beside FMI: many steps in one call. */
+FMI2_Export fmi2Status inertiaModuleRun(fmi2Component c, struct run *run);
+
+fmi2Status inertiaModuleRun(fmi2Component c, struct run *run)
+{
+    return (fmi2Status)take_steps(c, run, do_step);
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)

@@ -40,6 +40,24 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     return (fmi3Status)status;
 }
 
+static enum status do_step(struct instance *c, double time, double step)
+{
+    fmi3Boolean needs_events, terminates, is_early;
+    fmi3Float64 reached;
+    return (enum status)fmi3DoStep(c, time, step, false, &needs_events, &terminates, &is_early, &reached);
+}
+
+/* Beside FMI: many steps in one call, of an instance whose steps end where they shall. */
+FMI3_Export fmi3Status inertiaModuleRun(fmi3Instance instance, struct run *run);
+
+fmi3Status inertiaModuleRun(fmi3Instance instance, struct run *run)
+{
+    struct component *const c = instance;
+    if (c && (c->event_mode || c->early_return))
+        return (fmi3Status)out_of_order(&c->core, "a run", "without event mode and early return");
+    return (fmi3Status)take_steps(instance, run, do_step);
+}
+
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
     struct component *const c = instance;

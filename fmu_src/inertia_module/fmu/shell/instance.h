@@ -136,6 +136,22 @@ enum status take_step(struct instance *c, enum operation operation, double time,
 int has_stopped(const struct instance *c);
 void carry_out_switch(struct instance *c);
 
+/* A run: many steps in one call, with the bits of a loop of calls that read, set and step. */
+struct run {
+    double time;      /* of the next step */
+    size_t steps;     /* to take, then those taken */
+    const double *lengths;
+    size_t input_count;
+    const uint32_t *inputs;
+    const double *set; /* of inputs, a row for each step */
+    size_t output_count;
+    const uint32_t *outputs;
+    double *read;      /* of outputs of any type, a row before the first step and one after each */
+    size_t row_size;   /* from one of these rows to the next */
+};
+enum status take_steps(struct instance *c, struct run *run,
+                       enum status (*step)(struct instance *c, double time, double length));
+
 /* Go through a step and show the instance as it is after each switch in it; then it is as it was before. */
 void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished));
 

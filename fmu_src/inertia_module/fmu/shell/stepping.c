@@ -94,3 +94,30 @@ enum status take_step(struct instance *c, enum operation operation, double time,
         trace(c, length);
     return OK;
 }
+
+enum status take_steps(struct instance *c, struct run *run,
+                       enum status (*step)(struct instance *c, double time, double length))
+{
+    static const struct type number = {"number", ~0u, read_real, write_real};
+    if (!c)
+        return ERROR;
+    if (!run || (run->steps > 0 && !run->lengths))
+        return without_array(c, "a run");
+    const size_t wanted = run->steps;
+    const double *set = run->set;
+    double *read = run->read;
+    enum status status = get_values(c, run->outputs, run->output_count, read, &number);
+    for (run->steps = 0; status == OK && run->steps < wanted; run->steps++) {
+        const double length = run->lengths[run->steps];
+        status = set_values(c, run->inputs, run->input_count, set, &number);
+        if (status == OK)
+            status = step(c, run->time, length);
+        if (status != OK)
+            break;
+        run->time += length;
+        set += run->input_count;
+        read += run->row_size;
+        status = get_values(c, run->outputs, run->output_count, read, &number);
+    }
+    return status;
+}

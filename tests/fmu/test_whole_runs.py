@@ -1,0 +1,159 @@
+"""Runs in one call: the bits, refusals and states of the loop, whoever takes the steps."""
+
+from ctypes import byref
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from inertia_module.common.errors import Refused
+from inertia_module.contract.variables import COMPUTED
+from inertia_module.harness import fmu as harness
+from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.memory import Module, Run
+
+from .conftest import ELASTIC, R1
+
+FLAVOURS = ("InertiaModule", "InertiaModule3")
+TIMES = np.linspace(0.0, 0.2, 301)
+# in the FMU of FMI 3.0 discrete outputs are held; booleans, enumerations and late outputs are among these
+OUTPUTS = (*COMPUTED, "housing_freewheel", "fidelity", "z17", "omega1", "tolerance")
+RISING = {
+    "omega1": np.interp(TIMES[:-1], [0.0, 0.05, 0.15], [90.0, 90.0, 120.0]),
+    "load_torque": np.full(300, 12.0),
+}
+
+
+class ByLoop:
+    """A plant without a call for many steps."""
+
+    def __init__(self, plant):
+        self.set, self.advance, self.read = plant.set, plant.advance, plant.read
+
+
+def run(plant, inputs=RISING, outputs=OUTPUTS, **more):
+    rows = np.full((TIMES.size, len(outputs)), np.nan)
+    harness.run(plant, np.diff(TIMES), inputs, outputs, rows, **more)
+    return rows
+
+
+def both(fmu_path, inputs=RISING, parameters=ELASTIC):
+    """Rows, times reached and states of a run in calls of many steps and of one in calls of one."""
+    with Fmu(fmu_path, parameters, R1) as one, Fmu(fmu_path, parameters, R1) as other:
+        assert getattr(one._instance, harness.RUN) is not None
+        assert np.array_equal(run(one, inputs), run(ByLoop(other), inputs))
+        assert one.time == other.time == pytest.approx(TIMES[-1])
+        assert one.save() == other.save()
+
+
+@pytest.mark.parametrize(
+    "parameters", [ELASTIC, {}, {"fidelity": "averaged"}], ids=["elastic", "R1", "averaged"]
+)
+def test_run_has_the_bits_of_the_loop(fmu_path, parameters):
+    both(fmu_path, parameters=parameters)
+
+
+def test_tunable_parameters_are_inputs_of_a_run(fmu_path):
+    both(fmu_path, RISING | {"output_friction": np.where(TIMES[:-1] < 0.1, 0.0, 0.5)})
+
+
+def test_steps_are_traced_and_the_progress_is_told(fmu_path):
+    told = []
+    with Fmu(fmu_path, inputs=R1) as fmu:
+        fmu.set_logging(True, "logSteps")
+        run(fmu, progress=told.append)
+        assert sum("step to" in message for message in fmu.messages) == 300
+    assert len(told) > 1
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+@pytest.mark.parametrize("name, bad", [("omega1", np.nan), ("load_torque", 1e300), ("output_friction", -1.0)])
+def test_what_is_refused_within_a_run_leaves_what_the_loop_leaves(fmu_path, name, bad):
+    inputs = {name: np.where(np.arange(300) == 200, bad, RISING.get(name, np.zeros(300)))}
+    said = []
+    with Fmu(fmu_path, ELASTIC, R1) as one, Fmu(fmu_path, ELASTIC, R1) as other:
+        for plant in (one, ByLoop(other)):
+            with pytest.raises(FmuError) as refused:
+                run(plant, inputs)
+            said.append(str(refused.value))
+        assert one.time == other.time == pytest.approx(TIMES[200])
+        assert one.save() == other.save()
+        one.set(**R1)
+        one.advance(1e-3)
+    assert said[0].removeprefix("at time 0.133333333 s: ") == said[1].removeprefix("at time 0.133333333 s: ")
+    assert said[0].startswith(f"at time 0.133333333 s: {name} must be ")
+
+
+def test_unknown_names_and_closed_instances_are_refused(fmu_path):
+    with Fmu(fmu_path, inputs=R1) as fmu:
+        with pytest.raises(FmuError, match="omega7 must be a variable"):
+            run(fmu, outputs=["omega7"])
+        with pytest.raises(FmuError, match="must be an input or a parameter, omega_out is calculated"):
+            run(fmu, {"omega_out": np.zeros(300)})
+    with pytest.raises(FmuError, match="is closed"):
+        run(fmu)
+
+
+@pytest.mark.parametrize("missing", [{"steps": 1, "lengths": None}, {"input_count": 1}, {"output_count": 1}])
+def test_null_pointers_are_refused(fmu_path, missing):
+    asked = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
+    for name, value in missing.items():
+        setattr(asked, name, value)
+    with Fmu(fmu_path, inputs=R1) as fmu:
+        call = getattr(fmu._instance, harness.RUN)
+        for component, run_asked in (
+            (fmu._instance.component, byref(asked)),
+            (fmu._instance.component, None),
+        ):
+            with pytest.raises(FMICallException):
+                call(component, run_asked)
+            assert "must be given, one is NULL" in fmu.messages.pop()
+        with pytest.raises(FMICallException):
+            call(None, byref(asked))
+        fmu.advance(0.01)
+
+
+def test_fmu_without_such_a_call_runs_by_the_loop(built):
+    names = ("omega_out", "contact_mode", "imbalance_acceleration")
+    with (
+        Fmu(built / "InertiaModulePy.fmu", inputs=R1) as theirs,
+        Fmu(built / "InertiaModule.fmu", inputs=R1) as ours,
+    ):
+        assert not theirs.take_steps(np.array([0.1]), (), np.empty((1, 0)), names, np.empty((2, 3)))
+        assert theirs.time == 0.0
+        np.testing.assert_allclose(run(theirs, outputs=names), run(ours, outputs=names), rtol=1e-9)
+
+
+# --- in memory ---
+
+
+@pytest.mark.parametrize("kernel", ["plain", "compiled"])
+def test_model_in_memory_has_the_bits_of_its_loop(compiled, kernel):
+    one, other = (Module(kernel if kernel == "plain" else compiled).start(**ELASTIC, **R1) for _ in range(2))
+    for module in (one, other):
+        module.set_rates(omega1=5.0)  # for the first step alone
+    assert np.array_equal(run(one), run(ByLoop(other)))
+    assert one.save() == other.save()
+
+
+@pytest.mark.parametrize("name, bad", [("omega1", np.nan), ("load_torque", 1e300), ("output_friction", -1.0)])
+def test_model_in_memory_refuses_what_its_loop_refuses(compiled, name, bad):
+    inputs = {name: np.where(np.arange(300) == 200, bad, RISING.get(name, np.zeros(300)))}
+    said, saved = [], []
+    for in_one_call in (True, False):
+        module = Module(compiled).start(**R1)
+        with pytest.raises(Refused) as refused:
+            run(module if in_one_call else ByLoop(module), inputs)
+        said.append(str(refused.value))
+        saved.append(module.save())
+    assert said[0] == said[1]
+    assert saved[0] == saved[1]
+
+
+def test_step_too_long_is_refused_in_one_call_as_by_itself(compiled):
+    module, once = (Module(compiled).start(**R1) for _ in range(2))
+    with pytest.raises(Refused, match="2000000"):
+        harness.run(module, np.array([0.01, 2e6]), {}, ("omega_out",), np.empty((3, 1)))
+    once.advance(0.01)
+    assert module.save() == once.save()
