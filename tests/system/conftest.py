@@ -15,9 +15,9 @@ from tests.system.chromium import FLAGS, REFERENCE, SMALL, Opened
 from tests.system.programs import left
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
-    """Debian's Chromium."""
+    """Debian's Chromium; beside other tests the pages that are open would go on drawing."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     chromium = shutil.which("chromium")
     if chromium is None:
@@ -53,7 +53,7 @@ def opened(browser, written):
         )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def still(browser, written):
     """The page of scene R1, not moving: opened once, for what it computes."""
     with browser.new_page(viewport=SMALL, reduced_motion="reduce") as page:
@@ -103,7 +103,7 @@ class Cluster:
             process.wait()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
     """A cluster with two workers."""
     pytest.importorskip("distributed")
