@@ -48,7 +48,11 @@ demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car throu
 
 TESTS := -m pytest -n auto --dist worksteal
 
-test: $(VENV)/.all page ## run the tests but for those that take long
+# the kernels for this processor, which the tests would else wait for: beside the page
+KERNELS := from inertia_module import memory; [made.load_kernel() for made in (memory.Module(), memory.DrivenShaft())]
+
+test: $(VENV)/.all ## run the tests but for those that take long
+	$(BIN)/python -c '$(KERNELS)' & $(BIN)/python page/make.py; made=$$?; wait; exit $$made
 	$(BIN)/python $(TESTS) -m "not slow"
 
 test-long: $(VENV)/.all page ## run the tests that take long

@@ -190,7 +190,7 @@ events/kinematic.py: * d.machine.output * d.machine.omega{2|1}
 links.py: square / (half {+|-} math.sqrt
 events/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
 events/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
-events/search.py: value_low *= {0.5|1.0} if
+events/error.py: WORK_IN, {LOST + MESH, |}LOST + JOURNAL
 averaged/rates.py: rate = (driving {-|+} passed) / inertia
 averaged/rates.py: share {-|+} 0.5 * s * share1) * rate
 averaged/table.py: (2.0 * c2 + {3.0|2.0} * t * c3)
@@ -231,7 +231,7 @@ events/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
 events/error.py: scale = energy if n {>=|<} WORK_IN
 events/error.py: OF_ENERGY = {10|1000}.0
 events/error.py: FROM_REST = 0.0{1|}
-events/error.py: HELD_SUMS = (OF_DRIVE, {OF_HOUSING, |}WORK_IN
+events/error.py: HELD_SUMS = ({OF_DRIVE, |}OF_HOUSING
 events/guards.py: return m.output {+|-} d.output_drag, m.output
 events/guards.py: m.omega3 - m.omega2, m.alpha3 {-|+} m.alpha2
 equations/choice.py: return -push if speed {<=|<} 0.0
