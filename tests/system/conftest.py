@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from inertia_module.page.html import TEMPLATE
-from tests.system.chromium import FLAGS, REFERENCE, SMALL, Opened
+from tests.system.chromium import COARSE, FLAGS, REFERENCE, SMALL, Opened
 from tests.system.programs import left
 
 
@@ -49,14 +49,14 @@ def opened(browser, written):
     """A function that opens the page of a scene file, with options of Playwright's new_page."""
     with contextlib.ExitStack() as pages:
         yield lambda scene, **options: Opened(
-            pages.enter_context(browser.new_page(**{"viewport": SMALL, **options})), written(scene)
+            pages.enter_context(browser.new_page(**{**COARSE, **options})), written(scene)
         )
 
 
 @pytest.fixture(scope="module")
 def still(browser, written):
     """The page of scene R1, not moving: opened once, for what it computes."""
-    with browser.new_page(viewport=SMALL, reduced_motion="reduce") as page:
+    with browser.new_page(**COARSE, reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
 
 
