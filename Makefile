@@ -3,6 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
+# pip compiles nothing: what is imported is compiled then, a fraction of it, and kept whatever the shell says
+export PIP_COMPILE := 0
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers size install clean help
 
@@ -13,12 +16,11 @@ $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
-# $(call set-up,EXTRA): the kernel is translated (half a minute) while pip goes on with what that does not need;
-# what is never imported is not compiled
+# $(call set-up,EXTRA): the kernel is translated (half a minute) while pip goes on with what that does not need
 define set-up
-	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) numba
+	$(BIN)/python -m pip install $(QUIET) numba
 	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
-	PIP_NO_COMPILE=1 $(BIN)/python -m pip install $(QUIET) -e '.[$(1)]'; installed=$$?; wait; exit $$installed
+	$(BIN)/python -m pip install $(QUIET) -e '.[$(1)]'; installed=$$?; wait; exit $$installed
 	@touch $@
 endef
 
@@ -46,7 +48,11 @@ demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car throu
 
 TESTS := -m pytest -n auto --dist worksteal
 
-test: $(VENV)/.all page ## run the tests but for those that take long
+# the kernels for this processor, which the tests would else wait for: beside the page
+KERNELS := from inertia_module import memory; [made.load_kernel() for made in (memory.Module(), memory.DrivenShaft())]
+
+test: $(VENV)/.all ## run the tests but for those that take long
+	$(BIN)/python -c '$(KERNELS)' & $(BIN)/python page/make.py; made=$$?; wait; exit $$made
 	$(BIN)/python $(TESTS) -m "not slow"
 
 test-long: $(VENV)/.all page ## run the tests that take long

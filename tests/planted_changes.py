@@ -35,10 +35,6 @@ MEANS = """
     test_loads.py::test_means_and_peak_are_those_of_the_torques_at_each_instant[planar-speed-kinematic-friction]
     test_loads.py::test_means_and_peak_are_those_of_the_torques_at_each_instant[planar-torque-elastic-friction]
 """
-DIPS = """
-    test_crossings.py::test_dip_with_zero_slope_at_its_beginning_is_found
-    test_crossings.py::test_release_among_close_zeros_is_found_as_by_short_steps
-"""
 LOADS = """
     test_loads.py::test_moment_about_the_axis_is_what_link_1_and_link_2_are_given
     test_multibody.py::test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine
@@ -47,24 +43,18 @@ LOADS = """
 """
 SELECTION = {
     "averaged/": """
-        test_averaged_map.py::test_mean_power_of_link_1_goes_to_the_output_or_into_its_energy
+        test_averaged_map.py::test_mean_power_of_link_1_goes_to_the_output_or_into_its_energy_or_is_lost
         test_averaged_map.py::test_accelerations_of_the_mean_motion_are_the_rates_of_its_speeds
+        test_averaged_map.py::test_a_stiff_step_of_the_mean_motion_is_of_its_order
         test_averaged_map.py::test_slopes_of_the_table_are_those_of_scipy
         test_averaged_map.py::test_table_of_two_knots_is_a_straight_line
         test_averaged_map.py::test_momentum_while_link_2_is_held_changes_by_what_holds_it
         test_motions.py::test_error_follows_the_tolerance[planar-speed-averaged-ideal]
         test_averaged_map.py::test_steady_motion_under_a_torque_ends_a_period_as_it_began
         test_averaged.py::test_input_passes_through_zero_and_back[0-planar]
-        test_averaged.py::test_overrunning_shaft_leaves_the_input_behind_and_comes_back
-        test_averaged.py::test_locked_shaft_slips_under_a_load_beyond_the_lock_up_torque
-        test_averaged.py::test_shaft_is_braked_to_rest_and_stays_there[planar]
-        test_averaged.py::test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module[planar]
         test_averaged_map.py::test_ripple_and_peak_are_those_of_the_rigid_motion[0.3-planar]
         test_averaged_map.py::test_mean_torques_are_those_of_the_rigid_module_at_held_output_speed[0.31-100.0-planar]
         test_averaged.py::test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed[planar-10.0]
-        test_averaged.py::test_torque_that_alternates_about_ratio_1_is_followed[0.2-planar]
-        test_averaged.py::test_mean_speeds_are_those_of_the_pulses_however_light_link_1_is[1.0-planar]
-        test_averaged.py::test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step
         test_averaged_losses.py::test_locked_to_link_1_friction_and_drag_alone_are_lost
     """,
     "driven_shaft/": "test_driven_shaft.py",
@@ -84,40 +74,31 @@ SELECTION = {
         test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
         test_reference.py::test_losses_of_several_satellites_follow_the_tolerance
         test_reference.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
-        test_losses.py::test_meshes_that_jam_are_refused
         test_losses.py::test_ramp_from_rest_breaks_friction_loose[mesh-0.01]
-        test_losses.py::test_locked_up_machine_with_friction_stays_so
         test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
         test_losses.py::test_prescribed_motion_pays_for_each_loss_and_nothing_else[gravity-0.5-planar]
         test_reference.py::test_loads_that_change
         test_reference.py::test_motion_and_losses_are_those_of_the_reference
         test_reference.py::test_links_part_at_the_same_instant_at_any_tolerance
         test_reference.py::test_accounts_are_held_to_the_tolerance_whatever_the_steps
-        test_freewheels.py {MEANS} {DIPS}
+        test_freewheels.py {MEANS}
     """,
     "fixed_steps": """
         test_timestepping.py::test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches
         test_timestepping.py::test_fixed_steps_come_to_what_events_say
         test_timestepping.py::test_no_random_run_makes_energy
-        test_timestepping.py::test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond
-        test_timestepping.py::test_energy_audit_shows_the_error_and_closes_with_the_step
     """,
     "^step": f"""
         test_audit.py {MEANS}
-        test_angles.py::test_link_1_turns_by_its_mean_speed_while_that_changes
     """,
     "^outputs": f"""
         test_audit.py test_reference.py::test_motion_is_that_of_the_reference {MEANS}
-        test_averaged_losses.py::test_locked_to_link_1_friction_and_drag_alone_are_lost
     """,
     "^(inertia|layout|derive|sine|accumulate)": f"""
         {CHECK_VALUES} test_clearance.py test_rates.py test_multibody.py
-        test_angles.py::test_highest_harmonic_is_the_highest_there_is
-        test_angles.py::test_inertia_near_the_rolling_point_keeps_its_digits
         test_angles.py::test_both_are_within_one_and_a_half_units_all_around
         test_angles.py::test_a_sum_keeps_what_rounding_has_lost
         test_angles.py::test_wrapped_angles_are_within_one_turn
-        test_angles.py::test_link_2_held_by_its_freewheel_keeps_the_same_angles
         test_timestepping.py::test_fixed_steps_come_to_what_events_say[bevel-speed-timestepping-ideal]
     """,
     "": f"""
@@ -209,7 +190,7 @@ events/kinematic.py: * d.machine.output * d.machine.omega{2|1}
 links.py: square / (half {+|-} math.sqrt
 events/rosenbrock.py: GAMMA = 0.2119375{6|7}319429014
 events/rosenbrock.py: (rates[which] {-|+} start[which]) / apart
-events/search.py: value_low *= {0.5|1.0} if
+events/error.py: WORK_IN, {LOST + MESH, |}LOST + JOURNAL
 averaged/rates.py: rate = (driving {-|+} passed) / inertia
 averaged/rates.py: share {-|+} 0.5 * s * share1) * rate
 averaged/table.py: (2.0 * c2 + {3.0|2.0} * t * c3)
@@ -250,7 +231,7 @@ events/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
 events/error.py: scale = energy if n {>=|<} WORK_IN
 events/error.py: OF_ENERGY = {10|1000}.0
 events/error.py: FROM_REST = 0.0{1|}
-events/error.py: HELD_SUMS = (OF_DRIVE, {OF_HOUSING, |}WORK_IN
+events/error.py: HELD_SUMS = ({OF_DRIVE, |}OF_HOUSING
 events/guards.py: return m.output {+|-} d.output_drag, m.output
 events/guards.py: m.omega3 - m.omega2, m.alpha3 {-|+} m.alpha2
 equations/choice.py: return -push if speed {<=|<} 0.0

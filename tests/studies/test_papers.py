@@ -1,6 +1,6 @@
 """Verdicts on the equations and claims of the papers, how the page tells them, and the figures.
 
-What the verdicts are stands in docs/papers.md, which tests/system/test_pages.py compares.
+What the verdicts are stands in docs/papers.md, which `make docs` compares.
 """
 
 import io

@@ -9,7 +9,8 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "examples" / "reference.toml"
 PHONE, DESK = {"width": 360, "height": 740}, {"width": 1440, "height": 900}
-SMALL = {"width": 640, "height": 480}  # soon drawn without a graphics card
+SMALL = {"width": 640, "height": 480}
+COARSE = {"viewport": SMALL, "device_scale_factor": 0.25}  # soon drawn without a graphics card
 # no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),

@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from inertia_module.page.html import TEMPLATE
-from tests.system.chromium import FLAGS, REFERENCE, SMALL, Opened
+from tests.system.chromium import COARSE, FLAGS, REFERENCE, SMALL, Opened
 from tests.system.programs import left
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
-    """Debian's Chromium."""
+    """Debian's Chromium; beside other tests the pages that are open would go on drawing."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     chromium = shutil.which("chromium")
     if chromium is None:
@@ -49,14 +49,14 @@ def opened(browser, written):
     """A function that opens the page of a scene file, with options of Playwright's new_page."""
     with contextlib.ExitStack() as pages:
         yield lambda scene, **options: Opened(
-            pages.enter_context(browser.new_page(**{"viewport": SMALL, **options})), written(scene)
+            pages.enter_context(browser.new_page(**{**COARSE, **options})), written(scene)
         )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def still(browser, written):
     """The page of scene R1, not moving: opened once, for what it computes."""
-    with browser.new_page(viewport=SMALL, reduced_motion="reduce") as page:
+    with browser.new_page(**COARSE, reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
 
 
@@ -103,7 +103,7 @@ class Cluster:
             process.wait()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
     """A cluster with two workers."""
     pytest.importorskip("distributed")

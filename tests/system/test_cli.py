@@ -45,14 +45,6 @@ SHORT = (REFERENCE, "--set", "run.stop_time=0.1 s", "--set", "run.communication_
 # --- what commands leave ---
 
 
-def test_build_leaves_the_fmus_in_build_and_tells_machines(tmp_path):
-    done = command("build", "--json", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
-    assert [Path(path).name for path in json.loads(done.stdout)["fmus"]] == [fmu.file_name for fmu in FMUS]
-    for fmu in FMUS:
-        assert (tmp_path / "build" / fmu.file_name).is_file()
-
-
 def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(tmp_path):
     done = own_process("run", *SHORT, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr

@@ -1,4 +1,4 @@
-"""Generated pages, the README, programs of docs/tools.md in each host, the tutorial, the study scripts."""
+"""Pages, the README, programs of docs/tools.md in each host, the tutorial, the study scripts."""
 
 import re
 import runpy
@@ -11,13 +11,9 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from tests.system.programs import needs, printed, process, programs
+from tests.system.programs import needs, printed, programs
 
 ROOT = Path(__file__).parents[2]
-
-
-def test_generated_pages_are_up_to_date():
-    process(ROOT / "docs" / "make_pages.py", "--check")
 
 
 def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypatch):

@@ -274,13 +274,6 @@ def test_the_mean_is_that_of_the_steady_motion(shape, losses, omega1, ratio):
     assert efficiency < 0.01
 
 
-def test_pulses_are_waited_for_until_they_are_steady(compiled):
-    # (after one period from rest of its 38 turns the mean over the next is 2.41 N m)
-    torque, taken, efficiency, _ = of_pulses(compiled, {**HEAVY, "mesh_efficiency": 0.938}, 21.977, 0.5)
-    assert (torque, taken) == pytest.approx((4.326, 4.326), rel=1e-3)
-    assert efficiency == pytest.approx(0.5, abs=1e-3)
-
-
 def drawn(draw, number):
     """A random mechanism with losses, input speed and ratio."""
     planar = number % 4 == 3
