@@ -283,4 +283,4 @@ def test_table_of_two_knots_is_a_straight_line():
         set_slopes(side, n)
     assert look_up(side, module.state, 1.0, 0.3) == pytest.approx((2.5, 0.1))
     assert look_up(side, module.state, 1.0, 0.7) == pytest.approx((1.5, 0.3))
-    assert look_up_input(side, module.state, 1.0, 0.3) == pytest.approx((1.25, 1.25))
+    assert look_up_input(side, module.state, 0.3) == pytest.approx((1.25, 1.25))

@@ -145,7 +145,8 @@ def averaged_system(
         # what accelerations add
         more, faster = torque - y.output_torque, acceleration - y.output_acceleration
         passed = more * omega_out / x.omega1 if more != 0.0 else 0.0
-        _, slope = average_rates.look_up_input(side, x, abs(x.omega1), x.omega3)  # type: ignore[no-untyped-call]
+        s = average_rates.ratio(x.omega3, abs(x.omega1))  # type: ignore[no-untyped-call]
+        _, slope = average_rates.look_up_input(side, x, s)  # type: ignore[no-untyped-call]
         stored = math.copysign(0.5 * slope * faster, x.omega1)
         values |= {"omega_out": omega_out, "omega2": x.omega2, "output_torque": torque}
         values |= {"input_torque": y.input_torque + passed + stored, "mesh_torque": y.mesh_torque + passed}

@@ -118,9 +118,8 @@ def look_up(side, x, speed, s):
     return torque, part
 
 
-def look_up_input(side, x, speed, omega3):
+def look_up_input(side, x, s):
     """Mean |omega1| / |v| under the torque of link 1 or energy without J1 over v^2 / 2, its slope in s."""
-    s = ratio(omega3, speed)
     return curve_at(side, find_knot(side, x, s), s, INPUT)
 
 
@@ -169,6 +168,17 @@ def trend(d, x):
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
+def ratio_from_rest(d, side, x):
+    """Speed ratio with which both speeds begin at rest: that of the accelerations, of the shaft by its load."""
+    pushed = max(-x.load_torque - min(d.output_drag, d.housing_drag), 0.0) / d.J3
+    if d.by_torque == 0.0:
+        return ratio(pushed, abs(x.alpha1))
+    growing = alone = abs(x.drive_torque) / d.map_inertia
+    for _ in range(FROM_REST):
+        growing = alone * look_up_input(side, x, ratio(pushed, growing))[0]
+    return ratio(pushed, growing)
+
+
 def write_mean_rates(d, side, x, leg, v, omega3, rates):
     """Write the rates of the averaged motion in a leg into a record.
 
@@ -194,21 +204,15 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     # friction and drag resist at rest too
     slow = max(speed, side.slow / SLOWEST)
     s = ratio(omega3, speed)
+    if speed == 0.0 and omega3 == 0.0 and (leg == SLIPPING or leg == COASTING):
+        s = ratio_from_rest(d, side, x)
     factor, part = look_up(side, x, slow, max(s, side.end) if leg == COASTING else s)
     torque = factor * slow * slow
-    share, share1 = look_up_input(side, x, speed, omega3)
+    share, share1 = look_up_input(side, x, s)
     if leg != SLIPPING:
         share1 = 0.0
     if leg == LOCKED or leg == COASTING:
         share = last_knot(side).value[INPUT]
-    if d.by_torque != 0.0 and leg == SLIPPING and speed == 0.0 and omega3 == 0.0:
-        # from rest the ratio is that of the accelerations, and stays
-        start = max(-x.load_torque, 0.0) / d.J3
-        growing = abs(x.drive_torque) / d.map_inertia
-        for _ in range(FROM_REST):
-            share, share1 = look_up_input(side, x, growing, start)[0], 0.0
-            growing = share * abs(x.drive_torque) / d.map_inertia
-        _, part = look_up(side, x, growing, ratio(start, growing))
     resisting = 0.0
     if d.lossy != 0.0:
         resisting = write_losses(side, x, slow, s, rates.lost)
@@ -221,10 +225,7 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     inertia, driving = d.map_inertia, direction * x.drive_torque * share - resisting
     if leg == RESTING:
         torque = x.load_torque
-    reached = side.end if leg == COASTING else 0.0
-    if passing > 0.0:
-        reached = passing / speed if passing < side.end * speed else side.end
-    passed = torque * reached
+    passed = torque * (side.end if leg == COASTING else min(s, side.end))
     if leg == LOCKED:
         passed = together * given
         inertia += together * together * d.J3
@@ -275,7 +276,7 @@ def energy_at(d, side, x, v):
     if d.by_torque != 0.0:
         return 0.5 * v * v * d.map_inertia
     speed = abs(v)
-    return 0.5 * speed * speed * (d.J1 + look_up_input(side, x, speed, x.omega3)[0])
+    return 0.5 * speed * speed * (d.J1 + look_up_input(side, x, ratio(x.omega3, speed))[0])
 
 
 def ripple_at(side, x, v):

@@ -195,11 +195,11 @@ def speed_at_start(d, x):
         low, high = 0.0, side.end
         for _ in range(HALVINGS):
             s = 0.5 * (low + high)
-            if s * omega1 < x.omega3 * look_up_input(side, x, 1.0, s)[0]:
+            if s * omega1 < x.omega3 * look_up_input(side, x, s)[0]:
                 low = s
             else:
                 high = s
-        low = omega1 / look_up_input(side, x, 1.0, low)[0]
+        low = omega1 / look_up_input(side, x, low)[0]
     return math.copysign(low, x.omega1)
 
 
@@ -249,9 +249,9 @@ def takes_up_jump(d, x, jump, h):
 
 def input_inertia(d, side, x, omega1):
     """dP1/domega1 at constant omega3: epsilon - sigma epsilon' / 2, kg m^2."""
-    speed = abs(omega1)
-    share, slope = look_up_input(side, x, speed, x.omega3)
-    return d.J1 + share - 0.5 * ratio(x.omega3, speed) * slope
+    s = ratio(x.omega3, abs(omega1))
+    share, slope = look_up_input(side, x, s)
+    return d.J1 + share - 0.5 * s * slope
 
 
 def part_of_jump(d, side, x, start, jump):
