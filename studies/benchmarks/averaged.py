@@ -99,7 +99,7 @@ def figures_of_scene():
 
 def mean_speeds(parameters):
     """Mean speeds of link 1 and of the output shaft between BEGIN and END, rad/s."""
-    module = Module().start(**START, **parameters)
+    module = Module().start(**parameters | START)
     output, angle = [], 0.0
     for n in range(round(END / STEP)):
         if n == round(BEGIN / STEP):
