@@ -169,7 +169,7 @@ def trend(d, x):
 
 
 def ratio_from_rest(d, side, x):
-    """Speed ratio with which both speeds begin at rest: that of the accelerations, of the shaft by its load."""
+    """Speed ratio with which both speeds begin at rest: that of the accelerations, the shaft by its load."""
     pushed = max(-x.load_torque - min(d.output_drag, d.housing_drag), 0.0) / d.J3
     if d.by_torque == 0.0:
         return ratio(pushed, abs(x.alpha1))
