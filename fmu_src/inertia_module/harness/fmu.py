@@ -389,8 +389,8 @@ class Fmu(Closing):
         """Take steps in one call, and tell whether the FMU offers that; else nothing is done.
 
         Args:
-            lengths, outputs, rows: as of run. inputs: names. given: their values, shape (steps, inputs). Each
-                array, and each of the rows, lies in one piece.
+            lengths: of the steps, s; like outputs and rows as of run. inputs: names. given: their values,
+                shape (steps, inputs). Each array, and each of the rows, lies in one piece.
 
         Raises:
             FmuError: an unknown name, or the FMU refused a value or a step; it is as it was before that.
