@@ -40,14 +40,14 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7491,
+    "kernel": 7488,
     "compiling": 686,
     "harness": 2400,
     "fidelity": 810,
     "jobs": 2672,
     "export, page, cli, common": 1792,
-    "package": 23188,
-    "studies": 6603,
+    "package": 23185,
+    "studies": 6597,
     "tests": 16854,
 }
 

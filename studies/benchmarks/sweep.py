@@ -13,18 +13,17 @@ import statistics
 import sys
 import time
 
-import numpy as np
-
 from inertia_module import current_fmu, example, load_scene
-from inertia_module.harness.fmu import run
+from inertia_module.fidelity.trials import kernel_time
 from inertia_module.harness.simulate import whole_steps
 from inertia_module.jobs.axes import axes_of, grid
 from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
+from inertia_module.loops.closed_loop import PLANT_INPUTS
 from inertia_module.memory import Module
 from inertia_module.scene.run import SceneRunner, start_of
 
-LAUNCHES, ALONE, REPEATS = 40, 5, 31
+LAUNCHES, ALONE = 40, 5
 
 
 def task_and_points(scene, runs):
@@ -55,15 +54,10 @@ def own_time(task, points):
 def time_of_kernel(scene):
     """Time that the kernel alone takes for the steps of a run with constant inputs, s: the median of some."""
     values, inputs = start_of(scene)
-    module = Module().start(**values, **inputs)
-    begin, step, times = module.save(), scene.run.communication_step, []
-    lengths = np.full(whole_steps(scene.run.stop_time, step), step)
-    for _ in range(REPEATS):
-        module.restore(begin)
-        began = time.perf_counter()
-        run(module, lengths, {}, (), np.empty((lengths.size + 1, 0)))
-        times.append(time.perf_counter() - began)
-    return statistics.median(times)
+    module, step = Module().start(**values, **inputs), scene.run.communication_step
+    given = tuple(inputs.get(name, 0.0) for name in PLANT_INPUTS)
+    steps = whole_steps(scene.run.stop_time, step)
+    return kernel_time(module, module.save(), [given] * steps, step)
 
 
 def main(runs):

@@ -193,13 +193,10 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     forward = direction * v  # below 0 where a step is tried beyond rest: what is linear goes on
     speed = max(forward, 0.0)
     together = lock_ratio(d, side)
-    passing = omega3  # speed of the output that the mechanism itself passes its torque to
     if leg == RESTING:
-        omega3 = passing = 0.0
+        omega3 = 0.0
     elif leg == LOCKED:
-        omega3 = passing = together * forward
-    elif leg == COASTING:
-        passing = side.end * forward
+        omega3 = together * forward
     x.step_evaluations += 1.0
     # friction and drag resist at rest too
     slow = max(speed, side.slow / SLOWEST)
@@ -216,7 +213,7 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     resisting = 0.0
     if d.lossy != 0.0:
         resisting = write_losses(side, x, slow, s, rates.lost)
-    beyond = omega3 - passing
+    beyond = omega3 - side.end * forward  # of what the mechanism itself passes its torque to
     if leg == COASTING:
         # drag alone is left (between its motions the map may have a trace of torque here)
         torque = 0.0 - d.output_drag if side.locks != 0.0 else min(torque, 0.0)
