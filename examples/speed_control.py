@@ -156,7 +156,7 @@ def simulate(fmu_path, kind, operating, controllers, signals):
 def pi_in_full(gains, operating):
     """Sensor and PI controller with limits, and their states at the operating point."""
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
-    pi = loops.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command")
+    pi = loops.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command").to_control()
     return [sensor, pi], [[operating], [OMEGA1]]
 
 

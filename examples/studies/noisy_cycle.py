@@ -69,7 +69,7 @@ def run(sensor, gust, fmu=None):
         name="wind",
     )
     labels = ["car_torque" if label == "load_torque" else label for label in car.system.output_labels]
-    vehicle = car.system.copy()
+    vehicle = car.system.to_control()
     vehicle.set_outputs(labels)
     controller = loops.pi_speed_controller(
         STEP,

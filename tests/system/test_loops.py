@@ -141,11 +141,12 @@ def test_elastic_vehicle_comes_to_rest_and_stays_there():
     # pulled away against the friction, then left alone
     plant = Shaft(0.2, drive=60.0)
     loop = loops.ClosedLoop(plant, loops.connect([load.system, no_brake(step)]), ["omega_out"])
-    speeds = []
-    for n, row in enumerate(loop.rows(40.0)):
-        speeds.append(row[loop.names.index("vehicle_speed")])
-        if n == 500:
+
+    def let_go(share):
+        if share >= 500 / 4000:
             plant.drive = 0.0
+
+    speeds = loop.run(40.0, let_go)["vehicle_speed"]
     expected = (60.0 / 0.1 - 0.02 * 1000.0 * 9.80665) / (1000.0 + 0.2 / 0.1**2) * 5.0
     assert speeds[500] == pytest.approx(expected, rel=0.02)
     assert abs(speeds[-1]) < 1e-9
@@ -282,6 +283,26 @@ def run_to(stop_time):
 def test_what_cannot_be_run_is_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+def test_systems_of_python_control_connect_to_the_same_loop_and_one_that_follows_from_itself_is_refused():
+    scene = load_scene(example("urban"))
+    own = list(scene.systems())
+    x, u = [10.0, 0.3], [2.0]
+    connected = loops.connect([*own[:-1], own[-1].to_control()])
+    assert isinstance(connected, control.InterconnectedSystem)
+    assert connected.input_labels == scene.surroundings.input_labels
+    for time in (0.0, 13.0, 60.0):
+        for kind in ("output", "dynamics"):
+            found = [
+                getattr(system, kind)(time, x, np.array(u)) for system in (scene.surroundings, connected)
+            ]
+            np.testing.assert_array_equal(*found)
+    ring = [loops.Sampled(a, 0.1, [b], [a], lambda _, __, u: ([u[0] + 1.0], ())) for a, b in ("xy", "yx")]
+    with pytest.raises(ValueError, match="systems must have no algebraic loop, have one among x, y"):
+        loops.connect(ring).output(0.0, [], [])
+    with pytest.raises(ValueError, match="systems must have one step, have a_source 0"):
+        loops.connect([loops.source("a", 1.0, 0.1), loops.source("b", 1.0, 0.2)])
 
 
 def test_initial_inputs_are_those_of_the_first_row():

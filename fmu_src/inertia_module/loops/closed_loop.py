@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
-from ..harness.fmu import as_names, run
+from ..harness.fmu import as_names, run, take_steps
 from ..harness.simulate import Plant, Result, whole_steps
-from .sources import Signal, Sources
+from .sources import Sampled, Signal, Sources
 
 __all__ = ["ClosedLoop", "connect", "initial_inputs"]
 
@@ -35,16 +36,18 @@ def connect(systems: Sequence[Any]) -> Any:
     """Connect systems by the names of their signals to the one system around the FMU.
 
     An input of one is driven by the output of the same name of another; inputs that none drives are
-    outputs of the FMU. What depends on what is found out by control.interconnect.
+    outputs of the FMU. Systems of python-control go in as well; control.interconnect then connects all.
 
     Args:
-        systems: discrete-time python-control systems and sources of one step, each with a name of its own.
+        systems: loads, controllers, sources and discrete-time python-control systems of one step, each with a
+            name of its own.
 
     Returns:
-        A control.InterconnectedSystem, of sources alone Sources; its outputs are all outputs of the systems.
+        A system whose outputs are all outputs of the systems: Sampled, of sources alone Sources, with one of
+        python-control among them a control.InterconnectedSystem.
 
     Raises:
-        ValueError: two systems give the same signal.
+        ValueError: two systems give the same signal, or their steps differ.
     """
     origin: dict[str, str] = {}
     for system in systems:
@@ -54,21 +57,57 @@ def connect(systems: Sequence[Any]) -> Any:
                     f"{label} must be given by one system, is given by {origin[label]} and by {system.name}"
                 )
             origin[label] = system.name
-    if all(isinstance(system, Sources) for system in systems) and len({system.dt for system in systems}) == 1:
+    own = [system for system in systems if isinstance(system, Sampled)]
+    if len(own) == len(systems):
+        if len({system.dt for system in own}) > 1:
+            steps = ", ".join(f"{system.name} {system.dt:g} s" for system in own)
+            raise ValueError(f"systems must have one step, have {steps}")
         signals: dict[str, Signal] = {}
-        for system in systems:
-            signals |= system.signals
-        return Sources(signals, systems[0].dt)
+        for system in own:
+            signals |= system.signals if isinstance(system, Sources) else {}
+        return Sources(signals, own[0].dt) if len(signals) == len(origin) else _surroundings(own)
     import control as ct
 
     wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
     return ct.interconnect(
-        [system.to_control() if isinstance(system, Sources) else system for system in systems],
+        [system.to_control() if isinstance(system, Sampled) else system for system in systems],
         inputs=list(wanted),
         outlist=[f"{name}.{label}" for label, name in origin.items()],
         outputs=list(origin),
         name="surroundings",
     )
+
+
+def _surroundings(systems: Sequence[Sampled]) -> Sampled:
+    """Connect systems by their laws, evaluated until no input changes any more."""
+    given = [label for system in systems for label in system.output_labels]
+    wanted = {label: None for system in systems for label in system.input_labels if label not in given}
+    places = {label: place for place, label in enumerate([*wanted, *given])}
+    parts, outputs_from, states_from = [], len(wanted), 0
+    for system in systems:
+        outputs_to, states_to = outputs_from + len(system.output_labels), states_from + system.nstates
+        inputs = [places[label] for label in system.input_labels]
+        parts.append((system.law, inputs, slice(outputs_from, outputs_to), slice(states_from, states_to)))
+        outputs_from, states_from = outputs_to, states_to
+    # what nothing drives first: the others then have it at once
+    numbered = sorted(enumerate(parts), key=lambda part: bool(part[1][1]))
+
+    def law(time: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
+        values, following = [*u, *[0.0] * len(given)], [0.0] * states_from
+        seen: list[list[float] | None] = [None] * len(parts)
+        for _ in range(len(parts) + 1):
+            settled = True
+            for number, (part, inputs, outputs, states) in numbered:
+                now = [values[place] for place in inputs]
+                if now != seen[number]:
+                    seen[number], settled = now, False
+                    values[outputs], following[states] = part(time, x[states], now)
+            if settled:
+                return values[len(wanted) :], following
+        raise ValueError(f"systems must have no algebraic loop, have one among {', '.join(given)}")
+
+    names = [f"{system.name}_{label}" for system in systems for label in system.state_labels]
+    return Sampled("surroundings", systems[0].dt, list(wanted), given, law, names)
 
 
 def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
@@ -122,34 +161,6 @@ class ClosedLoop:
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
 
-    def rows(self, stop_time: float, progress: Progress | None = None) -> Iterator[tuple[float, ...]]:
-        """Step to the stop time, s; give a row with the values of names at each communication point.
-
-        Args:
-            stop_time: s. progress: told how much of the run is done (0 to 1).
-
-        Raises:
-            ValueError: the stop time is not a whole number of steps.
-            FmuError: the FMU refuses a value or a step.
-        """
-        number = self._steps(stop_time)
-        report_every = max(number // _PROGRESS_CALLS, 1)
-        names = [*self.surroundings.input_labels, *self._outputs]
-        state = np.zeros(self.surroundings.nstates)
-        for n in range(number + 1):
-            time = n * self.step
-            values = self.plant.read(names)
-            measured = np.array(values[: self._measured])
-            if n > 0 and state.size:
-                state = self.surroundings.dynamics(time, state, measured)
-            signals = self.surroundings.output(time, state, measured).tolist()
-            if progress is not None and (n % report_every == 0 or n == number):
-                progress(n / number)
-            yield (time, *values[self._measured :], *signals)
-            if n < number:
-                self.plant.set(**{name: signals[index] for name, index in self._driven})
-                self.plant.advance(self.step)
-
     def _steps(self, stop_time: float) -> int:
         number = whole_steps(stop_time, self.step)
         if not number:
@@ -160,15 +171,43 @@ class ClosedLoop:
         return number
 
     def run(self, stop_time: float, progress: Progress | None = None) -> Result:
-        """Step to the stop time, s, and return the rows as a named table. Raises as rows does."""
+        """Step to the stop time, s, and return a row a communication point as a named table.
+
+        Args:
+            stop_time: s. progress: told how much of the run is done (0 to 1).
+
+        Raises:
+            ValueError: the stop time is not a whole number of steps.
+            FmuError: the FMU refuses a value or a step.
+        """
+        number, first = self._steps(stop_time), 1 + len(self._outputs)
+        rows = np.empty((number + 1, len(self.names)))
+        rows[:, 0] = np.arange(number + 1) * self.step
         if isinstance(self.surroundings, Sources):
-            number, first = self._steps(stop_time), 1 + len(self._outputs)
-            rows = np.empty((number + 1, len(self.names)))
-            rows[:, 0] = np.arange(number + 1) * self.step
             signals = rows[:, first:] = self.surroundings.table(rows[:, 0])
             inputs = {name: signals[:-1, index] for name, index in self._driven}
             run(self.plant, np.full(number, self.step), inputs, self._outputs, rows[:, 1:first], progress)
         else:
-            rows = np.array(list(self.rows(stop_time, progress)))
+            self._close(rows, first, progress)
         known = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
         return Result.from_rows(self.names, rows, {name: known.get(name, "") for name in self.names[1:]})
+
+    def _close(self, rows: NDArray[np.float64], first: int, progress: Progress | None) -> None:
+        """Step through rows that have their times; the signals of the surroundings stand from first on."""
+        number, systems = len(rows) - 1, self.surroundings
+        report_every = max(number // _PROGRESS_CALLS, 1)
+        names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)
+        length, given, ends = np.array([self.step]), np.empty((1, len(driven))), np.empty((2, len(names)))
+        ends[1] = self.plant.read(names)
+        state: Any = [0.0] * systems.nstates
+        for n, time in enumerate(rows[:, 0].tolist()):
+            measured = ends[1, : self._measured].tolist()
+            if n > 0 and systems.nstates:
+                state = systems.dynamics(time, state, measured)
+            signals = systems.output(time, state, measured)
+            rows[n, 1:first], rows[n, first:] = ends[1, self._measured :], signals
+            if progress is not None and (n % report_every == 0 or n == number):
+                progress(n / number)
+            if n < number:
+                given[0] = [signals[index] for _, index in self._driven]
+                take_steps(self.plant, length, driven, given, names, ends)

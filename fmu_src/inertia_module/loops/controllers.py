@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .engine import Governor
-from .sources import sampled
+from .sources import Sampled
 
 __all__ = ["driver_brake", "pi_speed_controller"]
 
@@ -33,7 +33,7 @@ def pi_speed_controller(
         measured: name of the measured speed. command: name of the output.
 
     Returns:
-        A discrete-time control.NonlinearIOSystem with inputs reference and measured, output command, and
+        A system with inputs reference and measured, output command, and
         the integral, in units of the command, as its state.
 
     Raises:
@@ -48,7 +48,7 @@ def pi_speed_controller(
         commanded, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
         return [commanded], [integral]
 
-    return sampled("pi_speed_controller", step, ["reference", measured], [command], law, ["integral"])
+    return Sampled("pi_speed_controller", step, ["reference", measured], [command], law, ["integral"])
 
 
 def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0) -> Any:
@@ -59,11 +59,11 @@ def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0)
         margin: excess of speed that is let pass, m/s.
 
     Returns:
-        A static discrete-time control.NonlinearIOSystem with inputs reference and vehicle_speed, m/s,
+        A system without states, with inputs reference and vehicle_speed, m/s,
         and output brake_force, N.
     """
 
     def law(_: float, __: Any, u: Any) -> tuple[list[float], tuple[()]]:
         return [min(max(gain * (u[1] - u[0] - margin), 0.0), greatest)], ()
 
-    return sampled("driver_brake", step, ["reference", "vehicle_speed"], ["brake_force"], law)
+    return Sampled("driver_brake", step, ["reference", "vehicle_speed"], ["brake_force"], law)

@@ -29,6 +29,7 @@ from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..kernel.links import inertia_at_input
 from ..memory import Module
+from .sources import between
 
 __all__ = [
     "SCHEMES",
@@ -89,8 +90,8 @@ class EngineMap:
 
     def limits(self, speed: float) -> tuple[float, float]:
         """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""
-        greatest = float(np.interp(speed, self.speed, self.greatest))
-        return (-float(np.interp(speed, self.speed, self.drag)) if speed > 0.0 else 0.0), greatest
+        drag = between(self.speed, self.drag, speed) if speed > 0.0 else 0.0
+        return -drag, between(self.speed, self.greatest, speed)
 
 
 @dataclass(frozen=True)

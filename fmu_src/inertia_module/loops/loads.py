@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .sources import Signal, evaluate, sampled
+from .sources import Sampled, Signal, evaluate
 
 __all__ = ["Coupling", "Load", "shaft_load", "vehicle_load"]
 
@@ -44,10 +44,12 @@ class Coupling(NamedTuple):
 
 def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Array, Array]:
     """Exact step of x' = a x + b u with u held: (A, B) of x+ = A x + B u."""
-    from scipy.signal import cont2discrete  # takes half a second
+    from scipy.linalg import expm
 
-    exact_a, exact_b, *_ = cont2discrete((np.array(a), np.array(b), np.eye(len(a)), np.zeros_like(b)), step)
-    return np.array(exact_a), np.array(exact_b)
+    n, inputs = np.shape(b)
+    # the inputs are states that stay
+    whole = expm(step * np.block([[np.array(a), np.array(b)], [np.zeros((inputs, n + inputs))]]))
+    return whole[:n, :n], whole[:n, n:]
 
 
 def sample_coupled(inertia: float, coupling: Coupling, friction: float, step: float) -> tuple[Array, Array]:
@@ -70,7 +72,7 @@ class Load(NamedTuple):
     """A load on the output shaft.
 
     Attributes:
-        system: to connect: discrete-time control.NonlinearIOSystem, or Sources, from omega_out, rad/s, to
+        system: to connect: a Sampled system, or one of python-control, from omega_out, rad/s, to
             load_torque, N.m.
         inertia: at the output shaft, kg.m2. coupling: to the output shaft, or None if rigid.
         friction: viscous, N.m.s/rad.
@@ -149,14 +151,15 @@ def shaft_load(
         def rigid(time: float, _: Any, u: Any) -> tuple[list[float], tuple[()]]:
             return [viscous_friction * u[0] + evaluate(torque, time)], ()
 
-        system = sampled("shaft_load", step, ["omega_out"], ["load_torque"], rigid)
+        system = Sampled("shaft_load", step, ["omega_out"], ["load_torque"], rigid)
         return Load(system, inertia, friction=viscous_friction)
     a, b = sample_coupled(inertia, coupling, viscous_friction, step)
 
     def law(time: float, x: Any, u: Any) -> tuple[list[float], Any]:
-        return [coupling.torque(x[0], u[0] - x[1]), x[1]], a @ x + b @ [u[0], evaluate(torque, time)]
+        following = a @ x + b @ [u[0], evaluate(torque, time)]
+        return [coupling.torque(x[0], u[0] - x[1]), x[1]], following.tolist()
 
-    system = sampled("shaft_load", step, ["omega_out"], ["load_torque", "load_speed"], law, COUPLED)
+    system = Sampled("shaft_load", step, ["omega_out"], ["load_torque", "load_speed"], law, COUPLED)
     return Load(system, inertia, coupling, viscous_friction)
 
 
@@ -236,7 +239,7 @@ def vehicle_load(
         )
 
     if coupling is None:
-        a, b = sample([[0.0]], [[radius]], step)
+        advance = step * radius
 
         def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
             speed = radius * u[0]
@@ -247,7 +250,7 @@ def vehicle_load(
                 effect = step / inertia
                 friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
             parts = drag, climb, *_shared(friction, rolling, brake)
-            return (drag + climb + friction, u[0], speed, x[0], *parts), a @ x + b @ u[:1]
+            return (drag + climb + friction, u[0], speed, x[0], *parts), [x[0] + advance * u[0]]
 
     else:
         a, b = sample_coupled(inertia, coupling, 0.0, step)
@@ -258,8 +261,9 @@ def vehicle_load(
             friction = dry_friction(free[1], -b[1, 1], rolling + brake)
             parts = drag, climb, *_shared(friction, rolling, brake)
             torque = coupling.torque(x[0], u[0] - x[1])
-            return (torque, x[1], radius * x[1], radius * x[2], *parts), a @ x + b @ [u[0], sum(parts)]
+            following = a @ x + b @ [u[0], sum(parts)]
+            return (torque, x[1], radius * x[1], radius * x[2], *parts), following.tolist()
 
     states = ("distance",) if coupling is None else COUPLED
     inputs = ["omega_out", "brake_force"]
-    return Load(sampled("vehicle_load", step, inputs, _VEHICLE_OUTPUTS, law, states), inertia, coupling)
+    return Load(Sampled("vehicle_load", step, inputs, _VEHICLE_OUTPUTS, law, states), inertia, coupling)

@@ -1,14 +1,15 @@
-"""Signals given over time: constants and tables, as surroundings without input; other surroundings."""
+"""Systems in discrete time by their laws; signals given over time: constants and tables, without input."""
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Table", "source"]
+__all__ = ["Sampled", "Table", "source"]
 
 
 class Table:
@@ -38,6 +39,8 @@ class Table:
             before, after = self.points[backward[0] : backward[0] + 2]
             raise ValueError(f"points of a table must increase, {after:g} comes after {before:g}")
 
+        self.lists: tuple[list[float], list[float]] = self.points.tolist(), self.values.tolist()
+
     def __call__(self, points: float | NDArray[np.float64]) -> NDArray[np.float64]:
         """Values at points, or the value at one."""
         return np.asarray(np.interp(points, self.points, self.values))
@@ -48,59 +51,82 @@ Signal = float | Table
 
 def evaluate(signal: Signal, point: float) -> float:
     """Value of a constant or a table at a point (time, s, or distance, m)."""
-    return float(signal(point)) if isinstance(signal, Table) else signal
+    return between(*signal.lists, point) if isinstance(signal, Table) else signal
 
 
-def sampled(
-    name: str,
-    step: float,
-    inputs: Sequence[str],
-    outputs: Sequence[str],
-    law: Callable[[float, Any, Any], tuple[Any, Any]],
-    states: Sequence[str] = (),
-) -> Any:
-    """A system in discrete time: a control.NonlinearIOSystem.
+def between(points: Sequence[float], values: Sequence[float], point: float) -> float:
+    """Value at one point, linear in between, end values held: numpy.interp at a tenth of its time."""
+    n = bisect_right(points, point)
+    if n == 0 or n == len(points):
+        return values[max(n - 1, 0)]
+    slope = (values[n] - values[n - 1]) / (points[n] - points[n - 1])
+    return slope * (point - points[n - 1]) + values[n - 1]
+
+
+class Sampled:
+    """A system in discrete time by its law: a part of the surroundings of an FMU, or all of them.
 
     Args:
         name: of it. step: s. inputs, outputs, states: their names.
         law: gives outputs and next states for a time, s, the states and the inputs.
-    """
-    import control as ct  # takes as long as a run without a loop
-
-    return ct.nlsys(
-        (lambda time, x, u, _: law(time, x, u)[1]) if states else None,
-        lambda time, x, u, _: law(time, x, u)[0],
-        inputs=list(inputs),
-        outputs=list(outputs),
-        states=list(states) or None,
-        dt=step,
-        name=name,
-    )
-
-
-class Sources:
-    """Signals over time: they are all the surroundings of the FMU, or connect joins them to systems.
-
-    A scene without a loop therefore runs without python-control.
-
-    Args:
-        signals: by name: constant, or table over time, s. step: communication step, s.
 
     Attributes:
         name, dt, nstates, input_labels, output_labels: as of a system of python-control.
     """
 
-    nstates = 0
+    def __init__(
+        self,
+        name: str,
+        step: float,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        law: Callable[[float, Any, Any], tuple[Sequence[float], Sequence[float]]],
+        states: Sequence[str] = (),
+    ) -> None:
+        self.name, self.dt, self.law = name, step, law
+        self.input_labels, self.output_labels = list(inputs), list(outputs)
+        self.state_labels, self.nstates = list(states), len(states)
+
+    def output(self, time: float, x: Any, u: Any) -> Sequence[float]:
+        """The outputs at a time, s, for states and inputs."""
+        return self.law(time, x, u)[0]
+
+    def dynamics(self, time: float, x: Any, u: Any) -> Sequence[float]:
+        """The states a step after a time, s, for states and inputs."""
+        return self.law(time, x, u)[1]
+
+    def to_control(self) -> Any:
+        """Convert it to a discrete-time control.NonlinearIOSystem."""
+        import control as ct  # takes as long as a run
+
+        return ct.nlsys(
+            (lambda time, x, u, _: self.dynamics(time, x, u)) if self.nstates else None,
+            lambda time, x, u, _: self.output(time, x, u),
+            inputs=self.input_labels,
+            outputs=self.output_labels,
+            states=self.state_labels or None,
+            dt=self.dt,
+            name=self.name,
+        )
+
+
+class Sources(Sampled):
+    """Signals over time: a system without inputs.
+
+    Args:
+        signals: by name: constant, or table over time, s. step: communication step, s.
+    """
 
     def __init__(self, signals: Mapping[str, Signal], step: float) -> None:
-        self.signals, self.dt = dict(signals), step
-        self.input_labels: list[str] = []
-        self.output_labels = list(self.signals)
-        self.name = "_".join([*self.signals, "source"])
-
-    def output(self, time: float, *_: Any) -> NDArray[np.float64]:
-        """The signals at a time, s."""
-        return np.array([evaluate(signal, time) for signal in self.signals.values()])
+        self.signals = dict(signals)
+        given = self.signals.values()
+        super().__init__(
+            "_".join([*signals, "source"]),
+            step,
+            (),
+            list(signals),
+            lambda time, *_: ([evaluate(signal, time) for signal in given], ()),
+        )
 
     def table(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The signals at times, s, shape (times, signals)."""
@@ -108,10 +134,6 @@ class Sources:
         for place, signal in enumerate(self.signals.values()):
             found[:, place] = signal(times) if isinstance(signal, Table) else signal
         return found
-
-    def to_control(self) -> Any:
-        """Convert it to a static discrete-time control.NonlinearIOSystem."""
-        return sampled(self.name, self.dt, [], self.output_labels, lambda time, *_: (self.output(time), ()))
 
 
 def source(name: str, signal: Signal, step: float) -> Sources:

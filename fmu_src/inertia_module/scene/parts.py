@@ -18,7 +18,7 @@ from ..common.errors import did_you_mean, must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
-from ..loops.sources import Signal, Table, sampled
+from ..loops.sources import Sampled, Signal, Table
 from .keys import (
     SHAFT_SPEED,
     SPEED_UNITS,
@@ -263,7 +263,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
             return [torque], [idle, top]
 
         signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
-        engine = sampled("engine", step, signals, ["drive_torque"], law, integrals)
+        engine = Sampled("engine", step, signals, ["drive_torque"], law, integrals)
         return [loops.source("throttle", self.one_signal(), step), engine]
 
 
