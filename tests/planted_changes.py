@@ -116,9 +116,9 @@ SELECTION = {
 }
 # file of the kernel, and a place in it that is there once: {what stands there|what is planted}
 CHANGES = r"""
-equations/satellites.py: turn1 = omega1 {+|-} across * rate_q
-equations/satellites.py: power += speed * {square|speed}
-equations/motion.py: rates.lost[WINDAGE] = {|0.5 * }m.windage
+equations/losses.py: turn1 = omega1 {+|-} across * rate_q
+equations/losses.py: power += speed * {square|speed}
+equations/losses.py: rates.lost[WINDAGE] = {|0.5 * }m.lost[WINDAGE]
 links.py: return d.J2 + k * k * ((d.J1 + i) * g {-|+} b * b) / inertia
 inertia.py: b1 = mass * (y * z2 {-|+} z * y2)
 inertia.py: b1 {-|+}= d.body_b * sin_a
@@ -131,7 +131,7 @@ derive.py: arm * (1.0 + 2.0 * s * {cosine|sine} + s * s
 derive.py: d.harmonic = 2.0 + {2.0|0.0} * d.s
 derive.py: return (fixed + moving * offset {*|+} offset)
 derive.py: omega_out {<|<=} omega2
-derive.py: max({0.1|10.0} * p.tolerance
+derive.py: max({0.1|10.0} * d.tolerance
 sine.py: HALF_PI_2 = {6|7}.077
 sine.py: z * -1.1470745597729725e-1{1|2}
 accumulate.py: shift)) {+|-} (change - shift)
@@ -146,7 +146,7 @@ engine.py: w.load = {x.load_torque|abs(x.load_torque)}
 step.py: put_in - put_out {-|+} lost
 step.py: LEAST = 1e-{6|5}
 step.py: max(LEAST, {min|max}(TOLERANCES
-outputs.py: p.fidelity {>=|>} RIGID and
+outputs.py: d.fidelity {>=|>} RIGID and
 step.py: MORE_CARE = 1e-{3|0}
 step.py: PRECISE) if operation == STEP_PRECISELY else {d|w}.tolerance
 fixed_steps/motion.py: centre * centre {+|-} weight * push
@@ -157,7 +157,7 @@ fixed_steps/motion.py: {k * |}(journals + spun +
 fixed_steps/motion.py: max(1.0 - by_spun {-|+} sign * d.mesh_loss
 fixed_steps/motion.py: missing = mean_coupling * turned {-|+} 0.5
 fixed_steps/motion.py: damping -= {0.5|0.75} * d.stiffness
-fixed_steps/timestepping.py: reaction = d.k * (w.end_b {+|-} d.k * w.end_g)
+fixed_steps/timestepping.py: reaction = d.k * (w.end.b {+|-} d.k * w.end.g)
 fixed_steps/timestepping.py: w.end3 {+|-}= d.J4 * (mass3 - w.end3)
 fixed_steps/motion.py: lost {-|+}= d.balancer * d.J4 * (w.seen3
 impulse.py: else 0.0) - {|0.5 * }omega2) / change
@@ -224,8 +224,8 @@ equations/satellites.py: spin_x = x1 {+|-} y
 equations/satellites.py: d.weight * (y1 * sine {+|-} z1 * cosine)
 equations/satellites.py: negative = torque {<|>} 0.0
 equations/satellites.py: mass * (y * z1 {-|+} z * y1)
-equations/motion.py: lost {-|+}= m.output * slip
-equations/motion.py: m.mesh * slip {+|-} m.spun
+equations/losses.py: lost {-|+}= m.output * slip
+equations/losses.py: m.mesh * slip {+|-} m.spun
 events/stages.py: rates.twist = {|-}m.relative
 events/stages.py: m.theta1 = x.theta1 {+|-} h * weighed
 events/error.py: scale = energy if n {>=|<} WORK_IN

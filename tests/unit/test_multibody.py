@@ -137,7 +137,7 @@ def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(mu
                 assert largest(values - right) < 1e-8 * largest(right)
             for name, value in motion.items():
                 setattr(module.state, name, value)
-            write_loads(module.parameters, d, module.state, module.outputs, alpha2)
+            write_loads(d, module.state, module.outputs, alpha2)
             scale = p["imbalance_mass"] * module["imbalance_acceleration"] * p["modules"] * p["satellites"]
             for name, right in zip(("force", "moment"), multibody.on_the_mount(), strict=True):
                 scale = max(scale, largest(right))

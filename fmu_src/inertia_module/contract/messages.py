@@ -26,11 +26,10 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
     """Sentences for inputs and rates that are not finite or absurd, for a bad step, for an overflow."""
     sentences = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
     inputs = list(with_causality(INPUT, table=table))
-    for variable in inputs:
+    for n, variable in enumerate(inputs):
         name, allowed = variable.name, variable.allowed
-        code = f"BAD_{name.upper()}"
-        sentences[getattr(codes, code)] = must_be(name, allowed, f"{{{name}}}")
-        sentences[getattr(codes, f"{code}_RATE")] = (
+        sentences[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
+        sentences[codes.BAD_RATE + n] = (
             f"the rate of {name} must keep it {allowed} over {{step}} s, is {{{name}_rate}} {variable.unit}/s"
             f" from {named(name)}"
         )
@@ -55,7 +54,7 @@ MESSAGES: Mapping[int, str] = {
         f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"
         " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"
     ),
-    codes.NO_WINDAGE: (
+    codes.EVENTS_ONLY: (
         f"with {named('fidelity', 'method')} windage must be 0, is {{windage}}: fidelity 0 (kinematic),"
         " 2 (rigid) and 3 (elastic) have it, with method 0 (event)"
     ),

@@ -13,7 +13,7 @@ from ..kernel import codes, entry, fields
 from ..kernel.driven_shaft import entry as shaft
 from . import messages, variables
 from .records import Field, place, size
-from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
+from .variables import INPUT, LOCAL, LOSSES, OUTPUT, PARAMETER, Terminal, Variable, with_causality
 
 # which record of the kernel holds the variables of a causality
 RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
@@ -39,16 +39,18 @@ class Bound(NamedTuple):
 def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
     """Fields of the kernel's records p, u and y: variables by name, inputs with their rates.
 
-    What the map of fidelity averaged depends on comes first in p, what holds for a step last in y.
+    What the map of fidelity averaged depends on comes first in p. In y what is lost by cause is first, what
+    holds for a step last.
     """
     rows = list(table)
     parameters = sorted(with_causality(PARAMETER, table=rows), key=lambda variable: not variable.in_map)
     outputs = sorted(with_causality(OUTPUT, LOCAL, table=rows), key=lambda variable: variable.of_step)
+    lost = [name for name in LOSSES if name in {variable.name for variable in outputs}]
     inputs = [variable.name for variable in with_causality(INPUT, table=rows)]
     return (
         tuple(variable.name for variable in parameters),
         tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in inputs),
-        tuple(variable.name for variable in outputs),
+        (*lost, *(variable.name for variable in outputs if variable.name not in LOSSES)),
     )
 
 
@@ -140,9 +142,9 @@ class Model:
 
 
 _P, _U, _Y = interface(variables.VARIABLES)
-_D = fields.constants(len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
+_D = fields.constants(_P, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
 _RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
-_W = fields.workspace(_RATED, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
+_W = fields.workspace(_RATED, _D)  # type: ignore[no-untyped-call]
 
 INERTIA_MODULE = Model(
     name="InertiaModule",
@@ -158,8 +160,8 @@ INERTIA_MODULE = Model(
     warnings=messages.WARNINGS,
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
     bounds=(
-        Bound("d", place(fields.CONSTANTS, "forward.count"), fields.KNOTS),
-        Bound("d", place(fields.CONSTANTS, "backward.count"), fields.KNOTS),
+        Bound("d", place(_D, "forward.count"), fields.KNOTS),
+        Bound("d", place(_D, "backward.count"), fields.KNOTS),
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
         Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
     ),

@@ -18,6 +18,7 @@ from ..common.errors import Refused, must_be
 from ..common.units import BOOLEANS, number_of, parse_unit
 from ..kernel import limits
 from ..kernel.codes import AVERAGED, KINEMATIC, RIGID
+from ..kernel.equations.losses import CAUSES
 
 REAL = "Real"
 INTEGER = "Integer"
@@ -360,9 +361,9 @@ VARIABLES: tuple[Variable, ...] = (
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
-# parts of energy_lost by what they begin with: what follows is the cause
+# parts of energy_lost, in the order of the causes: what they begin with; what follows is the cause
 LOST_TO = "energy_lost_"
-LOSSES: tuple[str, ...] = tuple(name for name in BY_NAME if name.startswith(LOST_TO))
+LOSSES: tuple[str, ...] = tuple(LOST_TO + cause for cause in CAUSES)
 # parameters that the torque map of fidelity averaged depends on
 MAP_KEY: tuple[str, ...] = tuple(variable.name for variable in VARIABLES if variable.in_map)
 

@@ -2,7 +2,8 @@
 
 import math
 
-from .derive import TWO_PI, TWO_PI_LOW
+TWO_PI = 6.283185307179586
+TWO_PI_LOW = 2.4492935982947064e-16
 
 
 def add(value, low, change):
@@ -14,7 +15,7 @@ def add(value, low, change):
 
 
 def add_loss(x, cause, lost):
-    """Add what a cause (codes.VISCOUS ...) has taken, J."""
+    """Add what a cause (equations.losses) has taken, J."""
     x.lost[cause], x.lost_low[cause] = add(x.lost[cause], x.lost_low[cause], lost)
     x.step_lost += lost
 

@@ -9,15 +9,6 @@ HELD_DRIVING = 3
 # none of the guards (events.guards)
 NONE = -1
 
-# causes of losses: viscous friction of links, drives and output; the elastic shaft; and of a machine with
-# losses the meshes; journals of the satellites; freewheels; the air about the satellites
-VISCOUS = 0
-SHAFT = 1
-MESH = 2
-JOURNAL = 3
-FREEWHEEL = 4
-WINDAGE = 5
-
 # fidelities and methods
 KINEMATIC = 0
 AVERAGED = 1
@@ -69,22 +60,15 @@ NO_RECTIFIER = 7
 NO_INPUT_INERTIA = 8
 PRESCRIBED = 9
 WIND_UP_STEPPED = 18
-NO_WINDAGE = 26
+EVENTS_ONLY = 26
 JAMMED = 19
-BAD_OMEGA1 = 10
-BAD_LOAD_TORQUE = 11
 BAD_STEP = 12
-BAD_OMEGA1_RATE = 13
-BAD_LOAD_TORQUE_RATE = 14
-BAD_DRIVE_TORQUE = 15
-BAD_DRIVE_TORQUE_RATE = 16
 TOO_MANY_SWITCHES = 20
 TOO_MUCH_WORK = 21
 STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
 NOT_STEADY = 25
-
-# statuses of DrivenShaft alone
-BAD_HUB_SPEED = 30
-BAD_HUB_SPEED_RATE = 31
+# ... of the first input and of its rate; those of the others follow
+BAD_INPUT = 30
+BAD_RATE = 40

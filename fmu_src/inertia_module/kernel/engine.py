@@ -36,12 +36,12 @@ def follow_torque(d, x):
         x.alpha1 = d.machine.alpha1
 
 
-def follow_parameters(p, d, x):
+def follow_parameters(d, x):
     """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
-    if p.fidelity == KINEMATIC:
+    if d.fidelity == KINEMATIC:
         keep_ratio(d, x)
         x.mode = DRIVING
-    elif p.fidelity != AVERAGED:
+    elif d.fidelity != AVERAGED:
         choose_states(d, x, 0.0)
         follow_torque(d, x)
 

@@ -1,7 +1,7 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .accumulate import copy
-from .codes import CHECK, ELASTIC, OK, OUTPUTS, RATES, RIGID, START, STEP_TO_SWITCH, SWITCH, TUNE, WARN
+from .codes import CHECK, OK, OUTPUTS, RATES, RIGID, START, STEP_TO_SWITCH, SWITCH, TUNE, WARN
 from .derive import warnings
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
@@ -16,10 +16,10 @@ CUTS = 3
 CUT = 0.01
 
 
-def fastest_rate(p, d, x):
+def fastest_rate(d, x):
     """Angular frequency of the fastest motion there is, rad/s; 1 where nothing moves."""
     rate = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
-    if p.fidelity == ELASTIC:
+    if d.elastic != 0.0:
         rate += fastest_own_rate(d, x)
     return rate if rate > 1.0 else 1.0
 
@@ -35,7 +35,7 @@ def go_on(u, x):
     u.drive_torque_rate_given = 0.0
 
 
-def write_rates(p, d, u, x, y, w):
+def write_rates(d, u, x, y, w):
     """Put the rate of each output in its place in y, one-sided towards later times, per second.
 
     A mean or peak holds for its step: its rate is 0. u and x are left as they become in between.
@@ -43,10 +43,10 @@ def write_rates(p, d, u, x, y, w):
     """
     switch_now(d, x)
     if x.torques_continue == 0.0:
-        follow_parameters(p, d, x)  # which may have changed since the last step
+        follow_parameters(d, x)  # which may have changed since the last step
     write_outputs(x, y)
-    write_late_outputs(p, d, x, y)
-    h = SHARE / fastest_rate(p, d, x)
+    write_late_outputs(d, x, y)
+    h = SHARE / fastest_rate(d, x)
     copy(w.kept.numbers, x.numbers)
     copy(w.outputs_0.numbers, y.numbers)
     for cut in range(CUTS):
@@ -54,11 +54,11 @@ def write_rates(p, d, u, x, y, w):
             copy(x.numbers, w.kept.numbers)
             h *= CUT
         go_on(u, x)
-        status = advance(p, d, u, x, y, w, h, RATES)
+        status = advance(d, u, x, y, w, h, RATES)
         copy(w.outputs_1.numbers, y.numbers)
         if status == OK:
             go_on(u, x)
-            status = advance(p, d, u, x, y, w, h, RATES)
+            status = advance(d, u, x, y, w, h, RATES)
         if status != OK:
             return status
         if x.switches == w.kept.switches:
@@ -89,12 +89,12 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == TUNE:
         return tune(p, d, x, w)
     if operation == OUTPUTS:
-        write_late_outputs(p, d, x, y)
+        write_late_outputs(d, x, y)
         return OK
     if operation == SWITCH:
         switch_now(d, x)
         write_outputs(x, y)
         return OK
     if operation == RATES:
-        return write_rates(p, d, u, x, y, w)
-    return advance(p, d, u, x, y, w, h, operation)
+        return write_rates(d, u, x, y, w)
+    return advance(d, u, x, y, w, h, operation)

@@ -8,6 +8,8 @@ name with a list of fields (a record within) and maybe a number (so many).
 Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
 """
 
+from .equations import losses
+
 # stages of the explicit pair, with those for the inside of a step; its interpolants
 STAGES = 16
 DENSE = 7
@@ -15,8 +17,8 @@ DENSE = 7
 SOLVED, MOVING = 8, 9
 # their guards, and the satellites that may have one each (equations.satellites.MANY)
 GUARDS, SATELLITES = 4, 50
-# causes of losses (codes.VISCOUS ...)
-CAUSES = 6
+# causes of losses
+CAUSES = len(losses.CAUSES)
 # knots of the averaged map at most, for one sign of omega1
 KNOTS = 64
 
@@ -24,40 +26,47 @@ KNOTS = 64
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
 MOMENTS = 8
 
-# what is kept of an instant from one step to the next (see MACHINE)
+# motion of an instant, and what is kept of it from one step to the next: accelerations, torques, angular
+# momentum and kinetic energy of links 1 and 2 and the imbalances
+MOTION = ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output")
 NOW = (
     *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
     *("momentum", "energy"),
 )
+# reduced inertia at an angle of the drive: I, I', B, G
+INERTIA = ("i", "i1", "b", "g")
+# of the communication step in hand, or the last one: impulses, angle of the output, energy lost, how many
+# moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torque
+SUMS = (
+    *("input_impulse", "output_impulse", "housing_impulse", "output_square", "turned3", "step_lost"),
+    *("step_switches", "step_evaluations", "seen", "largest_square", "torque_peak"),
+)
+OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 
 # a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
 # communication steps add up to the same motion as one long step
 STATE = (
-    *("q", "q_low", "drive_turns", "theta1", "theta1_low", "input_turns"),
-    *("omega1", "omega1_low", "omega2", "omega2_low", "omega3", "omega3_low", "mode", "step_mode"),
+    *MOTION,
+    *SUMS,
+    *("q_low", "drive_turns", "theta1_low", "input_turns"),
+    *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
     # ... rigid output: the size in each contact mode when it was left, the mode of step_size
     *(("sizes", 4), "sized_mode"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
-    *(("lost", CAUSES), ("lost_low", CAUSES), "step_lost"),
+    *(("lost", CAUSES), ("lost_low", CAUSES)),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
-    *("torque_ripple", "torque_peak"),
+    "torque_ripple",
     *("switches", "evaluations", "output_angle", "output_angle_low", "output_turns"),
-    # the communication step in hand, or the last one: its length, the state it began with
+    # the communication step in hand, or the last one: its length, the state it began with, moments of it
     *("length", "begin_q", "begin_omega2"),
-    *("begin_theta1", "begin_input_turns", "begin_drive_turns"),
-    # ... and sums over it: impulses, angle of the output
-    *("input_impulse", "output_impulse", "output_square", "turned3"),
-    *("step_switches", "step_evaluations"),
-    # ... how many moments of it were seen, the last of them, the largest |a|^2 of imbalance 0 before
-    *("seen", ("moments", MOMENT, MOMENTS), "largest_square"),
-    # elastic output: twist, and omega3 - omega4, which would cancel if omega4 were kept instead
-    *("twist", "twist_low", "relative", "relative_low"),
-    # fixed steps: I, I', B, G at q, and the friction by load in the last one, N m
-    *("i", "i1", "b", "g", "friction"),
-    # general: what freewheels and slip do, wind-up; impulse of Th in the step
+    *("begin_theta1", "begin_input_turns", "begin_drive_turns", ("moments", MOMENT, MOMENTS)),
+    # elastic output: of twist, and of omega3 - omega4, which would cancel if omega4 were kept instead
+    *("twist_low", "relative_low"),
+    # fixed steps: inertia at q, and the friction by load in the last one, N m
+    *(("here", INERTIA), "friction"),
+    # general: what freewheels and slip do
     *("housing_state", "output_state", "slip_sign", "flow_sign", "spin_signs"),
-    *("wound_housing", "wound_output", "housing_impulse"),
     # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
     *("ended", "slip_reached_zero", "switching"),
     # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
@@ -83,17 +92,15 @@ KNOT = (
 # the stall torque
 SIDE = ("direction", "count", "end", "locks", "start", "thrown", "slow", ("knots", KNOT, KNOTS))
 
-# equations of motion: motion of an instant, torques of weights and air, what the air takes, accelerations,
-# torques; of the satellites journals and mesh, of links that stick together the torque at the drives that is
-# needed and the rest
+# equations of motion: torques of weights and of losses that go by speeds, powers of these by cause; of the
+# satellites journals and mesh, of links that stick together the torque at the drives that is needed and the
+# rest
 MACHINE = (
-    *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
-    *("weight1", "weight_q", "windage", "alpha1", "alpha2", "alpha3", "rate_relative"),
-    *("drive", "mesh", "output", "housing", "journals", "spun", "torque", "flow_sign", "margin"),
-    # angular momentum and kinetic energy of links 1 and 2 and the imbalances
-    *("momentum", "energy"),
+    *MOTION,
+    *("weight1", "weight_q", ("lost", CAUSES), "journals", "spun", "torque", "flow_sign", "margin"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),
+    *NOW,
 )
 
 # what the equations of motion follow by events: speeds and angles; impulses of M1, Th and Tc, integral of
@@ -113,17 +120,15 @@ CONSTANTS = (
     "lightest",
     # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
     *("bodies", "body_i", "body_b"),
-    *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic", "tolerance", "max_step"),
-    *("stiffness", "damping", "friction", "balancer", "b1", "bq", "b2", "b3", "viscous"),
+    *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic"),
+    *("stiffness", "damping", "friction", "b1", "bq", "b2", "b3", "viscous"),
     # what fidelity kinematic prescribes
     "ratio",
     # whether it is fidelity averaged, with losses
     *("averaged", "lossy"),
     # what only the general equations of motion know, and whether any of it is there (kernel.equations)
-    *("losses", "mesh_loss", "satellite_loss", "journal", "weight", "number"),
-    *("windage", "turn_across", "turn_along"),
-    *("housing_drag", "housing_drag_viscous", "output_drag", "output_drag_viscous"),
-    *("housing_stiffness", "housing_damping", "freewheel_stiffness", "freewheel_damping"),
+    *("losses", "mesh_loss", "satellite_loss", "weight", "number"),
+    *("turn_across", "turn_along"),
     ("machine", MACHINE),
     # averaged: rates of an instant (see averaged.rates); the map
     ("mean", FOLLOWED),
@@ -132,9 +137,13 @@ CONSTANTS = (
 )
 
 
-def constants(map_key):
-    """Fields of d; map_key: number of parameters that the map of fidelity averaged depends on."""
-    return *CONSTANTS, ("map_key", map_key)
+def constants(parameters, map_key):
+    """Fields of d: all of p, with what derive makes of some of them, and what follows.
+
+    Args:
+        parameters: fields of p. map_key: number of parameters that the map of fidelity averaged depends on.
+    """
+    return *parameters, *CONSTANTS, ("map_key", map_key)
 
 
 # nothing in it outlives the call
@@ -151,10 +160,9 @@ WORKSPACE = (
     # the stiff step: changes at its stages, derivatives of all rates, linear equations
     *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
     *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
-    # fixed steps: I, I', B, G at the end and the slip angle to there; what links 1 and 2 come to
-    *("end_i", "end_i1", "end_b", "end_g", "slip_angle"),
-    # ... and where look_ahead looked, which a part of the step does not come to
-    *("far_i", "far_i1", "far_b", "far_g", "far_angle"),
+    # fixed steps: inertia at the end and the slip angle to there, and where look_ahead looked, which a part
+    # of the step does not come to; what links 1 and 2 come to
+    *(("end", INERTIA), "slip_angle", ("far", INERTIA), "far_angle"),
     *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
     *("work1", "load_impulse", "friction_work", "reached"),
     # ... and what the freewheels leave of it: speeds of link 2 and the hub, impulse of Tc, contact mode
@@ -184,9 +192,11 @@ WORKSPACE = (
 )
 
 
-def workspace(outputs, map_key):
-    """Fields of w; outputs: fields of y that have rates, which come first in it, map_key: see constants.
+def workspace(outputs, held):
+    """Fields of w.
 
-    In held are the constants of the mechanism that a map is made of.
+    Args:
+        outputs: fields of y that have rates, which come first in it.
+        held: fields of the constants of the mechanism that a map is made of.
     """
-    return *WORKSPACE, ("held", constants(map_key)), ("outputs_0", outputs), ("outputs_1", outputs)
+    return *WORKSPACE, ("held", held), ("outputs_0", outputs), ("outputs_1", outputs)

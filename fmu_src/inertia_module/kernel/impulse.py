@@ -6,7 +6,8 @@ ideal contacts close at zero relative speed no energy is lost.
 """
 
 from .accumulate import add, add_loss
-from .codes import DRIVING, FREE, HELD, HELD_DRIVING, SHAFT
+from .codes import DRIVING, FREE, HELD, HELD_DRIVING
+from .equations.losses import SHAFT
 from .equations.states import GEARED
 from .inertia import reduced_inertia
 

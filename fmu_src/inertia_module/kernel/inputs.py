@@ -1,40 +1,33 @@
 """The inputs of a step: checked, extrapolated, taken over into the state."""
 
-from .codes import (
-    BAD_DRIVE_TORQUE,
-    BAD_DRIVE_TORQUE_RATE,
-    BAD_LOAD_TORQUE,
-    BAD_LOAD_TORQUE_RATE,
-    BAD_OMEGA1,
-    BAD_OMEGA1_RATE,
-    DRIVE_SPEED,
-    OK,
-)
-from .limits import LARGEST_SPEED, LARGEST_TORQUE, SMALLEST_SPEED
+from .codes import BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
+from .fields import OF_MOTION, OF_SUMS
+from .limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE, SMALLEST_SPEED
+
+# largest magnitudes of the inputs, in their order: a speed, then torques
+LARGEST = (LARGEST_SPEED, LARGEST_TORQUE, LARGEST_TORQUE)
 
 
 def check_inputs(u):
     """Status of the inputs: finite and within what a drivetrain can mean."""
-    if not abs(u.omega1) <= LARGEST_SPEED:
-        return BAD_OMEGA1
-    if not abs(u.load_torque) <= LARGEST_TORQUE:
-        return BAD_LOAD_TORQUE
-    if not abs(u.drive_torque) <= LARGEST_TORQUE:
-        return BAD_DRIVE_TORQUE
+    for n in range(len(u.numbers) // 3):
+        if not abs(u.numbers[n]) <= LARGEST[n]:
+            return BAD_INPUT + n
     return OK
 
 
-def check_rates(u, h):
-    """Status of the rates of the inputs that are prescribed: no input becomes absurd within the step h."""
-    if u.omega1_rate_given != 0.0:
-        if not abs(u.omega1 + u.omega1_rate * h) <= LARGEST_SPEED:
-            return BAD_OMEGA1_RATE
-    if u.load_torque_rate_given != 0.0:
-        if not abs(u.load_torque + u.load_torque_rate * h) <= LARGEST_TORQUE:
-            return BAD_LOAD_TORQUE_RATE
-    if u.drive_torque_rate_given != 0.0:
-        if not abs(u.drive_torque + u.drive_torque_rate * h) <= LARGEST_TORQUE:
-            return BAD_DRIVE_TORQUE_RATE
+def check_step(u, h):
+    """Status of a step of h: its length, its inputs, and what those with a given rate come to at its end."""
+    if not 0.0 < h <= LARGEST_STEP:
+        return BAD_STEP
+    status = check_inputs(u)
+    if status != OK:
+        return status
+    count = len(u.numbers) // 3
+    for n in range(count):
+        # behind all inputs stand their rates, and behind these whether they are given
+        if u.numbers[2 * count + n] != 0.0 and not abs(u.numbers[n] + u.numbers[count + n] * h) <= LARGEST[n]:
+            return BAD_RATE + n
     return OK
 
 
@@ -44,12 +37,16 @@ def input_speed(u):
     return omega1 if abs(omega1) >= SMALLEST_SPEED else 0.0
 
 
-def take_speed(p, x, speed, rate_given, rate, h):
-    """Slope of a given speed over the coming step: its rate if given, or that of the last step if so held."""
+def take_speed(hold, x, speed, rate_given, rate, h):
+    """Slope of a given speed over the coming step: its rate if given, or that of the last step if so held.
+
+    Args:
+        hold: input_hold. x: state with held_input and held_step. speed: rad/s. rate: rad/s^2. h: s.
+    """
     slope = 0.0
     if rate_given != 0.0:
         slope = rate
-    elif p.input_hold != 0.0 and x.held_step > 0.0:
+    elif hold != 0.0 and x.held_step > 0.0:
         slope = (speed - x.held_input) / x.held_step
     x.held_input = speed
     x.held_step = h
@@ -61,30 +58,21 @@ def mean_torque(torque, rate_given, rate, h):
     return torque + 0.5 * h * rate if rate_given != 0.0 else torque
 
 
-def begin(p, u, x, h):
+def begin(d, u, x, h):
     """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
     jump = 0.0
-    if p.drive == DRIVE_SPEED:
+    if d.drive == DRIVE_SPEED:
         omega1 = input_speed(u)
         jump = omega1 - x.omega1
-        x.alpha1 = take_speed(p, x, omega1, u.omega1_rate_given, u.omega1_rate, h)
+        x.alpha1 = take_speed(d.input_hold, x, omega1, u.omega1_rate_given, u.omega1_rate, h)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h
     x.begin_q = x.q
     x.begin_omega2 = x.omega2
-    x.step_lost = 0.0
     x.begin_theta1 = x.theta1
     x.begin_input_turns = x.input_turns
     x.begin_drive_turns = x.drive_turns
-    x.input_impulse = 0.0
-    x.output_impulse = 0.0
-    x.housing_impulse = 0.0
-    x.output_square = 0.0
-    x.turned3 = 0.0
-    x.largest_square = 0.0
-    x.seen = 0.0
-    x.torque_peak = 0.0
-    x.step_switches = 0.0
-    x.step_evaluations = 0.0
+    for n in range(OF_MOTION, OF_MOTION + OF_SUMS):
+        x.numbers[n] = 0.0
     return jump

@@ -7,7 +7,7 @@ nothing for it. Of a long one, with its many pulses, only a share is seen from s
 
 import math
 
-from .derive import TWO_PI
+from .accumulate import TWO_PI
 from .layout import acceleration, imbalance, imbalance_in_fixed_frame, to_fixed_frame
 
 # phase of the highest harmonic in an internal step from which on its inside is seen, rad
@@ -52,21 +52,22 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     moment.alpha2 = alpha2
 
 
-def momentum_rate(p, omega1, alpha1, rate_q, rate2_q, azimuth):
+def momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
     """Rate of the angular momentum of one gear's rotation in the frame of link 1, N m (bevel).
 
     L = Jt v + h e with v = omega1 x + q' z of the drive, h = Jt s q' + (Ja - Jt) (w e) and e' = v x e.
 
     Args:
-        p: parameters. omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''. azimuth: A of its axis, rad.
+        d: derived constants. omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''.
+        azimuth: A of its axis, rad.
     """
-    sine = math.sin(p.shaft_angle)
-    axial = math.cos(p.shaft_angle)
+    sine = math.sin(d.shaft_angle)
+    axial = math.cos(d.shaft_angle)
     along = -sine * math.cos(azimuth)
     across = -sine * math.sin(azimuth)
-    own = p.satellite_inertia
-    transverse = p.satellite_transverse_inertia
-    spin = own * (p.z17 / p.z6 + axial) - transverse * axial
+    own = d.satellite_inertia
+    transverse = d.satellite_transverse_inertia
+    spin = own * (d.s + axial) - transverse * axial
     h = spin * rate_q + (own - transverse) * along * omega1
     h_rate = spin * rate2_q + (own - transverse) * (along * alpha1 - across * rate_q * omega1)
     return (
@@ -76,7 +77,7 @@ def momentum_rate(p, omega1, alpha1, rate_q, rate2_q, azimuth):
     )
 
 
-def write_loads(p, d, x, y, alpha2):
+def write_loads(d, x, y, alpha2):
     """Motion of imbalance 0 of module 0, its force, and the forces of all on the mount, in the fixed frame.
 
     Modules stand evenly about Ox, so two or more leave of a vector what is along it. The sums over the
@@ -85,15 +86,15 @@ def write_loads(p, d, x, y, alpha2):
     k = d.k
     rate_q = k * (x.omega1 - x.omega2)
     rate2_q = k * (x.alpha1 - alpha2)
-    number = min(p.satellites, 3.0)
+    number = min(d.satellites, 3.0)
     mass = d.mass / number
     # the drives turn about Oz of link 1, or about an axis parallel to Ox
-    drives = p.drive_inertia
+    drives = d.drive_inertia
     mx, my, mz = to_fixed_frame(x.theta1, 0.0, drives * x.omega1 * rate_q, -drives * rate2_q)
     if d.planar != 0.0:
         mx, my, mz = -d.J16 * (x.alpha1 + rate2_q), 0.0, 0.0
     fx, fy, fz = 0.0, 0.0, 0.0
-    gears = p.modules * p.satellites / number
+    gears = d.modules * d.satellites / number
     for n in range(int(number)):
         px, py, pz, vx, vy, vz, ax, ay, az = imbalance_in_fixed_frame(
             d, x.q, x.theta1, x.omega1, x.alpha1, rate_q, rate2_q, TWO_PI * n / number
@@ -106,7 +107,7 @@ def write_loads(p, d, x, y, alpha2):
         mz -= mass * (px * ay - py * ax)
         if d.bodies != 0.0:
             azimuth = x.q + d.phase_a + TWO_PI * n / number
-            lx, ly, lz = momentum_rate(p, x.omega1, x.alpha1, rate_q, rate2_q, azimuth)
+            lx, ly, lz = momentum_rate(d, x.omega1, x.alpha1, rate_q, rate2_q, azimuth)
             lx, ly, lz = to_fixed_frame(x.theta1, lx, ly, lz)
             mx -= gears * lx
             my -= gears * ly
@@ -123,9 +124,9 @@ def write_loads(p, d, x, y, alpha2):
             y.imbalance_acceleration_x = ax
             y.imbalance_acceleration_y = ay
             y.imbalance_acceleration_z = az
-            y.satellite_force = p.imbalance_mass * y.imbalance_acceleration
-            y.satellite_force_peak = p.imbalance_mass * math.sqrt(max(square, largest_square(d, x)))
-    one = p.modules == 1.0
+            y.satellite_force = d.imbalance_mass * y.imbalance_acceleration
+            y.satellite_force_peak = d.imbalance_mass * math.sqrt(max(square, largest_square(d, x)))
+    one = d.modules == 1.0
     y.shaking_force_x = fx
     y.shaking_force_y = fy if one else 0.0
     y.shaking_force_z = fz if one else 0.0

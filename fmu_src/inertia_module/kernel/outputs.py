@@ -3,47 +3,34 @@
 A shell may leave the late ones until they are read.
 """
 
-from .accumulate import lost_in_all
+from .accumulate import TWO_PI, lost_in_all
 from .averaged.run import averaged_energy, write_averaged
-from .codes import (
-    AVERAGED,
-    ELASTIC,
-    EVENT,
-    FREEWHEEL,
-    JOURNAL,
-    KINEMATIC,
-    MESH,
-    RIGID,
-    SHAFT,
-    VISCOUS,
-    WINDAGE,
-)
-from .derive import TWO_PI
+from .codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
 from .engine import solve_now
 from .equations.motion import stored_besides
 from .links import kinetic_energy, stored_in_shaft
 from .loads import write_loads
 
 
-def is_audited(p):
+def is_audited(d):
     """Tell whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
-    return p.fidelity >= RIGID and p.method == EVENT
+    return d.fidelity >= RIGID and d.method == EVENT
 
 
-def stored_energy(p, d, x):
+def stored_energy(d, x):
     """Kinetic energy of the mechanism and the energy of an elastic output, J."""
-    if p.fidelity == AVERAGED:
+    if d.fidelity == AVERAGED:
         return averaged_energy(d, x)
     besides = stored_besides(d, x) if d.losses != 0.0 else 0.0
     # prescribed motion ends at the output, before J3
-    omega3 = 0.0 if p.fidelity == KINEMATIC else x.omega3
+    omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
     stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
-    return stored + stored_in_shaft(d, x) if p.fidelity == ELASTIC else stored
+    return stored + stored_in_shaft(d, x) if d.fidelity == ELASTIC else stored
 
 
-def write_torques(p, d, x, y):
+def write_torques(d, x, y):
     """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
-    if p.fidelity == AVERAGED:
+    if d.fidelity == AVERAGED:
         return write_averaged(d, x, y)
     solve_now(d, x)
     m = d.machine
@@ -55,7 +42,7 @@ def write_torques(p, d, x, y):
     return m.alpha2
 
 
-def write_means(p, d, x, y):
+def write_means(d, x, y):
     """Means over the step, all impulses included: the changes of momenta leave nothing to integrate.
 
     Links 1, 2 and imbalances: P' = M1 - b1 omega1 - b2 omega2 - Tc + Th. Link 2: J2 omega2' = M2 - b2 omega2
@@ -69,7 +56,7 @@ def write_means(p, d, x, y):
         friction_impulse = per_step * d.b2 * (turned1 - turned / d.k)
     housing = per_step * x.housing_impulse
     gained2 = 0.0  # (in averaged that is the pulses')
-    if p.fidelity != AVERAGED:
+    if d.fidelity != AVERAGED:
         if d.losses == 0.0:
             housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
         gained2 = per_step * d.J2 * (x.omega2 - x.begin_omega2)
@@ -102,23 +89,19 @@ def write_outputs(x, y):
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
     y.energy_lost = lost_in_all(x)
-    y.energy_lost_viscous = x.lost[VISCOUS]
-    y.energy_lost_shaft = x.lost[SHAFT]
-    y.energy_lost_mesh = x.lost[MESH]
-    y.energy_lost_journal = x.lost[JOURNAL]
-    y.energy_lost_freewheel = x.lost[FREEWHEEL]
-    y.energy_lost_windage = x.lost[WINDAGE]
+    for cause in range(len(x.lost)):
+        y.numbers[cause] = x.lost[cause]  # energy_lost_viscous and so on: y begins with them
 
 
-def write_late_outputs(p, d, x, y):
+def write_late_outputs(d, x, y):
     """Outputs and locals that take more work than some steps do: torques, audit, imbalance."""
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak
-    stored = x.energy_stored if is_audited(p) else stored_energy(p, d, x)
+    stored = x.energy_stored if is_audited(d) else stored_energy(d, x)
     passed = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored
     y.energy_residual = passed - (stored - x.energy_start)
-    alpha2 = write_torques(p, d, x, y)
+    alpha2 = write_torques(d, x, y)
     y.input_acceleration = x.alpha1
-    write_means(p, d, x, y)
-    write_loads(p, d, x, y, alpha2)
+    write_means(d, x, y)
+    write_loads(d, x, y, alpha2)

@@ -11,7 +11,6 @@ from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start,
 from .averaged.torque_map import build_map
 from .codes import (
     AVERAGED,
-    BAD_STEP,
     ELASTIC,
     JAMMED,
     KINEMATIC,
@@ -27,10 +26,9 @@ from .derive import derive
 from .engine import follow_parameters, follow_torque, run_events, switch_now
 from .equations.satellites import jams
 from .events.kinematic import keep_ratio
-from .fixed_steps.timestepping import begin_here, run_timestepping
+from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
-from .inputs import begin, check_inputs, check_rates, input_speed
-from .limits import LARGEST_STEP
+from .inputs import begin, check_inputs, check_step, input_speed
 from .links import is_stiff
 from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
 
@@ -72,7 +70,7 @@ def start(p, d, u, x, y, w):
     status = check(p, d, u)
     if status != OK:
         return status
-    if p.fidelity == AVERAGED:
+    if d.fidelity == AVERAGED:
         status = build_map(p, d, w)
         if status != OK:
             return status
@@ -82,23 +80,23 @@ def start(p, d, u, x, y, w):
     x.held_input = x.omega1
     x.load_torque = u.load_torque
     x.drive_torque = u.drive_torque
-    x.q = p.drive_angle_start
+    x.q = d.drive_angle_start
     wrap_drive_angle(d, x)
-    x.omega2 = p.omega2_start
-    x.omega3 = p.omega_out_start
-    if p.fidelity == AVERAGED:
+    x.omega2 = d.omega2_start
+    x.omega3 = d.omega_out_start
+    if d.fidelity == AVERAGED:
         x.omega1 = speed_at_start(d, x)
         end_step(d, x)
         x.step_switches = 0.0
     else:
-        follow_parameters(p, d, x)
+        follow_parameters(d, x)
         x.step_mode = x.mode
-        if p.method == TIMESTEPPING:
-            begin_here(d, x)
-    x.energy_start = stored_energy(p, d, x)
+        if d.method == TIMESTEPPING:
+            write_inertia(d, x.q, x.here)
+    x.energy_start = stored_energy(d, x)
     x.energy_stored = x.energy_start
     write_outputs(x, y)
-    write_late_outputs(p, d, x, y)
+    write_late_outputs(d, x, y)
     return OK
 
 
@@ -111,7 +109,7 @@ def tune(p, d, x, w):
         Status: OK, or one of check_parameters or of build_map, which leave x as it was.
     """
     status = check_parameters(p, d)
-    if status == OK and p.fidelity == AVERAGED:
+    if status == OK and d.fidelity == AVERAGED:
         status = build_map(p, d, w)
     if status == OK:
         switch_now(d, x)
@@ -141,37 +139,33 @@ def is_finite(x):
     return (motion + shaft) + (energies + means) < 1e300
 
 
-def advance(p, d, u, x, y, w, h, operation):
+def advance(d, u, x, y, w, h, operation):
     """Advance by the communication step h, s, or to the first switch in it (operation STEP_TO_SWITCH).
 
     A status other than OK leaves state and outputs as they were.
 
     Args:
-        p, d, u: parameters, derived constants, inputs (held or extrapolated over the step).
+        d, u: derived constants, inputs (held or extrapolated over the step).
         x, y: state and outputs, written. w: workspace.
         operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were,
             with STEP_PRECISELY differences of results are free of the noise of the tolerance.
     """
-    if not 0.0 < h <= LARGEST_STEP:
-        return BAD_STEP
-    status = check_inputs(u)
-    if status == OK:
-        status = check_rates(u, h)
+    status = check_step(u, h)
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)
     w.tolerance = min(d.tolerance, PRECISE) if operation == STEP_PRECISELY else d.tolerance
-    status = run(p, d, u, x, w, h)
+    status = run(d, u, x, w, h)
     if status == NOT_BALANCED:
         copy(x.numbers, w.before.numbers)
         w.tolerance = max(MORE_CARE * w.tolerance, 1e-14)
-        status = run(p, d, u, x, w, h)
+        status = run(d, u, x, w, h)
     if status != OK:
         copy(x.numbers, w.before.numbers)
         return status
     write_outputs(x, y)
     if operation != STEP_ONLY and operation != STEP_TO_SWITCH:
-        write_late_outputs(p, d, x, y)
+        write_late_outputs(d, x, y)
     return OK
 
 
@@ -200,52 +194,52 @@ def audit(d, x, before, stored, tolerance):
     return OK if abs(missing) <= allowed + NOTHING else NOT_BALANCED
 
 
-def apply_jump(p, d, u, x, h, jump):
+def apply_jump(d, u, x, h, jump):
     """Apply a jump of the speed of link 1, or of a prescribed ratio.
 
     Returns:
         Impulses of the input torque and of the output freewheel, N m s.
     """
-    if p.fidelity != AVERAGED:
+    if d.fidelity != AVERAGED:
         x.torques_continue = 0.0
-        return jump_input(d, x, jump, p.fidelity == ELASTIC and is_stiff(d, x, u.omega1))
+        return jump_input(d, x, jump, d.fidelity == ELASTIC and is_stiff(d, x, u.omega1))
     if takes_up_jump(d, x, jump, h):
         x.alpha1 += jump / h
         return 0.0, 0.0
     return jump_averaged(d, x, jump), 0.0
 
 
-def turn_input(p, d, x, start1, h):
+def turn_input(d, x, start1, h):
     """Speed of link 1 at the end of the step, where it is given from start1 on."""
     x.omega1 = start1 + x.alpha1 * h
     x.omega1_low = 0.0
-    if p.fidelity == KINEMATIC:
+    if d.fidelity == KINEMATIC:
         keep_ratio(d, x)
 
 
-def run(p, d, u, x, w, h):
+def run(d, u, x, w, h):
     """Advance the state by h under the inputs, and look at its energies. Returns a status."""
     switch_now(d, x)
-    jump = begin(p, u, x, h)
+    jump = begin(d, u, x, h)
     input_jump = output_jump = 0.0
-    if jump != 0.0 or (p.fidelity == KINEMATIC and x.omega2 != d.ratio * x.omega1):
-        input_jump, output_jump = apply_jump(p, d, u, x, h, jump)
+    if jump != 0.0 or (d.fidelity == KINEMATIC and x.omega2 != d.ratio * x.omega1):
+        input_jump, output_jump = apply_jump(d, u, x, h, jump)
     start1 = x.omega1
-    if p.fidelity == AVERAGED:
+    if d.fidelity == AVERAGED:
         status = run_averaged(d, x, w, h)
-    elif p.method == TIMESTEPPING and p.fidelity != KINEMATIC:
+    elif d.method == TIMESTEPPING and d.fidelity != KINEMATIC:
         status = run_timestepping(d, x, w, h)
     else:
         status = run_events(d, x, w, h)
     if status != OK:
         return status
     if d.by_torque == 0.0:
-        turn_input(p, d, x, start1, x.length)
+        turn_input(d, x, start1, x.length)
     else:
-        if p.fidelity != AVERAGED:
+        if d.fidelity != AVERAGED:
             follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
     end(x, x.length, input_jump, output_jump)
     if not is_finite(x):
         return NOT_FINITE
-    return audit(d, x, w.before, stored_energy(p, d, x), w.tolerance) if is_audited(p) else OK
+    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else OK

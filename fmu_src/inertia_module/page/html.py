@@ -31,7 +31,7 @@ PRESETS, DATA = "<!-- PRESETS -->", "<!-- DATA -->"
 TITLE = "<title>Inertia module</title>"
 OPERATIONS = ("START", "STEP", "WARN")
 # of the table of variables that the page has as they are
-SAME = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed")
+SAME = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed", "nominal")
 COLUMNS = {**{name: name for name in SAME}, "tunable": "is_tunable", "min": "minimum", "max": "maximum"}
 # numbers of a run in a page at most: not compressed at all they take 1.5 MB of it
 MOST = 280_000

@@ -34,13 +34,13 @@ export const GROUPS: readonly Group[] = titles.map((title) => ({
   counts: COUNTS[title] ?? (() => true),
 }));
 
-/** How far a slider reaches where the start value, 0 or far from the middle, does not say it, in the unit of the table. */
+/** How far a slider reaches where neither the start value nor the nominal one says it, in the unit of the table. */
 const REACH: Readonly<Record<string, readonly [number, number]>> = {
   omega1: [0, 400], drive_torque: [-20, 100], load_torque: [-20, 100], modules: [1, 6], satellites: [1, 6],
   a: [0, 2], b: [0.2, 2], c: [0, 4], epsilon: [-Math.PI, Math.PI], gamma: [-Math.PI, Math.PI], shaft_angle: [0.3, 2.8],
   z2: [8, 60], z16: [8, 60], z17: [8, 60], z6: [8, 60],
   input_inertia: [0, 1], drive_inertia: [0, 0.01], satellite_inertia: [0, 0.005], satellite_transverse_inertia: [0, 0.005],
-  gravity: [0, 20], driven_friction: [0, 1], balancer: [0, 2], journal_friction: [0, 0.002], windage: [0, 1e-4], housing_drag: [0, 5],
+  gravity: [0, 20], driven_friction: [0, 1], balancer: [0, 2], journal_friction: [0, 0.002], housing_drag: [0, 5],
   housing_drag_viscous: [0, 0.05], output_drag: [0, 5], output_drag_viscous: [0, 0.05], input_friction: [0, 0.1],
   drive_friction: [0, 0.05], link2_friction: [0, 0.1], output_friction: [0, 0.5], mesh_efficiency: [0.8, 1],
   satellite_mesh_efficiency: [0.8, 1], shaft_damping: [0, 5], housing_stiffness: [0, 1e5], freewheel_stiffness: [0, 1e5],
@@ -65,6 +65,6 @@ export function reachOf(variable: Variable): Reach {
   const powers = POWERS[variable.name];
   if (powers) return { from: powers[0], to: powers[1], powers: true };
   const start = variable.start ?? 0;
-  const [from, to] = REACH[variable.name] ?? [Math.max(variable.min ?? 0, 0), 3 * start || 1];
+  const [from, to] = REACH[variable.name] ?? [Math.max(variable.min ?? 0, 0), 3 * start || (variable.nominal ?? 1)];
   return { from: Math.max(from, variable.min ?? from), to, powers: false };
 }

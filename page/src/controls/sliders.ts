@@ -10,7 +10,7 @@ const TIMES: readonly Variable[] = [
   ["duration", "length of the run"], ["step", "communication step: distance of the points of the run"],
 ].map(([name = "", description = ""]) => ({
   name, group: "Run", description, kind: "Real", causality: "input", tunable: false, unit: "s",
-  start: name === "step" ? 0.0005 : 1, min: 0, max: null, allowed: "", items: [], place: -1, ratePlace: -1, rateGivenPlace: -1,
+  start: name === "step" ? 0.0005 : 1, min: 0, max: null, nominal: null, allowed: "", items: [], place: -1, ratePlace: -1, rateGivenPlace: -1,
 }));
 
 const RUN: Group = { title: "Run", names: ["duration", "step"] };

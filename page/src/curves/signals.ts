@@ -1,7 +1,7 @@
 // What the curves show of a run.
 
 import { CURVES } from "../common/colours";
-import type { Run } from "../run/run";
+import { variables, type Run } from "../run/run";
 import { isCoarse } from "../run/sample";
 
 /** What a coarse run shows of what swings: its mean over or its greatest in each step, or dots at instants. */
@@ -84,6 +84,11 @@ function runningMean(values: Float64Array, half: number): Float64Array {
   });
 }
 
+/** What energy is lost to, by cause. */
+const LOST_TO = "energy_lost_";
+const LOST = variables.map(({ name }) => name).filter((name) => name.startsWith(LOST_TO));
+const COLOURS = Object.values(CURVES);
+
 export const PANELS: readonly Panel[] = [
   {
     id: "speeds", title: "Speeds", unit: "rad/s",
@@ -113,14 +118,7 @@ export const PANELS: readonly Panel[] = [
   },
   {
     id: "losses", title: "Losses, running mean", unit: "W",
-    series: [
-      power("meshes", "energy_lost_mesh", CURVES.orange),
-      power("journals", "energy_lost_journal", CURVES.blue),
-      power("freewheels", "energy_lost_freewheel", CURVES.purple),
-      power("viscous friction", "energy_lost_viscous", CURVES.green),
-      power("elastic shaft", "energy_lost_shaft", CURVES.grey),
-      power("air", "energy_lost_windage", CURVES.red),
-    ],
+    series: LOST.map((name, n) => power(name.slice(LOST_TO.length), name, COLOURS[n % COLOURS.length] ?? CURVES.grey)),
   },
   {
     id: "forces", title: "Forces", unit: "N",

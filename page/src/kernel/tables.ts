@@ -15,6 +15,7 @@ export interface Variable {
   start: number | null;
   min: number | null;
   max: number | null;
+  nominal: number | null;
   /** What follows "must be" in a refusal. */
   allowed: string;
   /** Items of an enumeration or a Boolean, else none. */

@@ -7,7 +7,7 @@ legs: it rests, is locked to link 1, coasts beyond the end of the map, or slips 
 
 import math
 
-from ..codes import FREEWHEEL, VISCOUS
+from ..equations.losses import FREEWHEEL, VISCOUS
 from .table import INPUT, MOTIONS, OMEGA2, TORQUE, interpolate
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3

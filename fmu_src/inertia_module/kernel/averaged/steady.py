@@ -8,8 +8,7 @@ are those of an input speed, scaled: b / |v| and drag / v^2.
 
 import math
 
-from ..accumulate import copy
-from ..derive import TWO_PI
+from ..accumulate import TWO_PI, copy
 from ..equations.choice import choose_next_states, choose_states
 from ..events.advance import advance_general
 from ..events.step_size import AFRESH

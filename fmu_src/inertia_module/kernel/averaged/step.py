@@ -4,7 +4,7 @@ Gentle ones are of order 3, explicit. Others are by Rosenbrock's method of event
 by differences: a light shaft follows the mean torque at once, and a transient must cost no small steps.
 """
 
-from ..codes import FREEWHEEL, VISCOUS
+from ..equations.losses import FREEWHEEL, VISCOUS
 from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
 from ..events.stages import LOST, OMEGA3, weighed_rate

@@ -18,7 +18,8 @@ Tc (1 - sigma).
 import math
 
 from ..accumulate import copy
-from ..codes import FREEWHEEL, MESH, NOT_STEADY, OK, VISCOUS
+from ..codes import NOT_STEADY, OK
+from ..equations.losses import FREEWHEEL, MESH, VISCOUS
 from ..links import inertia_at_input
 from .steady import (
     HEAD_START,

@@ -10,22 +10,8 @@ holds no impulse. The slip delta' is kept besides omega4: each may be small wher
 """
 
 from ..accumulate import add, copy
-from ..codes import (
-    BAD_HUB_SPEED,
-    BAD_HUB_SPEED_RATE,
-    BAD_LOAD_TORQUE,
-    BAD_LOAD_TORQUE_RATE,
-    BAD_STEP,
-    CHECK,
-    NOT_FINITE,
-    OK,
-    OUTPUTS,
-    RATES,
-    START,
-    TUNE,
-)
-from ..inputs import mean_torque, take_speed
-from ..limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE
+from ..codes import CHECK, NOT_FINITE, OK, OUTPUTS, RATES, START, TUNE
+from ..inputs import check_inputs, check_step, mean_torque, take_speed
 from .motion import characteristic, end, integral, keep_step, square_integral
 
 # its records (see kernel.fields)
@@ -42,27 +28,6 @@ WORKSPACE = (
     *(("twist", 4), ("slip", 4), ("slip_rate", 4), ("speed", 4), ("speed_rate", 4)),
     *(("move", 16), ("product", 16), ("before", STATE)),
 )
-
-
-def check_inputs(u):
-    """Status of the inputs: finite and within what a drivetrain can mean."""
-    if not abs(u.hub_speed) <= LARGEST_SPEED:
-        return BAD_HUB_SPEED
-    return OK if abs(u.load_torque) <= LARGEST_TORQUE else BAD_LOAD_TORQUE
-
-
-def check_step(u, h):
-    """Status of a step: its length, its inputs, and what inputs with a given rate come to at its end."""
-    if not 0.0 < h <= LARGEST_STEP:
-        return BAD_STEP
-    status = check_inputs(u)
-    if status != OK:
-        return status
-    if u.hub_speed_rate_given != 0.0 and not abs(u.hub_speed + u.hub_speed_rate * h) <= LARGEST_SPEED:
-        return BAD_HUB_SPEED_RATE
-    if u.load_torque_rate_given != 0.0 and not abs(u.load_torque + u.load_torque_rate * h) <= LARGEST_TORQUE:
-        return BAD_LOAD_TORQUE_RATE
-    return OK
 
 
 def driven_acceleration(p, x):
@@ -101,15 +66,10 @@ def derive(p, d):
     d.step = 0.0
 
 
-def check(p, d, u):
-    """Derive the constants and check the inputs. Returns a status."""
-    derive(p, d)
-    return check_inputs(u)
-
-
 def start(p, d, u, x, y):
     """Derive d from p; set x and y at the end of initialisation. Returns OK or the status of bad inputs."""
-    status = check(p, d, u)
+    derive(p, d)
+    status = check_inputs(u)
     if status != OK:
         return status
     for n in range(len(x.numbers)):
@@ -137,7 +97,7 @@ def begin(p, u, x, h):
         x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
         x.omega4, x.omega4_low = add(u.hub_speed, -x.slip_low, -x.slip)
     x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
-    x.hub_slope = take_speed(p, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate, h)
+    x.hub_slope = take_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate, h)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
 
 
@@ -210,7 +170,8 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == START:
         return start(p, d, u, x, y)
     if operation == CHECK:
-        return check(p, d, u)
+        derive(p, d)
+        return check_inputs(u)
     if operation == TUNE:
         derive(p, d)
         return OK

@@ -9,11 +9,11 @@ and V_theta the torques of weights and air; f = 1/eta or
 1/(2 - eta) makes the loss of the mesh 2-16 (1 - eta) |M2| |omega1 - omega2| whichever way the power flows.
 """
 
-from ..codes import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
+from ..fields import OF_MOTION, OF_NOW
 from ..inertia import reduced_inertia
 from ..layout import imbalance
-from ..links import friction_power
-from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques, windage_torques
+from .losses import outer_torques
+from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
 from .states import GEARED, IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
@@ -21,31 +21,15 @@ PATTERNS = 50
 
 
 def take_state(d, x):
-    """The present motion into d.machine."""
-    m = d.machine
-    m.q = x.q
-    m.theta1 = x.theta1
-    m.omega1 = x.omega1
-    m.omega2 = x.omega2
-    m.omega3 = x.omega3
-    m.twist = x.twist
-    m.relative = x.relative
-    m.wound_housing = x.wound_housing
-    m.wound_output = x.wound_output
+    """The present motion into d.machine: both records begin with it (fields.MOTION)."""
+    for n in range(OF_MOTION):
+        d.machine.numbers[n] = x.numbers[n]
 
 
 def recall(target, source):
-    """Copy accelerations and torques of an instant."""
-    target.alpha1 = source.alpha1
-    target.alpha2 = source.alpha2
-    target.alpha3 = source.alpha3
-    target.rate_relative = source.rate_relative
-    target.drive = source.drive
-    target.mesh = source.mesh
-    target.output = source.output
-    target.housing = source.housing
-    target.momentum = source.momentum
-    target.energy = source.energy
+    """Copy accelerations and torques of an instant, which both records end with (fields.NOW)."""
+    for n in range(1, OF_NOW + 1):
+        target.numbers[-n] = source.numbers[-n]
 
 
 def freewheel_torques(d, x, m, lossy):
@@ -95,7 +79,7 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     # of one satellite the sum says all
     apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
-    if lossy and d.journal + d.satellite_loss > 0.0:
+    if lossy and d.journal_friction + d.satellite_loss > 0.0:
         journals, mesh, by_alpha1, by_rate2 = spin_torques(
             d, m.q, place, m.omega1, rate_q, alpha1, k * (alpha1 - alpha2), signs
         )
@@ -210,7 +194,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
     """Solve the equations of motion for evaluate, with or without losses by load, drag, weights, wind-up."""
     m = d.machine
     place = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    satellites_loaded = lossy and d.journal + d.satellite_loss + d.weight > 0.0
+    satellites_loaded = lossy and d.journal_friction + d.satellite_loss + d.weight > 0.0
     if satellites_loaded:
         place = imbalance(d, m.q, 0.0)
     if satellites_loaded and d.single != 0.0 and d.planar + d.bodies == 0.0:
@@ -218,15 +202,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
     else:
         inertia = reduced_inertia(d, m.q)
     if lossy:
-        m.weight1 = m.weight_q = 0.0
-        if d.weight != 0.0:
-            _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)
-        m.windage = 0.0
-        if d.windage != 0.0:
-            slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
-            by_theta1, by_q, m.windage = windage_torques(d, m.q, m.omega1, d.k * slip)
-            m.weight1 += by_theta1
-            m.weight_q += by_q
+        outer_torques(d, x, m, place)
     freewheel_torques(d, x, m, lossy)
     shaft = load
     if d.elastic != 0.0:
@@ -253,40 +229,6 @@ def equations(d, x, prescribed, load, fixed, lossy):
     if d.elastic != 0.0:
         driven = shaft - d.friction * (m.omega3 - m.relative) - load
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
-
-
-def power_of_freewheels(d, x, m):
-    """Power that drag and damping of both freewheels take, W, never below 0."""
-    slip = m.omega3 - m.omega2
-    lost = 0.0
-    if x.housing_state == OPEN:
-        lost = -m.housing * m.omega2
-    elif x.housing_state == WOUND:
-        lost = d.housing_damping * m.omega2 * m.omega2
-    if x.output_state == OPEN:
-        lost -= m.output * slip
-    elif x.output_state == WOUND:
-        lost += d.freewheel_damping * slip * slip
-    return lost
-
-
-def write_powers_lost(d, x, m, rates, lossy):
-    """Write the powers that the causes of losses take of the motion in m, after evaluate, into rates, W."""
-    if d.elastic != 0.0:
-        omega4 = m.omega3 - m.relative
-        shaft = d.damping * m.relative * m.relative + d.friction * omega4 * omega4
-        # (less what the balancer would do at the speed of the hub, whose integral advance.commit knows)
-        rates.lost[SHAFT] = shaft + d.balancer * d.J4 * m.alpha3 * m.relative
-    if d.viscous != 0.0:
-        rates.lost[VISCOUS] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
-    if lossy:
-        slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
-        # of one sign up to the event, and smooth beyond it
-        turned = x.slip_sign * d.k * slip
-        rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
-        rates.lost[JOURNAL] = m.journals * turned
-        rates.lost[FREEWHEEL] = power_of_freewheels(d, x, m)
-        rates.lost[WINDAGE] = m.windage
 
 
 def stored_besides(d, x):

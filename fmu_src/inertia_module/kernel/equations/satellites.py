@@ -5,7 +5,7 @@ Where losses are large and links light, no motion, or more than one, agrees with
 
 import math
 
-from ..derive import TWO_PI
+from ..accumulate import TWO_PI
 from ..inertia import reduced_inertia
 from ..layout import acceleration, imbalance
 from ..sine import sine_cosine
@@ -83,7 +83,7 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2
     d.machine.spin_signs = found
-    return d.journal * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
+    return d.journal_friction * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
 
 
 def with_sign_changed(signs, n):
@@ -93,31 +93,6 @@ def with_sign_changed(signs, n):
     for _ in range(n):
         bit += bit
     return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
-
-
-def windage_torques(d, q, omega1, rate_q):
-    """Torques with which the air resists link 1 and q, N m, and the power that it takes, W.
-
-    On each satellite -windage |w| w, with w = omega1 x + q' (z + s e) its absolute angular velocity and e its
-    axis (docs/mechanics.md, "Losses"); in the planar layout it is omega1 + q' about the central axis.
-    """
-    number = 1.0 if d.planar != 0.0 else d.number
-    share = d.windage / number
-    along = across = 1.0
-    by_theta1 = by_q = power = 0.0
-    for n in range(int(number)):
-        if d.planar == 0.0:
-            _, cos_a = sine_cosine(q + d.phase_a + TWO_PI * n / number)
-            across = d.turn_across * cos_a
-            along = d.turn_along
-        turn1 = omega1 + across * rate_q
-        turn_q = across * omega1 + along * rate_q
-        square = max(omega1 * turn1 + rate_q * turn_q, 0.0)
-        speed = share * math.sqrt(square)
-        by_theta1 += speed * turn1
-        by_q += speed * turn_q
-        power += speed * square
-    return by_theta1, by_q, power
 
 
 def weight_torques(d, place, theta1):

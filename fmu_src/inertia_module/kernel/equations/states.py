@@ -28,7 +28,7 @@ def is_wound(x):
 
 def is_rough(d):
     """Tell whether something resists the slip of links 1 and 2 at any speed, so that they can stick."""
-    return d.mesh_loss + d.satellite_loss + d.journal > 0.0
+    return d.mesh_loss + d.satellite_loss + d.journal_friction > 0.0
 
 
 def may_be_housing(d, x, state):

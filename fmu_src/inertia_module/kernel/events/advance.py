@@ -1,8 +1,9 @@
 """The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import FREEWHEEL, MESH, NONE, SHAFT, VISCOUS
+from ..codes import NONE
 from ..equations.choice import take_speeds
+from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
 from ..equations.motion import recall, take_state
 from ..equations.satellites import with_sign_changed
 from ..equations.states import LOCKED, OPEN, WOUND, is_wound

@@ -2,7 +2,7 @@
 
 import math
 
-from ..codes import JOURNAL, MESH
+from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, OPEN, WOUND, is_wound
 from ..links import kinetic_energy, response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS

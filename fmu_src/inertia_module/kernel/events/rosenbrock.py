@@ -9,7 +9,7 @@ with J the derivatives of all rates by the motion at the beginning. The step cha
 argument and U_8, which is the error as well.
 """
 
-from ..codes import SHAFT
+from ..equations.losses import SHAFT
 from ..equations.motion import take_state
 from ..equations.states import LOCKED, WOUND
 from ..tableau import PARTS, THIRDS

@@ -3,7 +3,8 @@
 w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
 """
 
-from ..equations.motion import equations, evaluate, write_powers_lost
+from ..equations.losses import write_powers_lost
+from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import SLIP, how_many_guards, value_and_rate

@@ -9,7 +9,8 @@ midpoint rule.
 import math
 
 from ..accumulate import add, add_loss, copy
-from ..codes import SHAFT, VISCOUS
+from ..equations.losses import SHAFT, VISCOUS
+from ..equations.motion import stored_besides
 from ..equations.satellites import AS_THEY_ARE, spin_torques, weight_torques
 from ..impulse import push_driven_mass
 from ..layout import imbalance
@@ -43,13 +44,13 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
         turn_link1(d, x, w, prescribed, h)
         return
     slip = x.omega1 - x.omega2
-    total, coupling, inertia = slip_inertia(d, x.i, x.b, x.g, carried)
-    end_total, end_coupling, end_inertia = slip_inertia(d, w.end_i, w.end_b, w.end_g, carried)
+    total, coupling, inertia = slip_inertia(d, x.here.i, x.here.b, x.here.g, carried)
+    end_total, end_coupling, end_inertia = slip_inertia(d, w.end.i, w.end.b, w.end.g, carried)
     if held:
         # the slip is all the motion there is
         coupling = end_coupling = 1.0
-        inertia = inertia_of_link1(d, x.i, x.b, x.g)
-        end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
+        inertia = inertia_of_link1(d, x.here.i, x.here.b, x.here.g)
+        end_inertia = inertia_of_link1(d, w.end.i, w.end.b, w.end.g)
     root = math.sqrt(inertia)
     end_root = math.sqrt(end_inertia)
     per_root = 1.0 / (root + end_root)
@@ -62,7 +63,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     end_rate = 0.0
     speed = y + 0.5 * prescribed
     force = 0.5 * y
-    change = d.k * d.k * (w.end_g - x.g)
+    change = d.k * d.k * (w.end.g - x.here.g)
     driven = prescribed - by_torque * h * w.weight1
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
@@ -71,9 +72,9 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
         speed = 0.5 * (x.omega1 - coupling * slip) + (y + driven) * end_rate
         force = (x.omega1 - coupling * slip) * end_rate
         change = end_inertia - inertia
-    slope = 0.5 * d.k * (x.i1 + w.end_i1)
+    slope = 0.5 * d.k * (x.here.i1 + w.end.i1)
     if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
-        slope = (w.end_i - x.i) / w.slip_angle
+        slope = (w.end.i - x.here.i) / w.slip_angle
     force *= slope
     # what resists goes by the mean speeds: of link 1 mean1 + answer1 rho, of link 2 less by the mean slip rho
     resisting = gain + h * d.b2
@@ -144,8 +145,8 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     else:
         w.end1 = end_y
         w.angle1 = h * speed
-        kept = mean_coupling * change_slip - d.k * (w.end_b - x.b) * (slip + 0.5 * change_slip)
-        w.impulse1 = 0.5 * (total + end_total) * prescribed + (w.end_i - x.i) * speed - kept + resisted
+        kept = mean_coupling * change_slip - d.k * (w.end.b - x.here.b) * (slip + 0.5 * change_slip)
+        w.impulse1 = 0.5 * (total + end_total) * prescribed + (w.end.i - x.here.i) * speed - kept + resisted
         w.impulse1 += h * w.weight1
         missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
         w.work1 = speed * w.impulse1 + prescribed * missing
@@ -159,8 +160,8 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
 
 def turn_link1(d, x, w, prescribed, h):
     """Step with link 2 held and the speed given: link 1 turns the inertia Phi."""
-    inertia = inertia_of_link1(d, x.i, x.b, x.g)
-    end_inertia = inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
+    inertia = inertia_of_link1(d, x.here.i, x.here.b, x.here.g)
+    end_inertia = inertia_of_link1(d, w.end.i, w.end.b, w.end.g)
     w.reached = 1.0
     w.end2 = 0.0
     w.end1 = x.omega1 + prescribed
@@ -183,8 +184,8 @@ def turn_link1(d, x, w, prescribed, h):
 def mesh_impulse(d, x, w, h):
     """Impulse that the mesh passes to link 2 in the step that w has found: what link 1 does not keep."""
     put_in = x.drive_torque * h if d.by_torque != 0.0 else w.impulse1
-    before = (d.J1 + x.i) * x.omega1 + d.k * x.b * (x.omega1 - x.omega2)
-    after = (d.J1 + w.end_i) * w.end1 + d.k * w.end_b * (w.end1 - w.end2)
+    before = (d.J1 + x.here.i) * x.omega1 + d.k * x.here.b * (x.omega1 - x.omega2)
+    after = (d.J1 + w.end.i) * w.end1 + d.k * w.end.b * (w.end1 - w.end2)
     return put_in - (after - before) - d.b1 * w.angle1 - h * w.weight1
 
 
@@ -195,7 +196,7 @@ def find_friction(d, x, w, h):
     """
     k = d.k
     journals = spun = 0.0
-    if d.journal + d.satellite_loss > 0.0:
+    if d.journal_friction + d.satellite_loss > 0.0:
         alpha1 = (w.end1 - x.omega1) / h
         rate2_q = k * ((w.end1 - w.end2) - (x.omega1 - x.omega2)) / h
         q = x.q + 0.5 * k * w.new_slip_angle
@@ -240,19 +241,13 @@ def weigh(d, x, w):
         w.weight_slip = (there - here) / w.far_angle * math.cos(half)
 
 
-def potential(d, x):
-    """Potential energy of the imbalances, J."""
-    value, _, _ = weight_torques(d, imbalance(d, x.q, 0.0), x.theta1)
-    return value
-
-
 def end_fall(d, x, w):
     """Take from the speeds what the weights have worked more than they have fallen.
 
     That happens only with the torque of link 1 given, for its angle is not known beforehand. Where that is
     much of what moves the step ends where it began, at rest.
     """
-    gained = potential(d, x) - potential(d, w.fallen) - w.weighed
+    gained = stored_besides(d, x) - stored_besides(d, w.fallen) - w.weighed
     if gained <= 0.0:
         return
     omega4 = x.omega3 - x.relative
@@ -308,7 +303,7 @@ def load_shaft(d, x, w, joined, h):
     """
     damping = d.damping + d.stiffness * h
     pull = damping * h
-    together = d.J3 + inertia_of_link2(d, x.i, x.b, x.g)
+    together = d.J3 + inertia_of_link2(d, x.here.i, x.here.b, x.here.g)
     if pull * (together + d.J4) > RESOLVED * together * d.J4:
         w.stiff = 1.0
     elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:

@@ -8,8 +8,9 @@ elastic shaft moves by the midpoint rule (docs/mechanics.md).
 import math
 
 from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, FREEWHEEL, HELD, HELD_DRIVING, JOURNAL, MESH, OK, TOO_MUCH_WORK
+from ..codes import DRIVING, HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
 from ..equations.choice import choose_states
+from ..equations.losses import FREEWHEEL, JOURNAL, MESH
 from ..equations.states import is_rough
 from ..impulse import settle
 from ..inertia import reduced_inertia
@@ -31,24 +32,22 @@ STOPPED = 1e-14
 def look_ahead(d, x, w, slip_angle):
     """End the step where link 1 has turned by this angle relative to link 2: I, I', B, G there."""
     w.far_angle = slip_angle
-    w.far_i, w.far_i1, w.far_b, _, w.far_g, _ = reduced_inertia(d, x.q + d.k * slip_angle)
+    write_inertia(d, x.q + d.k * slip_angle, w.far)
     x.step_evaluations += 1.0
     if d.weight != 0.0:
         weigh(d, x, w)
     end_at(x, w, 1.0)
 
 
-def begin_here(d, x):
-    """Take I, I', B, G where the drive is at the start; each step then leaves those at its end."""
-    x.i, x.i1, x.b, _, x.g, _ = reduced_inertia(d, x.q)
+def write_inertia(d, q, at):
+    """Write I, I', B, G at the drive angle q into a record (fields.INERTIA)."""
+    at.i, at.i1, at.b, _, at.g, _ = reduced_inertia(d, q)
 
 
 def end_at(x, w, part):
     """End this part of the way ahead, with the inertia between; 1 is where look_ahead looked."""
-    w.end_i = x.i + part * (w.far_i - x.i)
-    w.end_i1 = x.i1 + part * (w.far_i1 - x.i1)
-    w.end_b = x.b + part * (w.far_b - x.b)
-    w.end_g = x.g + part * (w.far_g - x.g)
+    for n in range(len(w.end.numbers)):
+        w.end.numbers[n] = x.here.numbers[n] + part * (w.far.numbers[n] - x.here.numbers[n])
     w.slip_angle = part * w.far_angle
 
 
@@ -89,7 +88,7 @@ def follow(d, x, w, held, joined, prescribed, h):
             inertia3 += (1.0 - d.balancer) * d.J4
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
-    inertia2 = inertia_of_link2(d, w.end_i, w.end_b, w.end_g)
+    inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
     push = w.contact_impulse + w.holding
     if push > 0.0 and d.output != 0.0:
         # it is the impulse over the whole step that must not pull, but for the drag
@@ -205,9 +204,9 @@ def finish(d, x, w, h):
             end3 = w.end1
         end2 = w.end1
     # links 1 and 2 take the impact that brings link 2 to its end speed
-    reaction = d.k * (w.end_b + d.k * w.end_g) * (end2 - w.end2)
+    reaction = d.k * (w.end.b + d.k * w.end.g) * (end2 - w.end2)
     if d.by_torque != 0.0:
-        w.end1 += reaction / inertia_of_link1(d, w.end_i, w.end_b, w.end_g)
+        w.end1 += reaction / inertia_of_link1(d, w.end.i, w.end.b, w.end.g)
     else:
         w.impulse1 -= reaction
         x.input_impulse += w.impulse1
@@ -230,7 +229,7 @@ def finish(d, x, w, h):
     x.output_impulse += w.output
     x.output_square += w.output * w.output / h
     x.torque_peak = max(x.torque_peak, abs(w.output) / h)
-    x.i, x.i1, x.b, x.g = w.end_i, w.end_i1, w.end_b, w.end_g
+    copy(x.here.numbers, w.end.numbers)
     x.friction = w.friction
     x.omega1 = w.end1
     x.omega2 = end2
