@@ -52,8 +52,7 @@ SELECTION = {
         test_motions.py::test_error_follows_the_tolerance[planar-speed-averaged-ideal]
         test_averaged_map.py::test_steady_motion_under_a_torque_ends_a_period_as_it_began
         test_averaged.py::test_input_passes_through_zero_and_back[0-planar]
-        test_averaged_map.py::test_ripple_and_peak_are_those_of_the_rigid_motion[0.3-planar]
-        test_averaged_map.py::test_mean_torques_are_those_of_the_rigid_module_at_held_output_speed[0.31-100.0-planar]
+        test_averaged_map.py::test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed[0.31-100.0-planar]
         test_averaged.py::test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed[planar-10.0]
         test_averaged_losses.py::test_locked_to_link_1_friction_and_drag_alone_are_lost
     """,
