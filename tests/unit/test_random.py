@@ -23,10 +23,7 @@ EACH, WITH_REFERENCE = 12, 3
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
 
 
-# motions that campaigns have found: parameters; of each segment duration, omega1, load, slope, drive, steps
-with Path(__file__).with_name("found.csv").open(encoding="utf-8", newline="") as file:
-    FOUND = {row.pop("what"): row for row in csv.DictReader(file)}
-# ... by their numbers: (seed, number), without losses and with them
+# random motions in which something went wrong: (seed, number), without losses and with them
 BY_NUMBER = {
     # work of a balancer
     False: ((1, 18933),),
@@ -46,26 +43,26 @@ def motions(level, count, losses=False):
     return list(itertools.islice((motion for motion in drawn if motion.level == level), count))
 
 
-@pytest.mark.parametrize("found", FOUND)
-def test_what_was_found_stays_mended(compiled, found):
-    row = FOUND[found]
-    parts = [[float(number) for number in one.split()] for one in row["segments"].split(";")]
-    segments = tuple(Segment(*part[:5], *map(int, part[5:])) for part in parts)
-    motion = Motion(mechanism(row["parameters"]), segments)
+def found():
+    """Motions that campaigns have found, with most switches, by what went wrong, or by seed and number."""
+    with Path(__file__).with_name("found.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            parts = [[float(number) for number in one.split()] for one in row["segments"].split(";")]
+            # duration, omega1, load, slope, drive, steps
+            segments = tuple(Segment(*part[:5], *map(int, part[5:])) for part in parts)
+            yield pytest.param(Motion(mechanism(row["parameters"]), segments), 100, id=row["what"])
+    for losses, numbers in BY_NUMBER.items():
+        for seed, number in numbers:
+            yield pytest.param(draw_motion(seed, number, losses), 1000, id=f"{losses}-{seed}-{number}")
+
+
+@pytest.mark.parametrize("motion, switches", list(found()))
+def test_what_was_found_stays_mended(compiled, motion, switches):
     finding = examine(motion, lambda: Module(compiled))
     assert not finding.failed, finding.figures
     assert not finding.refused
     # whose freewheels do not chatter
-    assert run(motion, lambda: Module(compiled)).points[-1]["contact_switches"] < 100
-
-
-@pytest.mark.parametrize(
-    "losses, seed, number", [(losses, *one) for losses, found in BY_NUMBER.items() for one in found]
-)
-def test_number_that_was_found_stays_mended(compiled, losses, seed, number):
-    finding = examine(draw_motion(seed, number, losses), lambda: Module(compiled))
-    assert not finding.failed, finding.figures
-    assert not finding.refused
+    assert run(motion, lambda: Module(compiled)).points[-1]["contact_switches"] < switches
 
 
 @pytest.mark.parametrize("losses", [False, True], ids=["ideal", "losses"])
