@@ -11,6 +11,7 @@ import pytest
 from averaged_errors import REALISTIC, of_map, of_pulses
 from scenes import MECHANISMS, advanced, input_angle, started
 
+from inertia_module.loops import interface_inertia
 from inertia_module.memory import Module, Refused
 
 PLANAR = MECHANISMS["planar"]
@@ -135,6 +136,13 @@ UNDER_TORQUE = [
         for speed in (10.0, 50.0)
     ),
     *((alone(name) | {"input_inertia": 0.5}, 20.0, 15.0, 0.005) for name in ALONE),
+    # nothing is lost, link 1 light and heavy beside what turns with it
+    *(
+        (shape | {"input_inertia": share * interface_inertia(shape).greatest}, speed, torque, 0.02)
+        for shape, torque in ((MECHANISMS["bevel"], 12.0), (PLANAR, 20.0))
+        for share in (0.1, 1.0, 10.0)
+        for speed in (10.0, 50.0)
+    ),
     # whose friction is that of its swing
     (PLANAR | {"input_inertia": 0.003, "input_friction": 0.05}, 20.0, 15.0, 0.01),
 ]

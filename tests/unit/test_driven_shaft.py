@@ -88,7 +88,7 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
     if math.sqrt(c / J) * h > 1e6 and d + f < 1e-3 * math.sqrt(c * J):
         h = 1e6 * math.sqrt(J / c)  # beyond, doubles do not know the phase
     beta, hub, slope, load = 0.4, 30.0, 7.0, 12.0
-    # a step of 1 s of constant speed gives the slope; what it leaves, the jump that comes included, is the start
+    # a step of 1 s of constant speed gives the slope; what it leaves, and the jump after it, is the start
     given = {"balancer": beta, "input_hold": 1, "hub_speed": hub - slope, "load_torque": load}
     model = made(compiled, shaft, **given, omega_out_start=29.0, twist_start=0.01)
     model.advance(1.0)
