@@ -12,11 +12,6 @@ from studies.papers import karetin, lysenko, stelmashchuk
 from studies.papers.engine import Forms, in_time, vector
 from studies.papers.karetin import Geometry, stop_mode
 
-
-def close(values):
-    return pytest.approx(values, rel=1e-14, abs=1e-14)
-
-
 # --- Karetin: phi = psi = 45 degrees, AD = QA = OQ = 1 m for a wheel of 1 m ---
 
 DEGREE = pi / 180
@@ -26,12 +21,9 @@ def karetins(**known):
     return Forms(karetin.PRINTED, **known)
 
 
-def geometry(**parameters):
-    return Geometry(**({"z17": 20, "z6": 20, "shaft_angle": pi / 2, "wheel_radius": 1.0} | parameters))
-
-
 def cones(size=1.0, **known):
-    return karetins(**karetin.inputs(geometry(wheel_radius=size), stop_mode(1.0), 1.0) | known)
+    wheels = Geometry(z17=20, z6=20, shaft_angle=pi / 2, wheel_radius=size)
+    return karetins(**karetin.inputs(wheels, stop_mode(1.0), 1.0) | known)
 
 
 D = {"x_D": 1.0, "y_D": 2.0, "z_D": 5.0}
@@ -144,4 +136,4 @@ ALL = {
 
 @pytest.mark.parametrize(("page", "name", "found"), ALL.values(), ids=ALL)
 def test_by_hand(page, name, found):
-    assert page[name] == close(found)
+    assert page[name] == pytest.approx(found, rel=1e-14, abs=1e-14)

@@ -1,7 +1,8 @@
-"""Karetin's exact forms against a chain of turned bodies; the module moves as they say.
+"""Karetin's exact forms against a chain of turned bodies.
 
-Nothing of the chain (geometry.py) is shared with the code under test: the cones follow from the line on which
-they roll, derivatives from positions alone.
+The module is held to them in tests/unit/test_paper_scenes.py. Nothing of the chain (geometry.py) is shared
+with the code under test: the cones follow from the line on which they roll, derivatives from
+positions alone.
 """
 
 import cmath
@@ -11,10 +12,9 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 from geometry import derivatives, position, taylor, turn
-from scenes import advanced, started, vector
 
 from studies.papers import karetin
-from studies.papers.karetin import PLANES, Geometry, Motion, dynamic_mode, exact, stop_mode
+from studies.papers.karetin import PLANES, Geometry, Motion, exact, stop_mode
 
 TIMES = 21
 # coordinates in which the angles of H, P and F count
@@ -111,31 +111,3 @@ def test_the_best_mirror_of_a_known_function_is_found():
 
     assert karetin.best_mirror(skewed, math.tau)[0] > 0.1
     assert karetin.best_mirror(skewed, math.tau, sign=-1.0)[0] < 1e-6
-
-
-# --- the module ---
-
-SPEED = 96.0
-# a power of two, and numbers of steps: their sum is the time, without rounding
-STEP = 2.0**-7
-IMBALANCE = {"": "position", "_velocity": "velocity", "_acceleration": "acceleration"}
-
-
-# exact in binary, so that omega2 = omega1/i is the same number on both sides
-@pytest.mark.parametrize("ratio", [0.0, 0.5, -0.25, 1.0, 2.0])
-@pytest.mark.parametrize("seed", [*range(5), None], ids=str)
-def test_imbalance_of_the_module_moves_as_the_exact_form(seed, ratio, compiled):
-    p = {} if seed is None else random_parameters(np.random.default_rng(seed))
-    g, motion = Geometry(**p), dynamic_mode(SPEED, 1.0 / ratio if ratio else math.inf)
-    module = started(compiled, p, fidelity=0, kinematic_ratio=ratio, omega1=SPEED)
-    passed = 0
-    for steps in (1, 3, 20, 64, 4096):
-        advanced(module, *[STEP] * (steps - passed))
-        passed, time = steps, steps * STEP
-        k = exact(g, motion, [time])
-        # the module carries q as a double or two; what the speeds make of an error of q is allowed too
-        scale = {"": reach(g), "_velocity": k.speed[0] + SPEED * reach(g)}
-        scale["_acceleration"] = k.acceleration_modulus[0] + SPEED * scale["_velocity"]
-        for name, quantity in IMBALANCE.items():
-            off = np.abs(vector(module, f"imbalance{name}") - k[quantity][:, 0]).max()
-            assert off < (1e-12 if time < 1.0 else 1e-11) * scale[name]

@@ -38,8 +38,6 @@ REGIMES = [
     (0.1, 50.0),
     (1e6, 0.5),
 ]
-regimes = pytest.mark.parametrize("nu, Pi", REGIMES)
-balancers = pytest.mark.parametrize("beta", [0.0, 1.0, 0.6])
 
 
 def law_in_words(kappa, kappa2):
@@ -61,8 +59,8 @@ def law_in_words(kappa, kappa2):
 # --- equation 3 from rest, by phases ---
 
 
-@balancers
-@regimes
+@pytest.mark.parametrize("beta", [0.0, 1.0, 0.6])
+@pytest.mark.parametrize("nu, Pi", REGIMES)
 def test_closed_form_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
     edges = phase_starts(0.6)[1:]
     before, after = (

@@ -3,6 +3,8 @@
 import control as ct
 import numpy as np
 import pytest
+from averaged_errors import REALISTIC
+from scenes import MECHANISMS, started
 
 from inertia_module import bridge
 from inertia_module.bridge.fmu_system import bytes_of, numbers_of
@@ -11,15 +13,18 @@ from inertia_module.memory import Module
 
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
+LOSSY = MECHANISMS["planar"] | REALISTIC
 NAMES = ("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque")
 
 
-@pytest.mark.parametrize("omega1, load, speed", [(100.0, 10.0, 5.0), (100.0, 3.0, 60.0), (-80.0, 4.0, 2.0)])
-def test_every_output_is_that_of_the_module_at_this_instant(compiled, omega1, load, speed):
-    module = Module(compiled).start(fidelity=1, omega_out_start=speed, omega1=omega1, load_torque=load)
-    system = bridge.averaged_system(outputs=NAMES, kernel=compiled)
+@pytest.mark.parametrize("omega1, load, speed", [(100, 10, 5), (100, 3, 60), (-80, 4, 2), (60, 3, 90)])
+@pytest.mark.parametrize("mechanism", [{}, LOSSY], ids=["ideal", "losses"])
+def test_every_output_is_that_of_the_module_at_this_instant(compiled, mechanism, omega1, load, speed):
+    module = started(compiled, mechanism, fidelity=1, omega_out_start=speed, omega1=omega1, load_torque=load)
+    system = bridge.averaged_system(mechanism, outputs=NAMES, kernel=compiled)
     assert system.output(0.0, [speed], [omega1, load]) == pytest.approx([module[name] for name in NAMES])
-    rate = (module["output_torque"] - load) / module["output_inertia"]
+    resisting = load + module["output_friction"] * speed
+    rate = (module["output_torque"] - resisting) / module["output_inertia"]
     assert system.dynamics(0.0, [speed], [omega1, load]) == pytest.approx([rate])
 
 

@@ -53,6 +53,9 @@ def test_chart_tells_the_torque_of_the_averaged_module_and_loses_no_power(compil
     if not backward:
         assert chart.end_ratio == 1.0
         assert chart.lock_up_torque[0] > chart.output_torque[-1] > 0.0
+        machine = SteadyMachine(settings, compiled)
+        assert machine.ideal
+        assert machine.lock_up_torque(70.0) == pytest.approx(4900.0 * chart.lock_up_torque[0], rel=1e-3)
 
 
 def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(compiled, tmp_path):
@@ -158,30 +161,7 @@ def test_a_mechanism_that_passes_nothing_is_refused(compiled):
         converter_table(SteadyMachine({}, compiled), none, 100.0)
 
 
-# --- steady pulses: those of the map without losses, closed forms with friction ---
-
-
-@pytest.mark.parametrize("mechanism", MECHANISMS)
-@pytest.mark.parametrize("omega1", [100.0, -30.0])
-def test_without_losses_they_are_those_of_the_map_and_lock_up_too(compiled, mechanism, omega1):
-    parameters = MECHANISMS[mechanism]
-    machine = SteadyMachine(parameters, compiled)
-    chart = torque_converter_chart(parameters, omega1 < 0.0, compiled)
-    assert machine.ideal
-    stall = chart.stall_torque * omega1**2
-    for ratio in (0.0, 0.1, 0.4, 0.9):
-        found = machine.at(omega1, ratio)
-        torque, taken, link2, ripple = (
-            float(np.interp(ratio, chart.speed_ratio, values))
-            for values in (chart.output_torque, chart.input_torque, chart.link2_ratio, chart.ripple)
-        )
-        assert found.output_torque == pytest.approx(torque * omega1**2, abs=5e-3 * stall)
-        assert found.input_torque == pytest.approx(taken * omega1**2, abs=5e-3 * stall)
-        assert found.link2_ratio == pytest.approx(link2, abs=2e-3)
-        assert found.ripple == pytest.approx(ripple * omega1**2, abs=5e-3 * stall)
-        assert found.efficiency == 1.0
-    if omega1 > 0.0:
-        assert machine.lock_up_torque(70.0) == pytest.approx(4900.0 * chart.lock_up_torque[0], rel=1e-3)
+# --- steady pulses: closed forms with friction (test_averaged_map.py has those without losses) ---
 
 
 @pytest.mark.parametrize("omega1, ratio", [(60.0, 0.0), (60.0, 0.7), (-60.0, 0.2)])

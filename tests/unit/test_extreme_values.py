@@ -106,26 +106,6 @@ def test_timestepping_where_link_2_and_the_imbalances_rest(satellites, output):
         assert course[0][name] == pytest.approx(course[1][name], rel=1e-2, abs=1e-6), name
 
 
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"drive_torque": 15.0, "load_torque": 1e4, "omega2_start": 5.0, "omega_out_start": 5.0},
-        {"drive_torque": -15.0, "load_torque": 10.0, "omega_out_start": 20.0, "output_inertia": 1e-5},
-        {"drive_torque": 0.0, "load_torque": 10.0, "omega_out_start": 0.5, "input_inertia": 1.0},
-    ],
-    ids=["braked at once", "backwards behind a light shaft", "nothing drives"],
-)
-def test_mean_motion_from_standstill_with_the_shaft_ahead(compiled, driven, values):
-    module = started(compiled, driven, values, fidelity=1, omega1=0.0, tolerance=1e-6)
-    for step in (1e-7, 1e-3, 0.01):
-        module.advance(step)
-        energies = abs(module["energy_in"]) + abs(module["energy_out"]) + module["energy_stored"]
-        assert abs(module["energy_residual"]) < 1e-4 * energies
-        assert module["input_torque"] == pytest.approx(module["drive_torque"], rel=1e-6, abs=1e-9)
-    assert module["input_speed"] * module["drive_torque"] >= 0.0
-    assert (module["input_speed"] == 0.0) == (module["drive_torque"] == 0.0)
-
-
 # --- by speed ---
 
 

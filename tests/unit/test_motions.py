@@ -11,7 +11,6 @@ from scenes import (
     MEANS,
     MOTION,
     PLANAR,
-    SCENES,
     advanced,
     input_angle,
     motions,
@@ -116,28 +115,20 @@ def test_many_steps_are_one(compiled, scene):
 
 
 @motions()
-def test_a_saved_state_runs_on_to_the_same_bits(compiled, scene):
+def test_a_saved_state_runs_on_to_the_same_bits_also_one_from_before_the_start(compiled, scene):
     module = advanced(started(compiled, scene), 0.01, 0.003)
     other = Module(compiled)
+    other.set(**scene)
+    unstarted = other.save()
     other.restore(module.save())
     assert other.snapshot() == module.snapshot()
     for each in (module, other):
         for _ in led(each, [0.02, 0.013]):
             pass
     assert other.save() == module.save()
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_state_before_the_start_can_be_restored_too(compiled, scene):
-    module = Module(compiled)
-    module.set(**SCENES[scene])
-    saved = module.save()
-    module.start()
-    advanced(module, 0.01)
-    module.restore(saved)
-    assert not module.started
-    module.start()
-    assert module.save() == started(compiled, SCENES[scene]).save()
+    other.restore(unstarted)
+    assert not other.started
+    assert other.start().save() == started(compiled, scene).save()
 
 
 def test_what_is_no_state_is_refused_and_changes_nothing(compiled):

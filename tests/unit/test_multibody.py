@@ -27,7 +27,6 @@ OWN = {
     "long bodies": {"satellite_inertia": 1e-4, "satellite_transverse_inertia": 0.02},
     "flat bodies, nearly alone": FLAT,
 }
-layouts = pytest.mark.parametrize("layout", LAYOUTS)
 
 
 class Multibody:
@@ -145,31 +144,23 @@ def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(mu
         assert largest(np.array(found) - expected) < 1e-8 * largest(expected)
 
 
-def rubbed(multibody):
-    """Mechanism with dampers at the hinges, the drives' evenly, dry friction at link 2, and weight."""
-    p, model, names = multibody.p, multibody.model, multibody.names
-    drives = sum(name.startswith("drive") for name in names)
-    damping = {"drive": p["drive_friction"] / drives, "satellite": 0.0}
-    links = iter((p["input_friction"], p["link2_friction"] + p["housing_drag_viscous"]))
-    model.dof_damping[:] = [
-        damping[name.split()[0]] if name.split()[0] in damping else next(links) for name in names
-    ]
-    last = names.index("link 2")
-    model.dof_frictionloss[last] = p["housing_drag"]
-    # as stiff as that, it slides whatever the acceleration
-    model.dof_solref[last] = -1.0, -1e9
-    model.opt.gravity[:] = 0.0, 0.0, -p["gravity"]
-    return multibody
-
-
-@layouts
+@pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("satellites, modules", [(1, 1), (2, 1), (3, 2)])
 def test_links_with_losses_accelerate_as_inverse_dynamics_says(layout, satellites, modules):
     p = {"drive_inertia": 0.004, "satellite_inertia": 5e-4, "satellite_transverse_inertia": 4e-4}
     p |= {"input_inertia": 0.02, "link2_inertia": 0.006, "output_inertia": 0.03, "gravity": 9.81, "drive": 1}
     p |= {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}
     p |= {"housing_drag": 4.0, "housing_drag_viscous": 0.05, "satellites": satellites, "modules": modules}
-    multibody = rubbed(Multibody(parameters(**LAYOUTS[layout], **p, imbalance_mass=0.8)))
+    multibody = Multibody(parameters(**LAYOUTS[layout], **p, imbalance_mass=0.8))
+    # dampers at the hinges, the drives' evenly, dry friction at link 2, and weight
+    model, kinds = multibody.model, [name.split()[0] for name in multibody.names]
+    model.dof_damping[:] = p["drive_friction"] / kinds.count("drive") * (np.array(kinds) == "drive")
+    model.dof_damping += p["input_friction"] * multibody.link1
+    model.dof_damping += (p["link2_friction"] + p["housing_drag_viscous"]) * multibody.link2
+    model.dof_frictionloss[:] = p["housing_drag"] * multibody.link2
+    # as stiff as that, it slides whatever the acceleration
+    model.dof_solref[multibody.names.index("link 2")] = -1.0, -1e9
+    model.opt.gravity[2] = -p["gravity"]
     machine, y = Machine(multibody.p), np.zeros(SUMS)
     for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 7):
         ahead = abs(omega2)  # the freewheel to the housing overruns

@@ -234,18 +234,16 @@ def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(f
         assert lines["link 2 ω2, at instants"].get_linestyle() == "None"
 
 
-def test_an_ideal_module_has_no_panels_of_losses(fmu):
-    result = run_scene(scene(outputs=["omega2", "imbalance_acceleration"]), fmu)
+@pytest.mark.parametrize("stop, step", [(0.5, 0.001), (0.01, 0.01)], ids=["many steps", "one step"])
+def test_an_ideal_run_is_drawn_without_panels_of_losses(fmu, tmp_path, stop, step):
+    result = run_scene(scene(stop, step, ["omega2", "imbalance_acceleration"]), fmu)
     assert result.summary["efficiency"] == 1.0
     figure = scene_figure(result)
     assert len(figure.axes) == 8
     assert figure.get_figheight() == 9.0
     assert not {"lost", "viscous", "on the mount"} & labels(figure)
-
-
-def test_a_run_of_one_step_is_drawn(fmu, tmp_path):
-    scene_figure(run_scene(scene(0.01, step=0.01), fmu)).savefig(tmp_path / "short.png")
-    assert (tmp_path / "short.png").stat().st_size > 10_000
+    figure.savefig(tmp_path / "run.png")
+    assert (tmp_path / "run.png").stat().st_size > 10_000
 
 
 def test_examples_of_real_machines_have_every_loss_body_and_weight():

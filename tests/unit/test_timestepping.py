@@ -8,7 +8,6 @@ from scenes import (
     ACCOUNTS,
     ALL_LOSSES,
     DRIVES,
-    ELASTIC,
     LOSSES,
     MEANS,
     SCENES,
@@ -23,11 +22,11 @@ from inertia_module.kernel.codes import TIMESTEPPING
 from inertia_module.memory import Module, Refused
 from studies.stability.random_motions import draw_motion
 
-OUTPUTS = {"rigid": {}, "elastic": ELASTIC}
 SPEEDS = ("input_speed", "omega2", "omega_hub", "omega_out")
 # gravity acts with one module only, and shows with one heavy imbalance
 HEAVY = {"modules": 1, "satellites": 1, "imbalance_mass": 3.0}
 FIXED_STEPS = ("timestepping", "elastic-timestepping")
+ideal = motions(FIXED_STEPS, added=("ideal",), missing=(), drives=("speed",))
 
 
 # what rounding may make in a run, of the largest energy there was: at the least of this share of what the
@@ -66,11 +65,6 @@ def largest_gain(kernel, motion, step):
     return gain / energy
 
 
-@pytest.fixture(params=OUTPUTS)
-def output(request):
-    return OUTPUTS[request.param]
-
-
 @motions(levels=FIXED_STEPS)
 def test_fixed_steps_come_to_what_events_say(compiled, scene):
     exact = advanced(started(compiled, scene, method=0, max_step=0.0, tolerance=1e-9), 0.05)
@@ -101,9 +95,12 @@ def test_no_random_run_makes_energy(compiled, losses):
                 assert largest_gain(compiled, motion, step) < ROUNDING, number
 
 
-def test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond(compiled, scene, output):
-    exact = advanced(started(compiled, scene, output, tolerance=1e-8), 1.0)["output_torque_mean"]
-    module = started(compiled, scene, output, method=1)
+@ideal
+def test_mean_output_torque_is_within_two_percent_at_steps_of_a_millisecond(compiled, scene):
+    exact = advanced(started(compiled, scene, method=0, max_step=0.0, tolerance=1e-8), 1.0)[
+        "output_torque_mean"
+    ]
+    module = started(compiled, scene, max_step=0.0)
     mean = 0.0
     for _ in range(1000):
         advanced(module, 1e-3)
@@ -126,24 +123,22 @@ def test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches(compi
     assert fine == pytest.approx(coarse / 16.0, rel=0.3)
 
 
-def test_a_step_takes_at_most_two_evaluations(compiled, scene, output):
+@ideal
+def test_a_step_takes_at_most_two_evaluations(compiled, scene):
     # without max_step a communication step is one step
-    assert advanced(started(compiled, scene, output, method=1), 0.1)["rhs_evaluations"] <= 2
+    assert advanced(started(compiled, scene, max_step=0.0), 0.1)["rhs_evaluations"] <= 2
     for omega1 in (1e-3, 1.0, 100.0, 1e5):
         for count in (1, 7, 1000):
-            module = started(compiled, scene, output, method=1, max_step=1e-3, omega1=omega1)
+            module = started(compiled, scene, max_step=1e-3, omega1=omega1)
             advanced(module, count * 1e-3)
             assert count <= module["rhs_evaluations"] <= 2 * count
 
 
-@pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("layout", SCENES)
-def test_contact_switches_are_those_of_the_event_method_at_any_communication_step(compiled, drive, layout):
-    values = DRIVES[drive][layout]
-    events = advanced(started(compiled, values), 0.3)
+@motions(("timestepping",), added=("ideal",), missing=())
+def test_contact_switches_are_those_of_the_event_method_at_any_communication_step(compiled, scene):
+    events = advanced(started(compiled, scene, method=0, max_step=0.0), 0.3)
     for steps in (1, 100, 3000):
-        fixed = started(compiled, values, method=1, max_step=1e-4)
-        advanced(fixed, *[0.3 / steps] * steps)
+        fixed = advanced(started(compiled, scene), *[0.3 / steps] * steps)
         assert fixed["contact_switches"] == events["contact_switches"] > 20
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 from geometry import direct_sums, ratio
-from scenes import DRIVEN, FRICTION, SCENES, advanced, parameters, reference, started
+from scenes import FRICTION, SCENES, advanced, motions, parameters, reference, started
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT
@@ -22,8 +22,7 @@ def largest_energy(one):
     return max(abs(one[name]) for name in ("energy_in", "energy_out", "energy_stored"))
 
 
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
+@motions(("rigid",), added=("ideal",), missing=())
 @pytest.mark.parametrize(
     "output, tuned",
     [
@@ -34,8 +33,8 @@ def largest_energy(one):
     ],
     ids=["rigid", "elastic", "losses set in", "losses end"],
 )
-def test_motion_goes_on_by_the_reference_with_the_new_parameters(compiled, scene, drive, output, tuned):
-    values = {**drive[scene], **output}
+def test_motion_goes_on_by_the_reference_with_the_new_parameters(compiled, scene, output, tuned):
+    values = {**scene, **output}
     module = started(compiled, values, tolerance=1e-9)
     before, after = reference(values), reference({**values, **tuned})
     before.advance(0.023)
@@ -49,10 +48,9 @@ def test_motion_goes_on_by_the_reference_with_the_new_parameters(compiled, scene
     assert abs(module["energy_residual"]) < 1e-8 * largest_energy(module)
 
 
-@pytest.mark.parametrize("drive", [SCENES, DRIVEN], ids=["speed", "torque"])
-@pytest.mark.parametrize("settings", [{}, ELASTIC, {"method": 1}], ids=["rigid", "elastic", "fixed steps"])
-def test_rates_are_those_of_the_motion_that_goes_on(compiled, drive, settings):
-    module = advanced(started(compiled, drive["bevel"], settings, max_step=1e-5, tolerance=1e-11), 0.02)
+@motions(("rigid", "elastic", "timestepping"), added=("ideal",), missing=())
+def test_rates_are_those_of_the_motion_that_goes_on(compiled, scene):
+    module = advanced(started(compiled, scene, max_step=1e-5, tolerance=1e-11), 0.02)
     module.set(**FRICTION, **SHAFT)
     rates, h = module.rates(), 1e-6
     first = advanced(module, h).snapshot()
