@@ -31,7 +31,7 @@ from ..scene import Scene, SceneError
 from ..scene.keys import Strict, quantity, validated
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, Quantity, SceneRunner
-from .axes import Axis, Point, axes_of, of_shares, shares_sampled, unit_of_key
+from .axes import Axis, Point, axes_of, of_shares, shares_sampled
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 
 # --- figures of a mechanism ---
@@ -505,7 +505,7 @@ def design(
 
         start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
         rows = evaluate(of_shares(read.axes, start))
-        keys = {axis.name: unit_of_key(axis.name, read.scene) for axis in read.axes}
+        keys = {axis.name: axis.unit for axis in read.axes}
         units = keys | evaluator.units
         known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
         if all(row.refused for row in rows):

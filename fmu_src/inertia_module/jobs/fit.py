@@ -36,7 +36,7 @@ from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
 from ..scene import Scene
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
-from .axes import Free, Range, free_keys, shares_sampled
+from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
 from .evaluation import read
 
 # --- measurements ---
@@ -518,11 +518,11 @@ class _Search:
 
     def _starts(self, starts: int, seed: int) -> list[Variables]:
         """Points at which searches begin: of those looked at the best."""
-        points = [{name: key.start for name, key in self.keys.items()}]
-        if starts and any(key.range for key in self.keys.values()):
-            for shares in shares_sampled(len(self.keys), f"latin:{starts}", seed).tolist():
-                spread = zip(self.keys.items(), shares, strict=True)
-                points.append({name: key.spread(share) for (name, key), share in spread})
+        keys = list(self.keys.values())
+        places: list[Point] = [{key.name: key.start for key in keys}]
+        if starts and any(key.held for key in keys):
+            places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
+        points = [{key.identifier: key.variable(float(at[key.name])) for key in keys} for at in places]
         self.stages = len(points) + min(SEARCHED, len(points)) + PASSES + len(self.keys)
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._count_stage, points)])
         if not np.isfinite(costs).any():
@@ -548,7 +548,8 @@ class _Search:
 
         variables = lmfit.Parameters()
         for name, key in self.keys.items():
-            variables.add(name, start[name], vary=name not in held, min=key.low, max=key.high)
+            low, high = key.limits
+            variables.add(name, start[name], vary=name not in held, min=low, max=high)
 
         def residuals(given: Any) -> Array:
             return self.residuals(given.valuesdict())
@@ -583,7 +584,7 @@ class _Search:
                     f"something free must have an influence on {', '.join(self.data.columns)}, none has of"
                     f" {', '.join(key.name for key in self.keys.values())}"
                 )
-            start |= {name: self.keys[name].start for name in held}
+            start |= {name: self.keys[name].variable(self.keys[name].start) for name in held}
             steps = _steps(best)[[name not in held for name in best.var_names]]
             best = self._minimise(self._count_stage(start), held, steps, "3-point")
         return best
@@ -614,8 +615,8 @@ class _Search:
                 return float(np.sum(self.residuals(point) ** 2)) - allowed
             return float(self._minimise(point, held, list(steps.values()), "3-point").chisqr) - allowed
 
-        key = self.keys[name]
-        found = _end(excess, start[name], -step, key.low), _end(excess, start[name], step, key.high)
+        low, high = self.keys[name].limits
+        found = _end(excess, start[name], -step, low), _end(excess, start[name], step, high)
         self._count_stage(start)
         return found
 
@@ -663,7 +664,7 @@ def _fitted(key: Free, one: Any, interval: tuple[float, float] | None) -> Fitted
         error = abs(key.span) * float(one.stderr)
     low, high = sorted(map(key.value, interval))
     doubt = ""
-    if key.range is None:
+    if not key.held:
         if high - low > 2.0 * abs(value):
             doubt = NOT_IDENTIFIABLE.format("wider than twice the value")
     elif high - low >= (1.0 - AT_END) * abs(key.span):

@@ -17,7 +17,7 @@ from ..harness.fmu import fmu_file
 from ..harness.results import write_rows
 from ..scene import Scene
 from ..scene.run import time_to
-from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled, unit_of_key
+from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled
 from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
 
 # a figure that varies less than this, relative to its magnitude, does not vary
@@ -138,7 +138,7 @@ def sweep(
         if sensitivity is not None:
             found, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {axis.name: unit_of_key(axis.name, base) for axis in axes} | evaluator.units
+    units = {axis.name: axis.unit for axis in axes} | evaluator.units
     files = write_tables(folder, "sweep", rows, units)
     if found is not None:
         files["sensitivity"] = found.save(folder / "sensitivity.csv")
