@@ -332,7 +332,7 @@ def _line(scene: type[BaseModel], error: Any) -> str:
         return must_be(f"{key}.kind", f"one of {context['expected_tags']}", repr(context["tag"]))
     if kind == "value_error":
         reason = context["error"]
-        if isinstance(reason, SceneError):
+        if isinstance(reason, Refused):
             return str(reason)
         return f"{key}: {reason}" if isinstance(value, dict) else f"{key} {reason}"
     allowed = _ALLOWED.get(kind) or context.get("expected") or error["msg"].removeprefix("Input should be ")

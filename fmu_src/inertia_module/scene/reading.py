@@ -6,15 +6,13 @@ import re
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
-from .keys import SceneError, changed, validated, without_files
+from .keys import Model, SceneError, changed, validated, without_files
 from .schema import Scene
 from .shaft import ShaftScene
-
-Read = TypeVar("Read")
 
 
 def read_scene(text: str, folder: Path) -> Scene:
@@ -56,17 +54,16 @@ def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
     """
-    return load_tables(path, keys, lambda tables, folder: validated(Scene, tables, folder))
+    return load_tables(path, keys, lambda tables: Scene)
 
 
 def load_tables(
-    path: Path | str, keys: Mapping[str, Any] | None, read: Callable[[dict[str, Any], Path], Read]
-) -> Read:
-    """Read a scene file, or a specification, by what checks its tables.
+    path: Path | str, keys: Mapping[str, Any] | None, kind: Callable[[dict[str, Any]], type[Model]]
+) -> Model:
+    """Read and check a scene file of a kind that its tables tell.
 
     Args:
-        path, keys: as for load_scene.
-        read: checks the tables, with the folder where paths in them start.
+        path, keys: as for load_scene. kind: of scene, by the tables.
 
     Raises:
         SceneError: as load_scene.
@@ -82,7 +79,7 @@ def load_tables(
         tables = _tables(text)
         for name, value in (keys or {}).items():
             tables = changed(tables, name.split("."), value)
-        return read(tables, path.parent)
+        return validated(kind(tables), tables, path.parent)
     except Refused as error:
         raise SceneError(f"{path.name}: {error}") from None
 
@@ -98,11 +95,10 @@ def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> S
         SceneError: as load_scene.
     """
 
-    def read(tables: dict[str, Any], folder: Path) -> Scene | ShaftScene:
-        model: type[Scene | ShaftScene] = ShaftScene if "shaft" in tables else Scene
-        return validated(model, tables, folder)
+    def kind(tables: dict[str, Any]) -> type[Scene | ShaftScene]:
+        return ShaftScene if "shaft" in tables else Scene
 
-    return load_tables(path, keys, read)
+    return load_tables(path, keys, kind)
 
 
 def scene_text(scene: Scene) -> str:

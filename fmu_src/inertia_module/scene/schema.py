@@ -198,7 +198,8 @@ class Scene(Strict):
         anew = {head for head, *_ in paths.values()}
         # a controller is read by what hangs on the shaft
         anew |= {"controller"} if "load" in anew else set()
-        data = {name: getattr(self, name) for name in self.model_fields_set - anew}
+        kept = self.model_fields_set & Scene.model_fields.keys() - anew
+        data = {name: getattr(self, name) for name in kept}
         data |= {name: table for name, table in self.tables.items() if name in anew}
         for name, path in paths.items():
             data = changed(data, path, keys[name])
