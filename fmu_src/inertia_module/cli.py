@@ -132,13 +132,6 @@ def folder_for(output: Path | None, *default: str) -> Path:
     return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
 
 
-def load_scene(path: Path, keys: list[str] | None) -> Scene:
-    """Read a scene of the module, with keys as --set gives them."""
-    from .scene.keys import keys_of
-
-    return inertia_module.load_scene(path, keys_of(keys))
-
-
 def show(one: Shown) -> None:
     """Print one of what an answer shows."""
     if isinstance(one, str):
@@ -256,7 +249,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .scene.run import scene_plan
 
     folder = folder_for(output, "export", scene.stem)
-    paths = write(scene_plan(load_scene(scene, keys)), folder, aside)
+    paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
 
     shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, shown)
@@ -327,11 +320,10 @@ def run(
     from .fmu.builder import SHAFT_FMU
     from .page.html import html_file, template
     from .scene import ShaftScene, load_any_scene, run_shaft_scene
-    from .scene.keys import keys_of
 
     choice, page = None, None
     folder = folder_for(output, scene.stem)
-    read = load_any_scene(scene, keys_of(keys))
+    read = load_any_scene(scene, keys)
     if isinstance(read, ShaftScene):
         if fidelity is not None or error is not None or view:
             raise ValueError("--fidelity, --error and --view must come with a scene of the module")
@@ -395,11 +387,10 @@ def view(
     from .contract.variables import COMPUTED
     from .page.html import checked_path, html_file, is_exact, template
     from .scene import Scene, load_any_scene
-    from .scene.keys import keys_of
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
     template()
-    found = load_any_scene(scene, keys_of(keys))
+    found = load_any_scene(scene, keys)
     if not isinstance(found, Scene):
         raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
     read, _ = _at_fidelity(found, None, None)
@@ -437,7 +428,7 @@ def tradeoff(
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
         allowed = share("--recommend", recommend)
-        read = load_scene(scene, keys)
+        read = inertia_module.load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
@@ -479,7 +470,7 @@ def chart(
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
     at = omega1 or NOMINAL_SPEED
-    mechanisms = {scene.stem: load_scene(scene, keys).parameters() for scene in scenes}
+    mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
     charts = {
         name: inertia_module.torque_converter_chart(values, at < 0.0, omega1=abs(at))
         for name, values in mechanisms.items()
@@ -535,7 +526,7 @@ def orders(
     from .jobs.orders import BASES
 
     folder = folder_for(output, "orders", scene.stem)
-    read = load_scene(scene, keys)
+    read = inertia_module.load_scene(scene, keys)
     first = quantity_of("--from", begin, "s")
     last = None if end is None else quantity_of("--to", end, "s")
     path = fmu or current_fmu()
@@ -593,7 +584,7 @@ def fit(
     with progress_bar(f"fit to {measured.name}") as progress:
         found = inertia_module.fit(
             measured,
-            load_scene(scene, keys),
+            inertia_module.load_scene(scene, keys),
             free or [],
             columns=columns or [],
             starts=starts,
@@ -635,7 +626,7 @@ def sweep(
     folder = folder_for(output, f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         found = inertia_module.sweep(
-            load_scene(scene, keys),
+            inertia_module.load_scene(scene, keys),
             vary or [],
             sample=sample,
             sensitivity=sensitivity,
@@ -671,12 +662,11 @@ def design(
     and so on, in a folder (out/SPEC_design without -o).
     """
     from .jobs.design import read_spec
-    from .scene.keys import keys_of
 
     folder = folder_for(output, f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
         found = inertia_module.design(
-            read_spec(spec, keys_of(keys)),
+            read_spec(spec, keys),
             output=folder,
             fmu=fmu or current_fmu(),
             scheduler=scheduler,

@@ -28,7 +28,7 @@ from ..harness.chart import SteadyMachine, SteadyPulses, torque_converter_chart
 from ..harness.fmu import fmu_file
 from ..memory import Module
 from ..scene import Scene, SceneError
-from ..scene.keys import Strict, quantity, validated
+from ..scene.keys import Keys, Strict, quantity, validated
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, Quantity, SceneRunner
 from .axes import Axis, Point, axes_of, of_shares, shares_sampled
@@ -231,7 +231,7 @@ class Spec(Scene):
         return self
 
 
-def read_spec(path: Path | str, keys: Mapping[str, Any] | None = None) -> Spec:
+def read_spec(path: Path | str, keys: Keys = None) -> Spec:
     """Read and check a specification: the TOML of a scene with [free], [figures] and [search].
 
     Args:
@@ -480,7 +480,7 @@ def design(
         Refused: the folder holds results of another one. NotInstalled: the extra jobs is not.
     """
     for name in ("pymoo", "tomli_w"):
-        library(name, "jobs", name.replace("_", "-"))
+        library(name, "jobs")
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.with_fidelity(level) for level in levels}

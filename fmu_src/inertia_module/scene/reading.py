@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
-from .keys import Model, SceneError, changed, validated, without_files
+from .keys import Keys, Model, SceneError, changed, keys_of, validated, without_files
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -44,12 +44,12 @@ def _tables(text: str) -> dict[str, Any]:
         raise SceneError(f"the scene is no TOML: {said}{cause}") from None
 
 
-def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene:
+def load_scene(path: Path | str, keys: Keys = None) -> Scene:
     """Read and check a scene file.
 
     Args:
         path: of the TOML file. keys: values instead of the file's, named by dots, such as
-            {"mechanism.imbalance_mass": "2 kg"}.
+            {"mechanism.imbalance_mass": "2 kg"}, or texts such as "imbalance_mass=2 kg".
 
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
@@ -57,9 +57,7 @@ def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene
     return load_tables(path, keys, lambda tables: Scene)
 
 
-def load_tables(
-    path: Path | str, keys: Mapping[str, Any] | None, kind: Callable[[dict[str, Any]], type[Model]]
-) -> Model:
+def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
     """Read and check a scene file of a kind that its tables tell.
 
     Args:
@@ -77,14 +75,14 @@ def load_tables(
         raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
     try:
         tables = _tables(text)
-        for name, value in (keys or {}).items():
+        for name, value in keys_of(keys).items():
             tables = changed(tables, name.split("."), value)
         return validated(kind(tables), tables, path.parent)
     except Refused as error:
         raise SceneError(f"{path.name}: {error}") from None
 
 
-def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene | ShaftScene:
+def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
     """Read and check a scene file, of a module or of a driven shaft alone.
 
     Args:
@@ -110,5 +108,5 @@ def scene_text(scene: Scene) -> str:
         NotInstalled: the extra jobs is not.
     """
     tables = without_files(scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True))
-    written: str = library("tomli_w", "jobs", "tomli-w").dumps(tables, multiline_strings=True)
+    written: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
     return written
