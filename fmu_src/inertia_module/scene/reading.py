@@ -15,18 +15,6 @@ from .schema import Scene
 from .shaft import ShaftScene
 
 
-def read_scene(text: str, folder: Path) -> Scene:
-    """Check the text of a scene file.
-
-    Args:
-        text: TOML. folder: where paths of CSV files in it start.
-
-    Raises:
-        SceneError: in one line, the key, the value and what is allowed.
-    """
-    return validated(Scene, _tables(text), folder)
-
-
 def _tables(text: str) -> dict[str, Any]:
     """The tables of a scene file, not checked.
 
@@ -102,7 +90,7 @@ def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
 def scene_text(scene: Scene) -> str:
     """Write a scene as TOML: keys that differ from their defaults, quantities in SI with their units.
 
-    read_scene reads it back as the same scene.
+    load_scene reads it back as the same scene.
 
     Raises:
         NotInstalled: the extra jobs is not.

@@ -179,7 +179,7 @@ class Scene(Strict):
             tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
 
         Raises:
-            SceneError: as read_scene.
+            SceneError: as load_scene.
         """
         return self.with_keys(
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
@@ -192,7 +192,7 @@ class Scene(Strict):
             keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
 
         Raises:
-            SceneError: as read_scene.
+            SceneError: as load_scene.
         """
         paths = {name: name.split(".") for name in keys}
         anew = {head for head, *_ in paths.values()}
