@@ -157,19 +157,14 @@ def current_fmu(fmu: NativeFmu | None = None) -> Path:
     return current(fmu or MODULE_FMU, progress=aside)
 
 
-def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
+def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
     """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.keys.checked."""
     from .scene.keys import checked
 
     try:
-        return checked(text, unit, **limits)
+        return None if text is None else checked(text, unit, **limits)
     except ValueError as error:
         raise ValueError(f"{option} {error}") from None
-
-
-def share(option: str, text: str | None) -> float | None:
-    """An error given on the command line, such as 0.01 or "1 %"."""
-    return None if text is None else quantity_of(option, text, "1", maximum=1.0, above=0.0)
 
 
 def turning(text: str) -> float:
@@ -195,6 +190,8 @@ def speed_text(omega1: float) -> str:
     return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
 
 
+# range of an error that is allowed
+ERROR = {"maximum": 1.0, "above": 0.0}
 # name of the page of a scene
 PAGE = "page.html"
 
@@ -360,7 +357,7 @@ def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[
     """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
     from .fidelity.trials import choose
 
-    allowed = share("--error", error)
+    allowed = quantity_of("--error", error, "1", **ERROR)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
         read = read.with_fidelity(fidelity or "auto", allowed)
     if not read.chooses_fidelity:
@@ -427,7 +424,7 @@ def tradeoff(
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
-        allowed = share("--recommend", recommend)
+        allowed = quantity_of("--recommend", recommend, "1", **ERROR)
         read = inertia_module.load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
         title, names = read.title, read.run.outputs
@@ -526,9 +523,8 @@ def orders(
     from .jobs.orders import BASES
 
     folder = folder_for(output, "orders", scene.stem)
+    first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
-    first = quantity_of("--from", begin, "s")
-    last = None if end is None else quantity_of("--to", end, "s")
     path = fmu or current_fmu()
     with progress_bar(read.title) as progress:
         found = inertia_module.orders(
@@ -538,7 +534,7 @@ def orders(
             signals=signals,
             highest=highest,
             turns=turns,
-            begin=first,
+            begin=first or 0.0,
             end=last,
             progress=progress,
         )

@@ -470,10 +470,7 @@ def design(
     Args:
         spec: a specification, or its file.
         output: folder, by default out/SPEC_design: what is computed there is not computed again.
-        fmu: its file, by default that of the package (current_fmu).
-        scheduler: address of a running Dask scheduler.
-        workers: processes on this machine without one, by default one for each core.
-        progress: told the share done.
+        fmu, scheduler, workers, progress: as of sweep.
 
     Raises:
         SceneError: the specification is not as it must be, in one sentence.
