@@ -712,15 +712,12 @@ def main() -> None:
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
+    code: object = 0
     try:
         app()
-        code: object = 0
     except SystemExit as leave:
         code = leave.code
-    if isinstance(code, str):
-        sys.stderr.write(code + "\n")
-        code = 1
     atexit._run_exitfuncs()
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(code if isinstance(code, int) else 0)
+    os._exit(code if isinstance(code, int) else int(code is not None))

@@ -351,10 +351,8 @@ def orders(
         fmu_path: the FMU of the module; None for that of the package.
         of: "link1" or "pulses".
         signals: names of outputs, locals or signals of the loop; without them those of SIGNALS that swing.
-        highest: as in spectra.
-        turns: as in spectra.
-        begin: of the part of the run that is looked at, s.
-        end: of that part, s.
+        highest, turns: as of spectra.
+        begin, end: of the part of the run that is looked at, s.
         progress: told how much of the run is done (0 to 1).
 
     Raises:
