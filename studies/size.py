@@ -44,11 +44,11 @@ OVER: Mapping[str, int] = {
     "compiling": 686,
     "harness": 2400,
     "fidelity": 810,
-    "jobs": 2672,
-    "export, page, cli, common": 1792,
-    "package": 23185,
+    "jobs": 2632,
+    "export, page, cli, common": 1744,
+    "package": 23085,
     "studies": 6597,
-    "tests": 16854,
+    "tests": 16862,
 }
 
 
