@@ -71,10 +71,9 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
         ]
 
     found, points = indices(axes, 256, 0, rows)
-    assert len(points) == 256 * (len(axes) + 2)
-    assert [(share.figure, share.key) for share in found] == [("sum", name) for name in names]
-    for shares in ([one.first_order for one in found], [one.total for one in found]):
-        assert shares == pytest.approx(expected, abs=0.02)
+    assert (len(points), [one[:2] for one in found]) == (256 * (len(axes) + 2), [("sum", n) for n in names])
+    for one, share in zip(found, expected, strict=True):
+        assert one[2:] == pytest.approx((share, share), abs=0.02)
 
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
@@ -101,8 +100,7 @@ def test_variables_are_near_one_whatever_the_values(scene):
     assert (load.at(0.2), load.variable(900.0)) == (900.0, 1.0)
     assert start.start == 0.0
     (back,) = free_keys(["drive.omega1"], scene.with_keys({"drive.omega1": -100.0}))
-    low, high = back.limits
-    assert low < back.variable(back.start) < high
+    assert back.limits[0] < back.variable(back.start) < back.limits[1]
 
 
 def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_the_middle(scene):

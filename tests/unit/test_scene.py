@@ -52,8 +52,7 @@ AUTO = OPEN + '[accuracy]\nerror = "2 %"\nwindow = "0.1 s"\n[mechanism]\nfidelit
 
 def read(text, folder=None):
     with TemporaryDirectory() as own:
-        file = Path(folder or own) / "scene.toml"
-        file.write_text(text)
+        (file := Path(folder or own) / "scene.toml").write_text(text)
         return load_scene(file)
 
 

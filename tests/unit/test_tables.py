@@ -92,15 +92,13 @@ def test_what_was_written_is_read_back_to_the_bit(tmp_path):
 
 def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     (tmp_path / "road.csv").write_text("distance [km];slope [%]\n0;0\n0,5;4\n")
-    of_file = '[load]\nslope_over_distance = { file = "road.csv" }'
-    car = tmp_path / "car.toml"
-    car.write_text(example("urban").read_text().replace("[load]", of_file))
-    road = load_scene(car).load.slope_over_distance
+    of_file = {"load.slope_over_distance.file": str(tmp_path / "road.csv")}
+    road = load_scene(example("urban"), of_file).load.slope_over_distance
     assert road.distance == [0.0, 500.0]
     assert road.slope == [0.0, 0.04]
     (tmp_path / "road.csv").write_text("way,slope\n0,0\n")
     with pytest.raises(SceneError, match=r"road\.csv must have a column distance \(there are way, slope\)"):
-        load_scene(car)
+        load_scene(example("urban"), of_file)
 
 
 def test_every_error_of_the_package_is_of_one_kind():
