@@ -42,20 +42,26 @@ if TYPE_CHECKING:
     from .fmu.native_fmu import NativeFmu
     from .scene import Scene
 
+# what options hold, where one that is not given is None
+Text = str | None
+Texts = list[str] | None
+File = Path | None
+
+
+def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> Any:
+    """An option: its help, what stands for its value, its names where they are not that of the parameter."""
+    return typer.Option(*names, metavar=metavar, help=text, **more)
+
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
 OutputFolder = Annotated[
-    Path | None,
-    typer.Option("--output", "-o", metavar="DIR", help="Folder to write to; made if it is not there."),
+    File, option("Folder to write to; made if it is not there.", "DIR", "--output", "-o")
 ]
-FmuToRun = Annotated[
-    Path | None, typer.Option("--fmu", metavar="FILE.fmu", help="FMU to run instead of the package's own.")
-]
-Keys = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Instead of the scene's: load.torque='8 N.m'; repeat."),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object for machines.")]
-
+FmuToRun = Annotated[File, option("FMU to run instead of the package's own.", "FILE.fmu")]
+Keys = Annotated[Texts, option("Instead of the scene's: load.torque='8 N.m'; repeat.", "KEY=VALUE", "--set")]
+Json = Annotated[bool, option("Print one JSON object for machines.", None, "--json")]
+Scheduler = Annotated[Text, option("Dask scheduler to use: tcp://host:8786.", "ADDRESS")]
+Workers = Annotated[int | None, option("Processes on this machine (one for each core).", "N", min=1)]
 
 # prints a line to the error output: stages of a build, among others
 aside = partial(typer.echo, err=True)
@@ -126,13 +132,6 @@ def folder_for(output: Path | None, *default: str) -> Path:
     return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
 
 
-def load_scene(path: Path, keys: list[str] | None) -> Scene:
-    """Read a scene of the module, with keys as --set gives them."""
-    from .scene.keys import keys_of
-
-    return inertia_module.load_scene(path, keys_of(keys))
-
-
 def show(one: Shown) -> None:
     """Print one of what an answer shows."""
     if isinstance(one, str):
@@ -158,32 +157,29 @@ def current_fmu(fmu: NativeFmu | None = None) -> Path:
     return current(fmu or MODULE_FMU, progress=aside)
 
 
-def quantity_of(option: str, text: str, unit: str, **limits: float) -> float:
+def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
     """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.keys.checked."""
     from .scene.keys import checked
 
     try:
-        return checked(text, unit, **limits)
+        return None if text is None else checked(text, unit, **limits)
     except ValueError as error:
         raise ValueError(f"{option} {error}") from None
-
-
-def share(option: str, text: str | None) -> float | None:
-    """An error given on the command line, such as 0.01 or "1 %"."""
-    return None if text is None else quantity_of(option, text, "1", maximum=1.0, above=0.0)
 
 
 def turning(text: str) -> float:
     """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
     from .contract.variables import LARGEST_SPEED
 
-    allowed = f"a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm', is {text!r}"
     try:
         omega1 = to_si(text, "rad/s")
+        if not 0.0 < abs(omega1) <= LARGEST_SPEED:
+            raise ValueError("it is at rest or too fast")
     except ValueError as error:
-        raise ValueError(f"--speed must be {allowed}: {error}") from None
-    if not 0.0 < abs(omega1) <= LARGEST_SPEED:
-        raise ValueError(f"--speed must be {allowed}")
+        raise ValueError(
+            f"--speed must be a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm',"
+            f" is {text!r}: {error}"
+        ) from None
     if not split_quantity(text)[1]:
         typer.echo(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}", err=True)
     return omega1
@@ -194,16 +190,10 @@ def speed_text(omega1: float) -> str:
     return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
 
 
+# range of an error that is allowed
+ERROR = {"maximum": 1.0, "above": 0.0}
 # name of the page of a scene
 PAGE = "page.html"
-Scheduler = Annotated[
-    str | None,
-    typer.Option(metavar="ADDRESS", help="Dask scheduler to use: tcp://host:8786."),
-]
-Workers = Annotated[
-    int | None, typer.Option(min=1, metavar="N", help="Processes on this machine (one for each core).")
-]
-
 
 # --- FMU files ---
 
@@ -256,7 +246,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .scene.run import scene_plan
 
     folder = folder_for(output, "export", scene.stem)
-    paths = write(scene_plan(load_scene(scene, keys)), folder, aside)
+    paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
 
     shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, shown)
@@ -268,9 +258,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
 @command
 def new(
     name: Annotated[str, typer.Argument(help="Example to copy: planar, planar.py, urban, tutorial, ...")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Its file (NAME.toml).")
-    ] = None,
+    output: Annotated[File, option("Its file (NAME.toml).", "FILE", "--output", "-o")] = None,
 ) -> Answer:
     """Copy an example to a new file.
 
@@ -311,15 +299,13 @@ def run(
     scene: SceneFile,
     output: OutputFolder = None,
     fidelity: Annotated[
-        str | None,
-        typer.Option(help="Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose."),
+        Text, option("Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose.")
     ] = None,
     error: Annotated[
-        str | None,
-        typer.Option(help='Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.'),
+        Text, option('Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.')
     ] = None,
     fmu: FmuToRun = None,
-    view: Annotated[bool, typer.Option("--view", help="Leave page.html too: see view.")] = False,
+    view: Annotated[bool, option("Leave page.html too: see view.", None, "--view")] = False,
     keys: Keys = None,
 ) -> Answer:
     """Run a scene: table, summary and plot.
@@ -331,11 +317,10 @@ def run(
     from .fmu.builder import SHAFT_FMU
     from .page.html import html_file, template
     from .scene import ShaftScene, load_any_scene, run_shaft_scene
-    from .scene.keys import keys_of
 
     choice, page = None, None
     folder = folder_for(output, scene.stem)
-    read = load_any_scene(scene, keys_of(keys))
+    read = load_any_scene(scene, keys)
     if isinstance(read, ShaftScene):
         if fidelity is not None or error is not None or view:
             raise ValueError("--fidelity, --error and --view must come with a scene of the module")
@@ -372,7 +357,7 @@ def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[
     """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
     from .fidelity.trials import choose
 
-    allowed = share("--error", error)
+    allowed = quantity_of("--error", error, "1", **ERROR)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
         read = read.with_fidelity(fidelity or "auto", allowed)
     if not read.chooses_fidelity:
@@ -386,11 +371,8 @@ def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[
 @command
 def view(
     scene: SceneFile,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.html", help="The page (out/SCENE/page.html)."),
-    ] = None,
-    show: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    output: Annotated[File, option("The page (out/SCENE/page.html).", "FILE.html", "--output", "-o")] = None,
+    show: Annotated[bool, option("Open it in the browser.", None, "--open")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -402,11 +384,10 @@ def view(
     from .contract.variables import COMPUTED
     from .page.html import checked_path, html_file, is_exact, template
     from .scene import Scene, load_any_scene
-    from .scene.keys import keys_of
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
     template()
-    found = load_any_scene(scene, keys_of(keys))
+    found = load_any_scene(scene, keys)
     if not isinstance(found, Scene):
         raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
     read, _ = _at_fidelity(found, None, None)
@@ -428,12 +409,10 @@ def tradeoff(
     scene: SceneFile,
     output: OutputFolder = None,
     recommend: Annotated[
-        str | None,
-        typer.Option(metavar="ERROR", help='Recommend the cheapest level for an error: 1e-3, "1 %".'),
+        Text, option('Recommend the cheapest level for an error: 1e-3, "1 %".', "ERROR")
     ] = None,
     wanted: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help="Output that counts, instead of the scene's; may be repeated."),
+        Texts, option("Output that counts, instead of the scene's; may be repeated.", "NAME")
     ] = None,
     keys: Keys = None,
 ) -> Answer:
@@ -445,8 +424,8 @@ def tradeoff(
 
     with progress_bar("measuring the trade") as progress:
         folder = folder_for(output, "tradeoff")
-        allowed = share("--recommend", recommend)
-        read = load_scene(scene, keys)
+        allowed = quantity_of("--recommend", recommend, "1", **ERROR)
+        read = inertia_module.load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
@@ -468,10 +447,9 @@ def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
     speed: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SPEED",
-            help="Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.",
+        Text,
+        option(
+            "Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.", "SPEED"
         ),
     ] = None,
     keys: Keys = None,
@@ -489,7 +467,7 @@ def chart(
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
     at = omega1 or NOMINAL_SPEED
-    mechanisms = {scene.stem: load_scene(scene, keys).parameters() for scene in scenes}
+    mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
     charts = {
         name: inertia_module.torque_converter_chart(values, at < 0.0, omega1=abs(at))
         for name, values in mechanisms.items()
@@ -527,19 +505,12 @@ def chart(
 def orders(
     scene: SceneFile,
     output: OutputFolder = None,
-    of: Annotated[str, typer.Option(help="Orders of link1, cycles a turn of it, or of pulses.")] = "link1",
-    signals: Annotated[
-        list[str] | None,
-        typer.Option("--signal", metavar="NAME", help="Output to look at; may be repeated."),
-    ] = None,
-    highest: Annotated[float | None, typer.Option(metavar="ORDER", help="Highest order.")] = None,
-    turns: Annotated[
-        float | None, typer.Option(help="Turns of link 1 (or pulses) in a window: 1 / resolution.")
-    ] = None,
-    begin: Annotated[
-        str, typer.Option("--from", metavar="TIME", help="Begin of what is looked at: '2 s'.")
-    ] = "0",
-    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="Its end.")] = None,
+    of: Annotated[str, option("Orders of link1, cycles a turn of it, or of pulses.")] = "link1",
+    signals: Annotated[Texts, option("Output to look at; may be repeated.", "NAME", "--signal")] = None,
+    highest: Annotated[float | None, option("Highest order.", "ORDER")] = None,
+    turns: Annotated[float | None, option("Turns of link 1 (or pulses) in a window: 1 / resolution.")] = None,
+    begin: Annotated[str, option("Begin of what is looked at: '2 s'.", "TIME", "--from")] = "0",
+    end: Annotated[Text, option("Its end.", "TIME", "--to")] = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -552,9 +523,8 @@ def orders(
     from .jobs.orders import BASES
 
     folder = folder_for(output, "orders", scene.stem)
-    read = load_scene(scene, keys)
-    first = quantity_of("--from", begin, "s")
-    last = None if end is None else quantity_of("--to", end, "s")
+    first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
+    read = inertia_module.load_scene(scene, keys)
     path = fmu or current_fmu()
     with progress_bar(read.title) as progress:
         found = inertia_module.orders(
@@ -564,7 +534,7 @@ def orders(
             signals=signals,
             highest=highest,
             turns=turns,
-            begin=first,
+            begin=first or 0.0,
             end=last,
             progress=progress,
         )
@@ -591,16 +561,12 @@ def fit(
         Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
     ],
     scene: SceneFile,
-    free: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME[=LOW:HIGH]", help="Key of the scene that is to be found; repeat."),
-    ] = None,
+    free: Annotated[Texts, option("Key of the scene that is to be found; repeat.", "NAME[=LOW:HIGH]")] = None,
     columns: Annotated[
-        list[str] | None,
-        typer.Option("--column", metavar="NAME", help="Column to compare (all that are outputs); repeat."),
+        Texts, option("Column to compare (all that are outputs); repeat.", "NAME", "--column")
     ] = None,
-    starts: Annotated[int, typer.Option(help="Points of the ranges to begin at.")] = 16,
-    seed: Annotated[int, typer.Option(help="Of these points: same seed, same result.")] = 0,
+    starts: Annotated[int, option("Points of the ranges to begin at.")] = 16,
+    seed: Annotated[int, option("Of these points: same seed, same result.")] = 0,
     output: OutputFolder = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
@@ -614,7 +580,7 @@ def fit(
     with progress_bar(f"fit to {measured.name}") as progress:
         found = inertia_module.fit(
             measured,
-            load_scene(scene, keys),
+            inertia_module.load_scene(scene, keys),
             free or [],
             columns=columns or [],
             starts=starts,
@@ -633,23 +599,13 @@ def fit(
 @command
 def sweep(
     scene: SceneFile,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=RANGE",
-            help="FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; repeat.",
-        ),
-    ] = None,
-    sample: Annotated[
-        str | None, typer.Option(metavar="KIND:COUNT", help="Not a grid: latin:200 or sobol:256 points.")
-    ] = None,
+    vary: Annotated[Texts, option("FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; repeat.", "NAME=RANGE")] = None,
+    sample: Annotated[Text, option("Not a grid: latin:200 or sobol:256 points.", "KIND:COUNT")] = None,
     sensitivity: Annotated[
-        int | None, typer.Option(metavar="N", help="Sobol indices from N (keys + 2) runs, N a power of 2.")
+        int | None, option("Sobol indices from N (keys + 2) runs, N a power of 2.", "N")
     ] = None,
-    figure: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Figure of the summary to plot; repeat.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of the samples: same seed, same points.")] = 0,
+    figure: Annotated[Texts, option("Figure of the summary to plot; repeat.", "NAME")] = None,
+    seed: Annotated[int, option("Of the samples: same seed, same points.")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
     fmu: FmuToRun = None,
@@ -666,7 +622,7 @@ def sweep(
     folder = folder_for(output, f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         found = inertia_module.sweep(
-            load_scene(scene, keys),
+            inertia_module.load_scene(scene, keys),
             vary or [],
             sample=sample,
             sensitivity=sensitivity,
@@ -702,12 +658,11 @@ def design(
     and so on, in a folder (out/SPEC_design without -o).
     """
     from .jobs.design import read_spec
-    from .scene.keys import keys_of
 
     folder = folder_for(output, f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
         found = inertia_module.design(
-            read_spec(spec, keys_of(keys)),
+            read_spec(spec, keys),
             output=folder,
             fmu=fmu or current_fmu(),
             scheduler=scheduler,
@@ -744,7 +699,7 @@ def _print_version(wanted: bool) -> None:
 @app.callback()
 def options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+        bool, option("Print the version.", None, "--version", callback=_print_version, is_eager=True)
     ] = False,
 ) -> None:
     """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
@@ -757,15 +712,12 @@ def main() -> None:
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
+    code: object = 0
     try:
         app()
-        code: object = 0
     except SystemExit as leave:
         code = leave.code
-    if isinstance(code, str):
-        sys.stderr.write(code + "\n")
-        code = 1
     atexit._run_exitfuncs()
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(code if isinstance(code, int) else 0)
+    os._exit(code if isinstance(code, int) else int(code is not None))

@@ -19,7 +19,6 @@ from inertia_module.contract.models import MODELS
 from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
 from inertia_module.scene import SceneError, load_scene
-from inertia_module.scene.keys import keys_of
 from tests.system.programs import command, left, process
 
 ROOT = Path(__file__).parents[2]
@@ -90,7 +89,7 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
 
 def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     given = ["imbalance_mass=1.5 kg", "drive.omega1=50 rad/s", "satellites=2", 'run.outputs=["omega2"]']
-    scene = load_scene(example("planar"), keys_of(given))
+    scene = load_scene(example("planar"), given)
     found = scene.parameters()
     assert (found["imbalance_mass"], found["satellites"]) == (1.5, 2)
     assert (scene.drive.omega1, scene.run.outputs) == (50.0, ["omega2"])
@@ -105,7 +104,7 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
         ),
     ):
         with pytest.raises(SceneError, match=sentence):
-            load_scene(example("planar"), keys_of([given]))
+            load_scene(example("planar"), [given])
     options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
     summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)

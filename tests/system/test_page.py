@@ -15,7 +15,7 @@ from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.results import Result
 from inertia_module.page import html
 from inertia_module.page.html import TEMPLATE
-from inertia_module.scene import read_scene
+from inertia_module.scene import load_scene
 from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
 from tests.system.programs import command, left
 from tests.unit import scenes
@@ -210,7 +210,7 @@ def test_keyboard_works(page):
     assert page.state("playing")
 
 
-def test_files_of_the_run_and_the_scene(page, tmp_path):
+def test_files_of_the_run_and_the_scene(page):
     set_field(page, "load_torque", "4.5")
     page.page.get_by_label("layout", exact=True).select_option("planar")
     page.settled()
@@ -222,9 +222,9 @@ def test_files_of_the_run_and_the_scene(page, tmp_path):
     assert heading.startswith("time [s],omega2 [rad/s],omega_out [rad/s]")
     assert len(rows) == 2001
     assert [float(row.split(",")[2]) for row in rows] == page.shown("omega_out").tolist()
-    text = Path(scene.value.path()).read_text()
-    read = read_scene(text, tmp_path)
-    assert tomllib.loads(text)["mechanism"] == {"layout": "planar"}
+    file = Path(scene.value.path())
+    read = load_scene(file)
+    assert tomllib.loads(file.read_text())["mechanism"] == {"layout": "planar"}
     assert (read.load.torque, read.run.stop_time, read.accuracy.tolerance) == (4.5, 1.0, 1e-9)
 
 

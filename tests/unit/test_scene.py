@@ -3,13 +3,14 @@
 import math
 import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 
 from inertia_module.common.units import parse_unit, to_si
 from inertia_module.contract.variables import PARAMETER, with_causality
-from inertia_module.scene import SceneError, load_scene, read_scene
+from inertia_module.scene import SceneError, load_scene
 from inertia_module.scene.reading import scene_text
 from inertia_module.scene.run import scene_plan, start_of
 from inertia_module.scene.schema import Mechanism
@@ -49,8 +50,10 @@ ENGINE = (EXAMPLES / "engine_launch.toml").read_text()
 AUTO = OPEN + '[accuracy]\nerror = "2 %"\nwindow = "0.1 s"\n[mechanism]\nfidelity = "auto"'
 
 
-def read(text, folder=Path()):
-    return read_scene(text, folder)
+def read(text, folder=None):
+    with TemporaryDirectory() as own:
+        (file := Path(folder or own) / "scene.toml").write_text(text)
+        return load_scene(file)
 
 
 def changed(text, old, new):
@@ -260,7 +263,7 @@ def test_one_line_names_key_value_and_what_is_allowed(change, words):
     text = changed(BASES[base], old, new) if old else BASES[base].replace("[run]", f"{new}\n[run]") or new
     with pytest.raises(SceneError) as caught:
         read(text)
-    line = str(caught.value)
+    line = str(caught.value).removeprefix("scene.toml: ")
     assert "\n" not in line
     assert re.match(".*".join(re.escape(part.strip()) for part in words.split("...")), line), line
 

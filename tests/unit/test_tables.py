@@ -9,7 +9,7 @@ from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
 from inertia_module.harness.results import Result, TableError
 from inertia_module.harness.wires import WiringError
-from inertia_module.scene import SceneError, read_scene
+from inertia_module.scene import SceneError, load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
 SAME = {
@@ -92,14 +92,13 @@ def test_what_was_written_is_read_back_to_the_bit(tmp_path):
 
 def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     (tmp_path / "road.csv").write_text("distance [km];slope [%]\n0;0\n0,5;4\n")
-    of_file = '[load]\nslope_over_distance = { file = "road.csv" }'
-    car = example("urban").read_text().replace("[load]", of_file)
-    road = read_scene(car, tmp_path).load.slope_over_distance
+    of_file = {"load.slope_over_distance.file": str(tmp_path / "road.csv")}
+    road = load_scene(example("urban"), of_file).load.slope_over_distance
     assert road.distance == [0.0, 500.0]
     assert road.slope == [0.0, 0.04]
     (tmp_path / "road.csv").write_text("way,slope\n0,0\n")
     with pytest.raises(SceneError, match=r"road\.csv must have a column distance \(there are way, slope\)"):
-        read_scene(car, tmp_path)
+        load_scene(example("urban"), of_file)
 
 
 def test_every_error_of_the_package_is_of_one_kind():

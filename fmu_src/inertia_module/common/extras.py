@@ -22,7 +22,7 @@ def library(module: str, extra: str, name: str = "") -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        missing = name or module.partition(".")[0]
+        missing = name or module.partition(".")[0].replace("_", "-")
         raise NotInstalled(
             f"{missing} is not installed ({error}): pip install 'inertia-module[{extra}]'"
         ) from None

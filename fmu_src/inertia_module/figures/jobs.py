@@ -209,7 +209,7 @@ def design_figure(found: DesignResult) -> Figure:
     """
     names = list(found.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = sheet(found.spec.scene.title, 1.0 + 4.8 * len(up))
+    picture = sheet(found.spec.title, 1.0 + 4.8 * len(up))
     for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
         _goals(panel, found, across, name)
     return picture

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 
 from ..common.errors import Refused
 from ..common.units import parse_unit, split_quantity
@@ -22,6 +24,7 @@ Point = dict[str, float | str]
 # of a free key
 Range = str | tuple[float, float] | None
 LARGEST_GRID = 10_000_000
+_RANGE = re.compile(r"(log:)?([^:]+):([^:]+?)(?::\s*(\d+)\s*)?")
 
 
 @dataclass(frozen=True)
@@ -29,11 +32,13 @@ class Axis:
     """One key that is varied.
 
     Attributes:
-        name: of the key, by dots. low, high: of the range, SI. number: of points in a grid, 0 if none is
-            given. logarithmic: whether the points are even in the logarithm. values: a list instead.
+        name: of the key, by dots. unit: "" for none. low, high: of the range, SI. number: of points in a
+            grid, 0 if none is given. logarithmic: whether the points are even in the logarithm.
+        values: a list instead.
     """
 
     name: str
+    unit: str = ""
     low: float = math.nan
     high: float = math.nan
     number: int = 0
@@ -71,25 +76,14 @@ class Axis:
         return list(dict.fromkeys(round(value) * 1.0 for value in found)) if self.whole else list(found)
 
 
-def unit_of_key(name: str, scene: Scene) -> str:
-    """Unit of a key of a scene, "" for none."""
+def _unit_and_value(name: str, scene: Scene) -> tuple[str, Any]:
+    """Unit, "" for none, and value of a key of a scene; None where the scene does not give it."""
     *tables, key = name.split(".")
     table: Any = scene
     for part in tables:
         table = getattr(table, part, None)
     fields = getattr(type(table), "model_fields", {})
-    return unit_of(fields[key]) if key in fields else ""
-
-
-def _check(name: str, values: Iterable[float | str], scene: Scene) -> None:
-    """Refuse values that a key of the scene cannot have, whatever the other keys are."""
-    for value in values:
-        try:
-            scene.with_keys({name: value})
-        except SceneError as error:
-            # what begins otherwise may be right with other values of other keys
-            if str(error).startswith(name):
-                raise
+    return (unit_of(fields[key]), getattr(table, key)) if key in fields else ("", None)
 
 
 def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
@@ -103,47 +97,52 @@ def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
     Raises:
         Refused: it is none of these, or no range of this key.
     """
+    unit, _ = _unit_and_value(name, scene)
     if isinstance(given, str) and ":" in given:
-        found = _range(name, given, scene)
-    else:
-        texts = given.split(",") if isinstance(given, str) else given
-        found = Axis(name, values=tuple(dict.fromkeys(_value(name, text, scene) for text in texts)))
-    _check(name, found.values or (found.low, found.high), scene)
-    return found
+        return _range(name, unit, given, scene)
+    texts = given.split(",") if isinstance(given, str) else given
+    return Axis(name, unit, values=tuple(dict.fromkeys(_value(name, text, scene) for text in texts)))
 
 
-def _value(name: str, text: Any, scene: Scene) -> float | str:
-    """Value of a key: a quantity as a number in SI units; a name as it is."""
-    if not isinstance(text, str):
-        return float(text)
-    _check(name, [text.strip()], scene)
+def _value(name: str, given: Any, scene: Scene) -> float | str:
+    """Value of a key: a quantity as a number in SI units; a name as it is.
+
+    What the key cannot have, whatever the other keys are, is refused.
+    """
+    value = given.strip() if isinstance(given, str) else float(given)
     try:
-        number, unit = split_quantity(text)
+        scene.with_keys({name: value})
+    except SceneError as error:
+        # what begins otherwise may be right with other values of other keys
+        if str(error).startswith(name):
+            raise
+    if isinstance(value, float):
+        return value
+    try:
+        number, unit = split_quantity(value)
     except ValueError:
-        return text.strip()
+        return str(value)
     try:
         return number * parse_unit(unit)[0] if unit else number
     except ValueError as error:
-        raise Refused(f"{text!r}: {error}") from None
+        raise Refused(f"{given!r}: {error}") from None
 
 
-def _range(name: str, given: str, scene: Scene) -> Axis:
-    logarithmic = given.startswith("log:")
-    parts = given.removeprefix("log:").split(":")
-    demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {':'.join(parts)!r}"
-    if len(parts) not in (2, 3):
+def _range(name: str, unit: str, given: str, scene: Scene) -> Axis:
+    demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {given!r}"
+    parts = _RANGE.fullmatch(given)
+    if parts is None:
         raise Refused(demand)
-    low, high = (_value(name, part, scene) for part in parts[:2])
-    number = parts[2] if len(parts) == 3 else "0"
-    if isinstance(low, str) or isinstance(high, str) or not number.strip().isdigit():
+    low, high = (_value(name, part, scene) for part in parts.group(2, 3))
+    if isinstance(low, str) or isinstance(high, str):
         raise Refused(demand)
     if not low < high:
         raise Refused(f"{name} must go from a lower to a higher value, goes from {low:g} to {high:g}")
-    if logarithmic and low <= 0.0:
+    if parts[1] and low <= 0.0:
         raise Refused(f"{name} must be above 0 where its points are even in the logarithm, is from {low:g}")
-    if len(parts) == 3 and int(number) < 2:
-        raise Refused(f"{name} must have at least 2 points, has {number}")
-    return Axis(name, low, high, int(number), logarithmic)
+    if parts[4] and int(parts[4]) < 2:
+        raise Refused(f"{name} must have at least 2 points, has {parts[4]}")
+    return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
 def by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -> list[tuple[str, Any]]:
@@ -223,39 +222,42 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     return shares
 
 
-@dataclass(frozen=True)
-class Free:
-    """One key, as a variable u that is near 1: its value is origin + span (u - 1).
+@dataclass(frozen=True, kw_only=True)
+class Free(Axis):
+    """One key that is searched, as a variable u that is near 1: its value is origin + span (u - 1).
 
     Attributes:
-        name: of the key, by dots. range: that it is held to, or None. start: of the variable.
-        origin, span: the low end and the width of the range; without one both are the value in the scene.
-        low, high: limits of the variable. unit: of the key, "" for none.
+        start: value that a search begins at, SI. origin, span: the low end and the width of a range that was
+            asked for; without one both are the start. held: whether one was.
     """
 
-    name: str
-    range: Axis | None
+    start: float
     origin: float
     span: float
-    start: float
-    low: float
-    high: float
-    unit: str
+    held: bool
 
     @property
     def identifier(self) -> str:
         """The name as one word."""
         return self.name.replace(".", "_")
 
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and greatest value of the variable."""
+        low, high = sorted(map(self.variable, (self.low, self.high)))
+        return low, high
+
     def value(self, variable: float) -> float:
         """The value, SI."""
         return self.origin + self.span * (variable - 1.0)
 
-    def spread(self, share: float) -> float:
-        """The variable at a share (0 to 1) of the range; at the start where there is none."""
-        if self.range is None:
-            return self.start
-        return 1.0 + (float(self.range.at(share)) - self.origin) / self.span
+    def variable(self, value: float) -> float:
+        """The variable for a value, SI."""
+        return 1.0 + (value - self.origin) / self.span
+
+    def at(self, share: float) -> float | str:
+        """The value at a share (0 to 1) of the range; without one the start."""
+        return super().at(share) if self.held else self.start
 
 
 def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[Free]:
@@ -273,13 +275,10 @@ def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[F
 
 def _free(name: str, given: Range, scene: Scene) -> Free:
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
-    unit = unit_of_key(name, scene)
-    value: Any = scene.tables
-    for part in name.split("."):
-        value = value.get(part) if isinstance(value, dict) else None
+    unit, value = _unit_and_value(name, scene)
     if value is None and variable is not None:
         value = variable.start
-    if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | dict):
+    if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
         raise Refused(
             f"{name} must be a number that changes by small steps to be free: sweep takes the others"
         )
@@ -292,17 +291,14 @@ def _free(name: str, given: Range, scene: Scene) -> Free:
             raise Refused(
                 f"{name} must be free within LOW:HIGH, without a number of points, is given {text!r}"
             )
-        span = held.high - held.low
         inside = value is not None and held.low <= value <= held.high
-        start = 1.0 + (value - held.low) / span if inside else 1.5
-        return Free(name, held, held.low, span, start, 1.0, 2.0, unit)
+        start = float(value) if inside else 0.5 * (held.low + held.high)
+        return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
     if not value:
         # which says so if there is no such key
         scene.with_keys({name: 1.0})
         raise Refused(
             f"{name} must have a range, {name}=LOW:HIGH: the scene has {value or 'no value'} to begin at"
         )
-    minimum, maximum = (None, None) if variable is None else (variable.minimum, variable.maximum)
-    limits = (-math.inf if minimum is None else minimum, math.inf if maximum is None else maximum)
-    low, high = sorted(limit / value for limit in limits)
-    return Free(name, None, value, value, 1.0, low, high, unit)
+    low, high = (-math.inf, math.inf) if variable is None else variable.ends
+    return Free(name, unit, low, high, start=value, origin=value, span=value, held=False)

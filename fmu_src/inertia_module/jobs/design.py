@@ -28,10 +28,10 @@ from ..harness.chart import SteadyMachine, SteadyPulses, torque_converter_chart
 from ..harness.fmu import fmu_file
 from ..memory import Module
 from ..scene import Scene, SceneError
-from ..scene.keys import Strict, quantity, validated
+from ..scene.keys import Keys, Strict, quantity, validated
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, Quantity, SceneRunner
-from .axes import Axis, Point, axes_of, of_shares, shares_sampled, unit_of_key
+from .axes import Axis, Point, axes_of, of_shares, shares_sampled
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 
 # --- figures of a mechanism ---
@@ -184,39 +184,54 @@ class Search(Strict):
     margin: Annotated[float, quantity("1", 0.0, 0.5)] = 0.0
 
 
-class Tables(Strict):
-    """The tables of a specification beside those of its scene."""
+class Spec(Scene):
+    """A specification: a scene of all that is not free, what is asked of it, and how it is searched.
 
-    free: dict[str, Any] = Field(min_length=1)
+    Attributes:
+        free: ranges or lists by key; see axes_of. figures: demands by figure. search: how.
+    """
+
+    free: dict[str, Any] = Field(default={})
     figures: dict[str, Demand] = Field(min_length=1)
     search: Search = Search()
 
-
-@dataclass(frozen=True)
-class Spec:
-    """A specification.
-
-    Attributes:
-        scene: with all that is not free. axes: the free keys. demands: by figure. search: how.
-    """
-
-    scene: Scene
-    axes: list[Axis]
-    demands: dict[str, Demand]
-    search: Search
+    @cached_property
+    def axes(self) -> list[Axis]:
+        """The free keys."""
+        return axes_of(self.free, self)
 
     @property
     def goals(self) -> dict[str, str]:
         """Figures that are to be the least or the greatest."""
-        return {name: demand.goal for name, demand in self.demands.items() if demand.goal is not None}
+        return {name: demand.goal for name, demand in self.figures.items() if demand.goal is not None}
 
     @property
     def named(self) -> dict[str, tuple[float, float]]:
         """The figures that need no run of the scene, with speed and ratio; others are of its summary."""
-        return {name: (d.speed, d.ratio) for name, d in self.demands.items() if name in NAMED}
+        return {name: (d.speed, d.ratio) for name, d in self.figures.items() if name in NAMED}
+
+    @model_validator(mode="after")
+    def _check_demands(self) -> Spec:
+        axes_of(self.free, self)
+        for name, demand in self.figures.items():
+            asked = NAMED[name].asks if name in NAMED else ()
+            given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
+            if given != asked:
+                at_speed = ", ".join(one for one, named in NAMED.items() if named.asks)
+                known = "" if name in NAMED else f"; figures at a speed are {at_speed}"
+                raise SceneError(
+                    f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
+                    f" {' and '.join(given) or 'none of it'}{known}"
+                )
+            if name in NAMED:
+                limits_of(name, demand, NAMED[name].unit)
+        number = len(self.goals)
+        if not 1 <= number <= MOST_GOALS:
+            raise SceneError(must_be("the number of figures with a goal", f"1 to {MOST_GOALS}", number))
+        return self
 
 
-def read_spec(path: Path | str, keys: Mapping[str, Any] | None = None) -> Spec:
+def read_spec(path: Path | str, keys: Keys = None) -> Spec:
     """Read and check a specification: the TOML of a scene with [free], [figures] and [search].
 
     Args:
@@ -225,31 +240,7 @@ def read_spec(path: Path | str, keys: Mapping[str, Any] | None = None) -> Spec:
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
     """
-    return load_tables(path, keys, _spec)
-
-
-def _spec(data: dict[str, Any], folder: Path) -> Spec:
-    own = {name: data.pop(name) for name in Tables.model_fields if name in data}
-    if not own.get("free"):
-        raise SceneError("[free] must have at least one free key, such as imbalance_mass = '0.5 kg:2 kg'")
-    tables = validated(Tables, own)
-    scene = validated(Scene, data, folder)
-    for name, demand in tables.figures.items():
-        asked = NAMED[name].asks if name in NAMED else ()
-        given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
-        if given != asked:
-            at_speed = ", ".join(one for one, named in NAMED.items() if named.asks)
-            known = "" if name in NAMED else f"; figures at a speed are {at_speed}"
-            raise SceneError(
-                f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
-                f" {' and '.join(given) or 'none of it'}{known}"
-            )
-        if name in NAMED:
-            limits_of(name, demand, NAMED[name].unit)
-    spec = Spec(scene, axes_of(tables.free, scene), tables.figures, tables.search)
-    if not 1 <= len(spec.goals) <= MOST_GOALS:
-        raise SceneError(must_be("the number of figures with a goal", f"1 to {MOST_GOALS}", len(spec.goals)))
-    return spec
+    return load_tables(path, keys, lambda tables: Spec)
 
 
 def absent(name: str, row: Row) -> str:
@@ -327,7 +318,7 @@ class Judge:
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
         self.spec, self.units, self.limits = spec, units, list[Limit]()
-        for name, demand in spec.demands.items():
+        for name, demand in spec.figures.items():
             self.limits += limits_of(name, demand, self.unit(name))
 
     def unit(self, name: str) -> str:
@@ -440,7 +431,7 @@ class DesignResult:
 
         keys = {name: text(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
         figures = {}
-        for name in self.spec.demands:
+        for name in self.spec.figures:
             searched, checked = (
                 row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
             )
@@ -479,22 +470,19 @@ def design(
     Args:
         spec: a specification, or its file.
         output: folder, by default out/SPEC_design: what is computed there is not computed again.
-        fmu: its file, by default that of the package (current_fmu).
-        scheduler: address of a running Dask scheduler.
-        workers: processes on this machine without one, by default one for each core.
-        progress: told the share done.
+        fmu, scheduler, workers, progress: as of sweep.
 
     Raises:
         SceneError: the specification is not as it must be, in one sentence.
         Refused: the folder holds results of another one. NotInstalled: the extra jobs is not.
     """
     for name in ("pymoo", "tomli_w"):
-        library(name, "jobs", name.replace("_", "-"))
+        library(name, "jobs")
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     levels = (read.search.fidelity, read.search.check)
-    scenes = {level: read.scene.with_fidelity(level) for level in levels}
+    scenes = {level: read.with_fidelity(level) for level in levels}
     settings: dict[str, Any] = {level: scene.tables for level, scene in scenes.items()}
-    settings |= {"named": read.named, "runs": len(read.named) < len(read.demands)}
+    settings |= {"named": read.named, "runs": len(read.named) < len(read.figures)}
     task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -505,12 +493,12 @@ def design(
 
         start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
         rows = evaluate(of_shares(read.axes, start))
-        keys = {axis.name: unit_of_key(axis.name, read.scene) for axis in read.axes}
+        keys = {axis.name: axis.unit for axis in read.axes}
         units = keys | evaluator.units
         known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-        for figure in read.demands:
+        for figure in read.figures:
             if figure not in known and not figure.startswith(TIME_TO):
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
@@ -521,7 +509,7 @@ def design(
     finalists = []
     for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
         if not again.refused:
-            title = f"{read.scene.title}: design {number}"
+            title = f"{read.title}: design {number}"
             scene = scenes[levels[1]].with_keys({**row.point, "title": title})
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
             finalists.append(Finalist(row, again, scene, file))

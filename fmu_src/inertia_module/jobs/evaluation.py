@@ -144,20 +144,19 @@ class Evaluator(Closing):
         self.rows: dict[str, Row] = {}
         self.units: dict[str, str] = {}
         head = json.dumps({"task": task.identity})
-        if self.path.is_file():
-            found, *lines = self.path.read_text(encoding="utf-8").split("\n")
-            if found != head:
-                raise Refused(
-                    f"{folder} must be another folder, or {JOURNAL} in it removed: it holds results of"
-                    " another scene, or of another version"
-                )
-            *whole, cut = lines  # a kill may have cut the last line: what it held is done again
-            for line in whole:
-                self._take(Batch.of(line))
-            if cut:
-                write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
-        else:
-            write_atomically(self.path, f"{head}\n".encode())
+        there = self.path.is_file()
+        text = self.path.read_text(encoding="utf-8") if there else f"{head}\n"
+        found, _, results = text.partition("\n")
+        if found != head:
+            raise Refused(
+                f"{folder} must be another folder, or {JOURNAL} in it removed: it holds results of another"
+                " scene, or of another version"
+            )
+        *whole, cut = results.split("\n")  # a kill may have cut the last line: what it held is done again
+        for line in whole:
+            self._take(Batch.of(line))
+        if cut or not there:
+            write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
         self.task, self.new = task, 0
         self.progress = progress or (lambda share: None)
         self._pool = (scheduler, workers)

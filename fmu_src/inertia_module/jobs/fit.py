@@ -36,7 +36,7 @@ from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
 from ..scene import Scene
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
-from .axes import Free, Range, free_keys, shares_sampled
+from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
 from .evaluation import read
 
 # --- measurements ---
@@ -133,20 +133,12 @@ class Stopped:
     Args:
         plant: a started FMU. names: what is read. times: s, rising. near: s, up to which a time is at a
             communication point.
-
-    Attributes:
-        rows: values of names at the times reached.
     """
 
     def __init__(self, plant: Plant, names: Sequence[str], times: Array, near: float) -> None:
         self._plant, self._names, self._times, self._near = plant, tuple(names), times, near
-        self._means = np.array([name.endswith(MEAN) for name in names], dtype=bool)
-        self._peaks = np.array([name.endswith(PEAK) for name in names], dtype=bool)
-        self._over_steps = bool((self._means | self._peaks).any())
-        self._sums, self._largest = np.zeros(len(names)), np.zeros(len(names))
-        self._now, self._since = 0.0, 0.0
-        self.rows: list[Array] = []
-        self._pass_by(0.0, np.array(plant.read(self._names)), near)
+        # where it has stopped, s, and the values of names there
+        self._stops, self._rows = [0.0], [np.array(plant.read(self._names))]
 
     def set(self, **values: float) -> None:
         """Set inputs by name."""
@@ -164,38 +156,34 @@ class Stopped:
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
     ) -> bool:
         """Take steps by way of the times within them; arguments as of Fmu.take_steps. It always can."""
-        points = np.cumsum([self._now, *lengths])
+        now = self._stops[-1]
+        points = np.cumsum([now, *lengths])
         first = np.searchsorted(self._times, points[:-1] + self._near, "right")
         after = np.searchsorted(self._times, points[1:] - self._near)
         parts = [[*self._times[i:k], end] for i, k, end in zip(first, after, points[1:], strict=True)]
         stops, number = np.concatenate(parts), [len(part) for part in parts]
         held = dict(zip(inputs, np.repeat(given, number, axis=0).T, strict=True))
         found = np.empty((stops.size + 1, len(outputs) + len(self._names)))
-        run(self._plant, np.diff(stops, prepend=self._now), held, (*outputs, *self._names), found)
+        run(self._plant, np.diff(stops, prepend=now), held, (*outputs, *self._names), found)
         rows[:] = found[np.cumsum([0, *number]), : len(outputs)]
-        near = np.zeros(stops.size)
-        near[np.cumsum(number) - 1] = self._near
-        for time, values, reach in zip(stops.tolist(), found[1:, len(outputs) :], near, strict=True):
-            self._pass_by(time, values, reach)
+        self._stops.extend(stops.tolist())
+        self._rows.extend(found[1:, len(outputs) :])
         return True
 
-    @property
-    def _next(self) -> float:
-        return float(self._times[len(self.rows)]) if len(self.rows) < self._times.size else math.inf
-
-    def _pass_by(self, time: float, values: Array, near: float) -> None:
-        """Keep the values at a time, s, for those of the measurement up to it and so near after it, s."""
-        if self._over_steps and time > self._now:
-            self._sums += (time - self._now) * values
-            self._largest = np.maximum(self._largest, values)
-        self._now = time
-        while self._next <= time + near:
-            kept = values
-            if self._over_steps and self._now > self._since:
-                means = self._sums / (self._now - self._since)
-                kept = np.where(self._means, means, np.where(self._peaks, self._largest, values))
-            self.rows.append(kept)
-            self._since, self._sums, self._largest = self._now, 0.0 * self._sums, 0.0 * self._largest
+    def values(self) -> Array:
+        """Values at the times, which it has passed, shape (times, names); see the head on means and peaks."""
+        stops, rows = np.array(self._stops), np.array(self._rows)
+        ends, places = np.unique(np.searchsorted(stops, self._times - self._near), return_inverse=True)
+        last, found = int(ends[-1]) + 1, rows[ends]
+        # what a time stands for begins behind the one before; the start stands for itself
+        begins = np.append(min(1, ends[0]), ends[:-1] + 1)
+        lengths, whole = np.diff(stops, prepend=-1.0), np.diff(stops[ends], prepend=0.0 if ends[0] else -1.0)
+        means = [name.endswith(MEAN) for name in self._names]
+        sums = np.add.reduceat(rows[:last, means] * lengths[:last, None], begins)
+        found[:, means] = sums / whole[:, None]
+        peaks = [name.endswith(PEAK) for name in self._names]
+        found[:, peaks] = np.maximum.reduceat(rows[:last, peaks], begins)
+        return found[places]
 
 
 class Observer(SceneRunner):
@@ -232,7 +220,7 @@ class Observer(SceneRunner):
         plant = Stopped(self.started(scene), read, self._times, NEAR * step)
         loop = ClosedLoop(plant, scene.surroundings, (), scene.signal_units)
         record = loop.run(step * max(math.ceil(self._times[-1] / step - NEAR), 1))
-        values = dict(zip(read, np.array(plant.rows).T, strict=True))
+        values = dict(zip(read, plant.values().T, strict=True))
         for name in set(self._names).intersection(signals):
             values[name] = np.interp(self._times, record.time, record[name])
         return np.column_stack([values[name] for name in self._names])
@@ -448,8 +436,7 @@ def fit(
             best SEARCHED of all are starts of a search.
         seed: of these points: same seed, same result.
         output: folder, by default out/SCENE_fit.
-        fmu: its file, by default that of the package (current_fmu).
-        progress: told the share done.
+        fmu, progress: as of sweep.
 
     Raises:
         Refused: the scene, the measurement or what is free is not as above, nothing free has an influence, or
@@ -530,11 +517,11 @@ class _Search:
 
     def _starts(self, starts: int, seed: int) -> list[Variables]:
         """Points at which searches begin: of those looked at the best."""
-        points = [{name: key.start for name, key in self.keys.items()}]
-        if starts and any(key.range for key in self.keys.values()):
-            for shares in shares_sampled(len(self.keys), f"latin:{starts}", seed).tolist():
-                spread = zip(self.keys.items(), shares, strict=True)
-                points.append({name: key.spread(share) for (name, key), share in spread})
+        keys = list(self.keys.values())
+        places: list[Point] = [{key.name: key.start for key in keys}]
+        if starts and any(key.held for key in keys):
+            places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
+        points = [{key.identifier: key.variable(float(at[key.name])) for key in keys} for at in places]
         self.stages = len(points) + min(SEARCHED, len(points)) + PASSES + len(self.keys)
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._count_stage, points)])
         if not np.isfinite(costs).any():
@@ -560,7 +547,8 @@ class _Search:
 
         variables = lmfit.Parameters()
         for name, key in self.keys.items():
-            variables.add(name, start[name], vary=name not in held, min=key.low, max=key.high)
+            low, high = key.limits
+            variables.add(name, start[name], vary=name not in held, min=low, max=high)
 
         def residuals(given: Any) -> Array:
             return self.residuals(given.valuesdict())
@@ -595,7 +583,7 @@ class _Search:
                     f"something free must have an influence on {', '.join(self.data.columns)}, none has of"
                     f" {', '.join(key.name for key in self.keys.values())}"
                 )
-            start |= {name: self.keys[name].start for name in held}
+            start |= {name: self.keys[name].variable(self.keys[name].start) for name in held}
             steps = _steps(best)[[name not in held for name in best.var_names]]
             best = self._minimise(self._count_stage(start), held, steps, "3-point")
         return best
@@ -626,8 +614,8 @@ class _Search:
                 return float(np.sum(self.residuals(point) ** 2)) - allowed
             return float(self._minimise(point, held, list(steps.values()), "3-point").chisqr) - allowed
 
-        key = self.keys[name]
-        found = _end(excess, start[name], -step, key.low), _end(excess, start[name], step, key.high)
+        low, high = self.keys[name].limits
+        found = _end(excess, start[name], -step, low), _end(excess, start[name], step, high)
         self._count_stage(start)
         return found
 
@@ -675,7 +663,7 @@ def _fitted(key: Free, one: Any, interval: tuple[float, float] | None) -> Fitted
         error = abs(key.span) * float(one.stderr)
     low, high = sorted(map(key.value, interval))
     doubt = ""
-    if key.range is None:
+    if not key.held:
         if high - low > 2.0 * abs(value):
             doubt = NOT_IDENTIFIABLE.format("wider than twice the value")
     elif high - low >= (1.0 - AT_END) * abs(key.span):

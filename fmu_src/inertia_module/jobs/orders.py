@@ -351,10 +351,8 @@ def orders(
         fmu_path: the FMU of the module; None for that of the package.
         of: "link1" or "pulses".
         signals: names of outputs, locals or signals of the loop; without them those of SIGNALS that swing.
-        highest: as in spectra.
-        turns: as in spectra.
-        begin: of the part of the run that is looked at, s.
-        end: of that part, s.
+        highest, turns: as of spectra.
+        begin, end: of the part of the run that is looked at, s.
         progress: told how much of the run is done (0 to 1).
 
     Raises:
@@ -379,18 +377,17 @@ def orders(
     def within(time: Array) -> NDArray[np.bool_]:
         return (time >= begin - 1e-9) & (time <= last + 1e-9)
 
-    # what is sure to be refused after the run is refused now: by the speed that is given, by the first steps
+    # what is sure to be refused after the run is refused now: by the speed that is given, else by first steps
     step, given = scene.run.communication_step, scene.drive.prescribed().get("omega1")
-    if given is not None and not scene.parameters().get("input_hold"):
+    if of == LINK1 and given is not None and not scene.parameters().get("input_hold"):
         times = communication_points(scene.run.stop_time, step)
         times = times[within(times)]
         turned = np.cumsum([evaluate(given, at) for at in times]) * step / math.tau
         turned = np.append(0.0, turned[:-1])  # the speed is held over a step
         turned *= math.copysign(1.0, turned[-1])
-        highest_order(times, turned, highest if of == LINK1 else None)
-        if of == LINK1:
-            turns_of_window(turned, of, turns)
-    if begin == 0.0 and TRIED * step < last:
+        highest_order(times, turned, highest)
+        turns_of_window(turned, of, turns)
+    elif begin == 0.0 and TRIED * step < last:
         table = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
         highest_order(table.time, _turned(table, of, scene), highest)
     record = run_scene(scene, fmu_path, progress).record

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,38 +17,27 @@ from ..harness.fmu import fmu_file
 from ..harness.results import write_rows
 from ..scene import Scene
 from ..scene.run import time_to
-from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled, unit_of_key
+from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled
 from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
 
 # a figure that varies less than this, relative to its magnitude, does not vary
 CONSTANT = 1e-9
 
 
-@dataclass(frozen=True)
-class Sensitivity:
-    """Sobol indices.
+class Share(NamedTuple):
+    """Sobol indices of a figure and a key: shares of the variance.
 
     Source: Saltelli et al. (2010), Variance based sensitivity analysis of model output, table 2.
 
     Attributes:
-        keys: n names. figures: m names of those that vary.
-        first: share of the variance that a key makes alone, shape (m, n).
-        total: with all that it does together with others, shape (m, n).
+        figure, key: names. first_order: share that the key makes alone. total: with all that it does together
+            with others.
     """
 
-    keys: list[str]
-    figures: list[str]
-    first: NDArray[np.float64]
-    total: NDArray[np.float64]
-
-    def save(self, path: Path) -> Path:
-        """Write as CSV, a row for each figure and key."""
-        rows = [
-            (figure, key, repr(float(self.first[m, n])), repr(float(self.total[m, n])))
-            for m, figure in enumerate(self.figures)
-            for n, key in enumerate(self.keys)
-        ]
-        return write_rows(path, ("figure", "key", "first_order", "total"), rows)
+    figure: str
+    key: str
+    first_order: float
+    total: float
 
 
 @dataclass(frozen=True)
@@ -59,7 +48,7 @@ class SweepResult:
         axes: what was varied. rows: one for each point, in the order of the points.
         units: of keys and figures by name, where known. new: how many rows were not there before.
         unreached: by the time to a speed, how many runs do not come to it.
-        sensitivity: Sobol indices, where they were asked for. files: written, by kind.
+        sensitivity: Sobol indices, where they were asked for, of figures that vary. files: written, by kind.
     """
 
     axes: list[Axis]
@@ -67,7 +56,7 @@ class SweepResult:
     units: dict[str, str]
     new: int
     unreached: dict[str, int]
-    sensitivity: Sensitivity | None
+    sensitivity: list[Share]
     files: dict[str, Path]
 
     @property
@@ -133,16 +122,16 @@ def sweep(
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
     task = Task(fmu_file(fmu).read_bytes(), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
-    found = None
+    shares = list[Share]()
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
         if sensitivity is not None:
-            found, points = indices(axes, sensitivity, seed, evaluator)
+            shares, points = indices(axes, sensitivity, seed, evaluator)
         rows = evaluator(points)
-    units = {axis.name: unit_of_key(axis.name, base) for axis in axes} | evaluator.units
+    units = {axis.name: axis.unit for axis in axes} | evaluator.units
     files = write_tables(folder, "sweep", rows, units)
-    if found is not None:
-        files["sensitivity"] = found.save(folder / "sensitivity.csv")
-    return SweepResult(axes, rows, units, evaluator.new, unreached(base, rows), found, files)
+    if sensitivity is not None:
+        files["sensitivity"] = write_rows(folder / "sensitivity.csv", Share._fields, shares)
+    return SweepResult(axes, rows, units, evaluator.new, unreached(base, rows), shares, files)
 
 
 def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
@@ -154,7 +143,7 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 
 def indices(
     axes: Sequence[Axis], number: int, seed: int, evaluate: Callable[[Sequence[Point]], list[Row]]
-) -> tuple[Sensitivity, list[Point]]:
+) -> tuple[list[Share], list[Point]]:
     """Compute Sobol indices of all figures that vary; with the points they are from.
 
     Args:
@@ -190,7 +179,10 @@ def indices(
         found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
     table = np.hstack(tables)
     varies = np.ptp(table, axis=1) > CONSTANT * np.abs(table).max(axis=1)
-    kept = np.array(names)[varies].tolist()
     shape = len(names), len(axes)  # SciPy leaves out the axis of a single range
-    first, total = (np.reshape(shares, shape)[varies] for shares in (found.first_order, found.total_order))
-    return Sensitivity([one.name for one in axes], kept, first, total), points
+    first, total = (np.reshape(part, shape).tolist() for part in (found.first_order, found.total_order))
+    return [
+        Share(names[m], axis.name, first[m][n], total[m][n])
+        for m in np.flatnonzero(varies)
+        for n, axis in enumerate(axes)
+    ], points

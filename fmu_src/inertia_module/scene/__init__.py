@@ -1,7 +1,7 @@
 """Scene files: what is to be simulated, how accurately, and what is wanted of it."""
 
 from .keys import SceneError
-from .reading import load_any_scene, load_scene, read_scene
+from .reading import load_any_scene, load_scene
 from .run import SceneResult, run_scene
 from .schema import Scene
 from .shaft import ShaftScene, run_shaft_scene
@@ -13,7 +13,6 @@ __all__ = [
     "ShaftScene",
     "load_any_scene",
     "load_scene",
-    "read_scene",
     "run_scene",
     "run_shaft_scene",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args
@@ -332,7 +332,7 @@ def _line(scene: type[BaseModel], error: Any) -> str:
         return must_be(f"{key}.kind", f"one of {context['expected_tags']}", repr(context["tag"]))
     if kind == "value_error":
         reason = context["error"]
-        if isinstance(reason, SceneError):
+        if isinstance(reason, Refused):
             return str(reason)
         return f"{key}: {reason}" if isinstance(value, dict) else f"{key} {reason}"
     allowed = _ALLOWED.get(kind) or context.get("expected") or error["msg"].removeprefix("Input should be ")
@@ -344,15 +344,21 @@ def full_name(name: str) -> str:
     return name if "." in name else f"{MECHANISM}{name}"
 
 
-def keys_of(given: Iterable[str] | None) -> dict[str, Any]:
-    """Values by key, named by dots, of texts such as "imbalance_mass=2 kg" or "load.kind=shaft".
+# values by key, named by dots, or texts such as "imbalance_mass=2 kg" or "load.kind=shaft"
+Keys = Mapping[str, Any] | Iterable[str] | None
+
+
+def keys_of(given: Keys) -> dict[str, Any]:
+    """Values by key, named by dots.
 
     Args:
-        given: KEY=VALUE each; the value as in a scene file, where a string needs no quotes; or None.
+        given: they, or KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
 
     Raises:
         SceneError: a text is not of this form.
     """
+    if isinstance(given, Mapping):
+        return dict(given)
     found = {}
     for text in given or ():
         name, _, value = (part.strip() for part in text.partition("="))

@@ -4,29 +4,15 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
-from .keys import SceneError, changed, validated, without_files
+from .keys import Keys, Model, SceneError, changed, keys_of, validated, without_files
 from .schema import Scene
 from .shaft import ShaftScene
-
-Read = TypeVar("Read")
-
-
-def read_scene(text: str, folder: Path) -> Scene:
-    """Check the text of a scene file.
-
-    Args:
-        text: TOML. folder: where paths of CSV files in it start.
-
-    Raises:
-        SceneError: in one line, the key, the value and what is allowed.
-    """
-    return validated(Scene, _tables(text), folder)
 
 
 def _tables(text: str) -> dict[str, Any]:
@@ -46,27 +32,24 @@ def _tables(text: str) -> dict[str, Any]:
         raise SceneError(f"the scene is no TOML: {said}{cause}") from None
 
 
-def load_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene:
+def load_scene(path: Path | str, keys: Keys = None) -> Scene:
     """Read and check a scene file.
 
     Args:
         path: of the TOML file. keys: values instead of the file's, named by dots, such as
-            {"mechanism.imbalance_mass": "2 kg"}.
+            {"mechanism.imbalance_mass": "2 kg"}, or texts such as "imbalance_mass=2 kg".
 
     Raises:
         SceneError: in one line, the file, the key, the value and what is allowed.
     """
-    return load_tables(path, keys, lambda tables, folder: validated(Scene, tables, folder))
+    return load_tables(path, keys, lambda tables: Scene)
 
 
-def load_tables(
-    path: Path | str, keys: Mapping[str, Any] | None, read: Callable[[dict[str, Any], Path], Read]
-) -> Read:
-    """Read a scene file, or a specification, by what checks its tables.
+def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
+    """Read and check a scene file of a kind that its tables tell.
 
     Args:
-        path, keys: as for load_scene.
-        read: checks the tables, with the folder where paths in them start.
+        path, keys: as for load_scene. kind: of scene, by the tables.
 
     Raises:
         SceneError: as load_scene.
@@ -80,14 +63,14 @@ def load_tables(
         raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
     try:
         tables = _tables(text)
-        for name, value in (keys or {}).items():
+        for name, value in keys_of(keys).items():
             tables = changed(tables, name.split("."), value)
-        return read(tables, path.parent)
+        return validated(kind(tables), tables, path.parent)
     except Refused as error:
         raise SceneError(f"{path.name}: {error}") from None
 
 
-def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> Scene | ShaftScene:
+def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
     """Read and check a scene file, of a module or of a driven shaft alone.
 
     Args:
@@ -98,21 +81,20 @@ def load_any_scene(path: Path | str, keys: Mapping[str, Any] | None = None) -> S
         SceneError: as load_scene.
     """
 
-    def read(tables: dict[str, Any], folder: Path) -> Scene | ShaftScene:
-        model: type[Scene | ShaftScene] = ShaftScene if "shaft" in tables else Scene
-        return validated(model, tables, folder)
+    def kind(tables: dict[str, Any]) -> type[Scene | ShaftScene]:
+        return ShaftScene if "shaft" in tables else Scene
 
-    return load_tables(path, keys, read)
+    return load_tables(path, keys, kind)
 
 
 def scene_text(scene: Scene) -> str:
     """Write a scene as TOML: keys that differ from their defaults, quantities in SI with their units.
 
-    read_scene reads it back as the same scene.
+    load_scene reads it back as the same scene.
 
     Raises:
         NotInstalled: the extra jobs is not.
     """
     tables = without_files(scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True))
-    written: str = library("tomli_w", "jobs", "tomli-w").dumps(tables, multiline_strings=True)
+    written: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
     return written

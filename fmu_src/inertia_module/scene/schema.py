@@ -179,7 +179,7 @@ class Scene(Strict):
             tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
 
         Raises:
-            SceneError: as read_scene.
+            SceneError: as load_scene.
         """
         return self.with_keys(
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
@@ -192,13 +192,14 @@ class Scene(Strict):
             keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
 
         Raises:
-            SceneError: as read_scene.
+            SceneError: as load_scene.
         """
         paths = {name: name.split(".") for name in keys}
         anew = {head for head, *_ in paths.values()}
         # a controller is read by what hangs on the shaft
         anew |= {"controller"} if "load" in anew else set()
-        data = {name: getattr(self, name) for name in self.model_fields_set - anew}
+        kept = self.model_fields_set & Scene.model_fields.keys() - anew
+        data = {name: getattr(self, name) for name in kept}
         data |= {name: table for name, table in self.tables.items() if name in anew}
         for name, path in paths.items():
             data = changed(data, path, keys[name])
