@@ -20,7 +20,7 @@ from PIL import Image
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
 from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling.load import SHIPPED
-from inertia_module.compiling.targets import LINUX_ARM, TARGETS
+from inertia_module.compiling.targets import LINUX_ARM, TARGETS, all_here
 from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
@@ -40,6 +40,7 @@ PAPERS = {
     3: DOCUMENTATION | {"modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"} | ICONS,
 }
 LARGEST = 1_200_000
+HERE = all_here()
 
 
 def content_of(path):
@@ -47,8 +48,7 @@ def content_of(path):
         return {name: archive.read(name) for name in archive.namelist()}
 
 
-def test_archive_is_small_and_whole_and_unpacks_within_its_folder(fmu_path):
-    assert fmu_path.stat().st_size < LARGEST
+def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
     with zipfile.ZipFile(fmu_path) as archive:
         assert archive.testzip() is None
         names, infos = archive.namelist(), archive.infolist()
@@ -65,10 +65,23 @@ def test_archive_is_small_and_whole_and_unpacks_within_its_folder(fmu_path):
     assert content_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
 
 
+def check_native(folder, fmu, targets):
+    libraries = {library_path(fmu, target) for target in targets}
+    assert content_of(folder / fmu.file_name).keys() == PAPERS[fmu.fmi] | libraries
+
+
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
 def test_native_fmu_holds_its_libraries_and_its_papers_and_nothing_else(fmu, built):
-    libraries = {library_path(fmu, target) for target in TARGETS}
-    assert content_of(built / fmu.file_name).keys() == PAPERS[fmu.fmi] | libraries
+    check_native(built, fmu, HERE)
+    assert not builder.is_current(built / fmu.file_name, fmu)
+
+
+def test_fmus_for_all_platforms_are_small_and_hold_all_libraries(built_for_all):
+    for fmu in FMUS:
+        assert (built_for_all / fmu.file_name).stat().st_size < LARGEST
+        assert builder.is_current(built_for_all / fmu.file_name, fmu)
+    for fmu in NATIVE:
+        check_native(built_for_all, fmu, TARGETS)
 
 
 def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
@@ -245,7 +258,7 @@ def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, m
         with monkeypatch.context() as patched:
             patched.setattr(where, Mock(side_effect=KeyboardInterrupt))
             with pytest.raises(KeyboardInterrupt):
-                build(tmp_path)
+                build(tmp_path, targets=HERE)
         assert [path.read_bytes() for path in paths] == before
         assert sorted(tmp_path.iterdir()) == sorted(paths)
 
@@ -270,7 +283,7 @@ def test_fmu_just_built_is_current_whatever_the_date_and_nothing_is_packed_to_fi
     for part in (native_fmu, python_fmu):
         monkeypatch.delattr(part, "archive")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
-    assert builder.is_current(built / fmu.file_name, fmu)
+    assert builder.is_current(built / fmu.file_name, fmu, HERE)
 
 
 CHANGES = {
@@ -287,9 +300,9 @@ CHANGES = {
 def test_fmu_that_is_not_as_it_would_be_built_now_is_not_current(built, tmp_path, change):
     path = Path(shutil.copy(built / builder.MODULE_FMU.file_name, tmp_path))
     shutil.copy(built / SHAFT_FMU.file_name, tmp_path / "another.fmu")
-    assert builder.is_current(path, builder.MODULE_FMU)
+    assert builder.is_current(path, builder.MODULE_FMU, HERE)
     change(path)
-    assert not builder.is_current(path, builder.MODULE_FMU)
+    assert not builder.is_current(path, builder.MODULE_FMU, HERE)
 
 
 def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
@@ -351,7 +364,7 @@ def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_o
     monkeypatch.setitem(builder.native_fmu.__globals__, "library", fails)
     monkeypatch.setattr(builder, "is_cached", lambda name: False)
     stages = []
-    built = build(tmp_path / "new" / "folder", stages.append)
+    built = build(tmp_path / "new" / "folder", stages.append, targets=(*HERE, LINUX_ARM))
     assert "translating the kernels" in stages[0]
     building = [f"building {file.file_name}" for file in (*FMUS, WEB_KERNEL)]
     assert [stage for stage in stages if stage.startswith("building")] == building
@@ -443,7 +456,9 @@ def elsewhere(folder, *arguments, **environment):
     return process(*arguments, folder=home, **(other | environment)).stdout
 
 
-def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no_user(built, tmp_path):
+def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no_user(
+    built_for_all, tmp_path
+):
     moved, cache, other = (tmp_path / name for name in ("moved", "cache", "other"))
     shutil.copytree(PACKAGE_FOLDER, moved / PACKAGE_FOLDER.name, ignore=shutil.ignore_patterns("__pycache__"))
     cache.mkdir()
@@ -454,7 +469,7 @@ def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no
     elsewhere(tmp_path / "user", "-m", "inertia_module", "build", "-o", str(other), **own)
     user = os.path.expanduser("~") + os.sep
     for file in (*FMUS, WEB_KERNEL):
-        path = built / file.file_name
+        path = built_for_all / file.file_name
         assert (other / file.file_name).read_bytes() == path.read_bytes(), file.file_name
         libraries = content_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
         for name in [name for name in libraries if not name.endswith((".py", ".txt", ".html"))]:
@@ -463,10 +478,10 @@ def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no
 
 
 def test_second_build_leaves_the_same_files_but_for_the_date(built, tmp_path, monkeypatch):
-    for path in build(tmp_path / "again").paths:
+    for path in build(tmp_path / "again", targets=HERE).paths:
         assert path.read_bytes() == (built / path.name).read_bytes()
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
-    for path in build(tmp_path / "later", files=(PYTHON_FMU, SHAFT_FMU)).paths:
+    for path in build(tmp_path / "later", files=(PYTHON_FMU, SHAFT_FMU), targets=HERE).paths:
         assert path.read_bytes() != (built / path.name).read_bytes()
 
 

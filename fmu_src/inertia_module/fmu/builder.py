@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import is_cached, llvm_text
-from ..compiling.targets import TARGETS, Target, here
+from ..compiling.targets import TARGETS, Target, all_here
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .archive import DESCRIPTION
 from .linking import Progress
@@ -136,7 +136,7 @@ def current_fmu(
     if path.parent != folder:
         return path
     try:
-        targets = [target for target in TARGETS if target.folder == here().folder]
+        targets = all_here()
     except CompilationUnavailable as reason:
         raise RuntimeError(f"{path.name} cannot be built: {reason}") from None
     if not is_current(path, fmu, targets):
