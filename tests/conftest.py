@@ -55,8 +55,7 @@ def compiled():
 @pytest.fixture(scope="session")
 def built(tmp_path_factory):
     """Folder with all FMUs, the native ones for this platform alone: that takes half the time."""
-    from inertia_module.compiling.targets import all_here
-    from inertia_module.fmu.builder import build
+    from inertia_module.fmu.builder import all_here, build
 
     folder = tmp_path_factory.mktemp("build")
     assert not build(folder, targets=all_here()).skipped

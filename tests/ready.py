@@ -8,9 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from inertia_module.compiling.load import load
-from inertia_module.compiling.targets import all_here
 from inertia_module.contract.models import MODELS
-from inertia_module.fmu.builder import FMUS, WEB_KERNEL, build
+from inertia_module.fmu.builder import FMUS, WEB_KERNEL, all_here, build
 
 
 def make_ready():

@@ -20,10 +20,10 @@ from PIL import Image
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
 from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling.load import SHIPPED
-from inertia_module.compiling.targets import LINUX_ARM, TARGETS, all_here
+from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
-from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, all_here, build
 from inertia_module.fmu.native_fmu import guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError

@@ -11,9 +11,9 @@ import pytest
 
 from inertia_module import __version__
 from inertia_module.compiling.linking import with_kernel
-from inertia_module.compiling.targets import TARGETS, all_here
+from inertia_module.compiling.targets import TARGETS
 from inertia_module.contract.models import DRIVEN_SHAFT
-from inertia_module.fmu.builder import FMUS, PYTHON_FMU
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU, all_here
 from inertia_module.fmu.linking import header_folder
 from inertia_module.fmu.native_fmu import library_path
 

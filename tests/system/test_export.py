@@ -16,11 +16,10 @@ from fmpy.validation import validate_fmu
 from scenes import ELASTIC, MECHANISMS
 from scenes import REFERENCE as INPUTS
 
-from inertia_module.compiling.targets import all_here
 from inertia_module.contract.variables import REAL
 from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
-from inertia_module.fmu.builder import FMUS, content_of
+from inertia_module.fmu.builder import FMUS, all_here, content_of
 from inertia_module.harness.system import Node, WiredFmus
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError

@@ -78,12 +78,3 @@ def here() -> Target:
             return target
     known = ", ".join(target.label for target in TARGETS)
     raise CompilationUnavailable(f"there is machine code for {known}, not for {sys.platform} here")
-
-
-def all_here() -> tuple[Target, ...]:
-    """Targets whose code goes into the file that this process would load: of macOS two.
-
-    Raises:
-        CompilationUnavailable: there are none.
-    """
-    return tuple(target for target in TARGETS if target.folder == here().folder)

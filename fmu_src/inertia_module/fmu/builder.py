@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import is_cached, llvm_text
-from ..compiling.targets import TARGETS, Target, all_here
+from ..compiling.targets import TARGETS, Target, here
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .archive import DESCRIPTION
 from .linking import Progress
@@ -117,6 +117,15 @@ def build(
         write_atomically(folder / what.file_name, content)
         built.paths.append(folder / what.file_name)
     return built
+
+
+def all_here() -> tuple[Target, ...]:
+    """Targets whose code goes into the library that this process would load: of macOS two.
+
+    Raises:
+        CompilationUnavailable: there are none.
+    """
+    return tuple(target for target in TARGETS if target.folder == here().folder)
 
 
 def current_fmu(
