@@ -33,11 +33,7 @@ LONG = frozenset(
     }
 )
 # whole files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site
-LONG_FILES = (
-    "tests/native/",
-    "tests/system/test_hosts.py",
-    "tests/system/test_site.py",
-)
+LONG_FILES = ("tests/native/", "tests/system/test_hosts.py", "tests/system/test_site.py")
 # tests/planted_changes.py asks for that: nothing is translated
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 

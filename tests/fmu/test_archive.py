@@ -168,10 +168,7 @@ ENDS = {
     "at its end": ("", 0),
     "by an error": ("1 / 0", 1),
     "by sys.exit": ("import sys; sys.exit(3)", 3),
-    "as the command does": (
-        "import inertia_module.cli as cli; cli.app = lambda: None; cli.main()",
-        0,
-    ),
+    "as the command does": ("import inertia_module.cli as cli; cli.app = lambda: None; cli.main()", 0),
     "with a process forked from it": (FORK.format("fmus[0].advance, args=(0.01,)") + "child.join()", 0),
     "a forked one": (FORK.format("Fmu, args=(other,)") + "child.join()", 0),
 }
