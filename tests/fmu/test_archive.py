@@ -381,11 +381,10 @@ import sys
 from pathlib import Path
 
 from inertia_module.common import files
-from inertia_module.compiling import ir
-from inertia_module.compiling import linking
+from inertia_module.compiling import ir, linking
+from inertia_module.compiling.targets import LINUX64
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
-from inertia_module.compiling.targets import LINUX64
 
 
 def build(word):
