@@ -51,10 +51,11 @@ def compiled():
 @pytest.fixture(scope="session")
 def built(tmp_path_factory):
     """Folder with all FMUs, the native ones for this platform alone: that takes half the time."""
-    from inertia_module.fmu.builder import all_here, build
+    from inertia_module.fmu.builder import build
+    from tests.ready import HERE
 
     folder = tmp_path_factory.mktemp("build")
-    assert not build(folder, targets=all_here()).skipped
+    assert not build(folder, targets=HERE).skipped
     return folder
 
 

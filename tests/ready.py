@@ -8,8 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from inertia_module.compiling.load import load
+from inertia_module.compiling.targets import TARGETS, here
 from inertia_module.contract.models import MODELS
-from inertia_module.fmu.builder import FMUS, WEB_KERNEL, all_here, build
+from inertia_module.fmu.builder import FMUS, WEB_KERNEL, build
+
+# targets whose code goes into the library that this process would load: of macOS two
+HERE = tuple(target for target in TARGETS if target.folder == here().folder)
 
 
 def make_ready():
@@ -17,8 +21,7 @@ def make_ready():
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor() as pool:
         tasks = [pool.submit(load, model) for model in MODELS.values()]
         tasks += [
-            pool.submit(build, Path(folder), files=files, targets=all_here())
-            for files in (FMUS, (WEB_KERNEL,))
+            pool.submit(build, Path(folder), files=files, targets=HERE) for files in (FMUS, (WEB_KERNEL,))
         ]
         for task in tasks:
             task.result()

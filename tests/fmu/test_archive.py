@@ -23,10 +23,11 @@ from inertia_module.compiling.load import SHIPPED
 from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
-from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, all_here, build
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.native_fmu import guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.ready import HERE
 from tests.system.programs import command, process
 
 from .test_python_fmu import drive
@@ -40,7 +41,6 @@ PAPERS = {
     3: DOCUMENTATION | {"modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"} | ICONS,
 }
 LARGEST = 1_200_000
-HERE = all_here()
 
 
 def content_of(path):

@@ -13,16 +13,17 @@ from inertia_module import __version__
 from inertia_module.compiling.linking import with_kernel
 from inertia_module.compiling.targets import TARGETS
 from inertia_module.contract.models import DRIVEN_SHAFT
-from inertia_module.fmu.builder import FMUS, PYTHON_FMU, all_here
+from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.fmu.linking import header_folder
 from inertia_module.fmu.native_fmu import library_path
+from tests.ready import HERE
 
 lief.logging.disable()  # it tells of every table that is empty
 
 NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
 # this platform, and those that it takes long to build for
 PLATFORMS = [
-    pytest.param(target, marks=[] if target in all_here() else pytest.mark.slow, id=target.label)
+    pytest.param(target, marks=[] if target in HERE else pytest.mark.slow, id=target.label)
     for target in TARGETS
 ]
 # of model exchange
@@ -99,7 +100,7 @@ def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(
     fmu, target, request, tmp_path
 ):
     processor = PROCESSORS[target.compiler.split("-", 1)[0]]
-    folder = request.getfixturevalue("built" if target in all_here() else "built_for_all")
+    folder = request.getfixturevalue("built" if target in HERE else "built_for_all")
     with zipfile.ZipFile(folder / fmu.file_name) as packed:
         found = read(Path(packed.extract(library_path(fmu, target), tmp_path)), processor)
     required = required_by(fmu.fmi)

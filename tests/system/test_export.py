@@ -19,11 +19,12 @@ from scenes import REFERENCE as INPUTS
 from inertia_module.contract.variables import REAL
 from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
-from inertia_module.fmu.builder import FMUS, all_here, content_of
+from inertia_module.fmu.builder import FMUS, content_of
 from inertia_module.harness.system import Node, WiredFmus
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
+from tests.ready import HERE
 from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
@@ -54,7 +55,7 @@ class Exported(NamedTuple):
 def here():
     """Exports have libraries for this platform alone."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(systems, "content_of", functools.partial(content_of, targets=all_here()))
+        patched.setattr(systems, "content_of", functools.partial(content_of, targets=HERE))
         yield
 
 

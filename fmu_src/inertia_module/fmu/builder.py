@@ -119,15 +119,6 @@ def build(
     return built
 
 
-def all_here() -> tuple[Target, ...]:
-    """Targets whose code goes into the library that this process would load: of macOS two.
-
-    Raises:
-        CompilationUnavailable: there are none.
-    """
-    return tuple(target for target in TARGETS if target.folder == here().folder)
-
-
 def current_fmu(
     fmu: NativeFmu = MODULE_FMU, folder: Path = BUILD_FOLDER, progress: Progress = lambda stage: None
 ) -> Path:
@@ -145,7 +136,7 @@ def current_fmu(
     if path.parent != folder:
         return path
     try:
-        targets = all_here()
+        targets = [target for target in TARGETS if target.folder == here().folder]
     except CompilationUnavailable as reason:
         raise RuntimeError(f"{path.name} cannot be built: {reason}") from None
     if not is_current(path, fmu, targets):
