@@ -16,7 +16,7 @@ $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
-# $(call set-up,EXTRA): the kernel is translated (half a minute) while pip goes on with what that does not need
+# $(call set-up,EXTRAS): the kernel is translated (half a minute) while pip goes on with what that does not need
 define set-up
 	$(BIN)/python -m pip install $(QUIET) numba
 	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
@@ -27,9 +27,13 @@ endef
 $(VENV)/.run: $(VENV)/.made pyproject.toml
 	$(call set-up,fast)
 
+$(VENV)/.test: $(VENV)/.made pyproject.toml
+	$(call set-up,quick)
+	@touch $(VENV)/.run
+
 $(VENV)/.all: $(VENV)/.made pyproject.toml
 	$(call set-up,all)
-	@touch $(VENV)/.run
+	@touch $(VENV)/.run $(VENV)/.test
 
 install: $(VENV)/.all ## set up a virtual environment with everything
 
@@ -48,11 +52,8 @@ demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car throu
 
 TESTS := -m pytest -n auto --dist worksteal
 
-# the kernels for this processor, which the tests would else wait for: beside the page
-KERNELS := from inertia_module import memory; [made.load_kernel() for made in (memory.Module(), memory.DrivenShaft())]
-
-test: $(VENV)/.all ## run the tests but for those that take long
-	$(BIN)/python -c '$(KERNELS)' & $(BIN)/python page/make.py; made=$$?; wait; exit $$made
+test: $(VENV)/.test ## run the tests but for those that take long
+	$(BIN)/python -m tests.ready & $(BIN)/python page/make.py; made=$$?; wait; exit $$made
 	$(BIN)/python $(TESTS) -m "not slow"
 
 test-long: $(VENV)/.all page ## run the tests that take long

@@ -19,7 +19,6 @@ LONG = frozenset(
         "test_coupling_tends_to_the_one_piece_reference[bevel-0.5-implicit ramp-0.0001-1.9e-05]",
         "test_coupling_tends_to_the_one_piece_reference[bevel-5.0-None-0.00125-1e-09]",
         "test_coupling_tends_to_the_one_piece_reference[planar-0.3-None-0.00125-1e-09]",
-        "test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no_user",
         "test_imbalance_is_drawn_where_the_kernel_has_it",
         "test_intervals_are_as_wide_as_the_values_scatter",
         "test_kernel_alone_is_linked_for_every_platform",
@@ -34,11 +33,7 @@ LONG = frozenset(
     }
 )
 # whole files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site
-LONG_FILES = (
-    "tests/native/",
-    "tests/system/test_hosts.py",
-    "tests/system/test_site.py",
-)
+LONG_FILES = ("tests/native/", "tests/system/test_hosts.py", "tests/system/test_site.py")
 # tests/planted_changes.py asks for that: nothing is translated
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
@@ -55,10 +50,21 @@ def compiled():
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory):
-    """Folder with all FMUs."""
+    """Folder with all FMUs, the native ones for this platform alone: that takes half the time."""
     from inertia_module.fmu.builder import build
+    from tests.ready import HERE
 
     folder = tmp_path_factory.mktemp("build")
+    assert not build(folder, targets=HERE).skipped
+    return folder
+
+
+@pytest.fixture(scope="session")
+def built_for_all(tmp_path_factory):
+    """Folder with all FMUs for every platform: a test that asks for it is slow."""
+    from inertia_module.fmu.builder import build
+
+    folder = tmp_path_factory.mktemp("build_for_all")
     assert not build(folder).skipped
     return folder
 
@@ -66,8 +72,8 @@ def built(tmp_path_factory):
 def pytest_collection_modifyitems(items):
     """Mark what is long as slow."""
     for item in items:
-        name = getattr(item, "originalname", item.name)
-        if {name, item.name} & LONG or any(part in item.nodeid for part in LONG_FILES):
+        is_long = {getattr(item, "originalname", item.name), item.name} & LONG
+        if is_long or "built_for_all" in item.fixturenames or item.nodeid.startswith(LONG_FILES):
             item.add_marker(pytest.mark.slow)
 
 

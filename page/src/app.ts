@@ -33,13 +33,14 @@ export class App {
   private wanted = true;
   private asked = false;
   private linking = 0;
-  private last = 0;
+  private awake = false;
+  private last = Infinity;
 
   constructor() {
     const linked = fromHash(location.hash, [...SCENES.keys()], SETTABLE);
     this.store = new Store(linked.settings);
     this.player = new Player(() => { this.changed(); });
-    this.picture = new Picture(() => { this.wanted = true; });
+    this.picture = new Picture(() => { this.want(); });
     this.curves = new Curves(byId("curves"), (time) => { this.player.set({ time, loop: null }); });
     this.panels = new Panels(this, this.curves, this.picture);
     this.session = new Session({
@@ -59,7 +60,7 @@ export class App {
     this.player.clock.playing = linked.time === 0 && !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.picture.still(requestOf(this.scene, linked.settings.changed).parameters);
     void this.session.ask(this.scene, linked.settings.changed);
-    requestAnimationFrame((now) => { this.tick(now); });
+    this.want();
   }
 
   get scene(): Scene {
@@ -139,19 +140,19 @@ export class App {
     this.player.reach(lengthOf(run), run.complete || run.refusal !== null);
     this.picture.run(run);
     this.curves.show(run);
-    this.wanted = true;
+    this.want();
   }
 
   private settled(): void {
     this.picture.show(this.store.get().shown);
     this.panels.settings();
-    this.changed();
     // sliders move many times in a frame
     this.asked = true;
+    this.changed();
   }
 
   private changed(): void {
-    this.wanted = true;
+    this.want();
     if (this.linking !== 0) return;
     this.linking = window.setTimeout(() => {
       this.linking = 0;
@@ -159,9 +160,25 @@ export class App {
     }, 300);
   }
 
+  private want(): void {
+    this.wanted = true;
+    this.wake();
+  }
+
+  /** Ask for a frame: at rest there are none. */
+  private wake(): void {
+    if (this.awake) return;
+    this.awake = true;
+    requestAnimationFrame((now) => {
+      this.awake = false;
+      this.tick(now);
+      if (this.player.clock.playing || (this.wanted && this.run)) this.wake();
+      else this.last = Infinity;
+    });
+  }
+
   private tick(now: number): void {
-    requestAnimationFrame((next) => { this.tick(next); });
-    const passed = (now - this.last) / 1000;
+    const passed = Math.max(0, (now - this.last) / 1000);
     this.last = now;
     if (this.asked) {
       this.asked = false;

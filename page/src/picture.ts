@@ -75,9 +75,8 @@ export class Picture {
     const part = 1 - Math.exp(-passed / CALM);
     let changing = false;
     for (const name of ["housing", "output"] as const) {
-      const missing = Number(mode[name]) - this.holds[name];
-      changing ||= Math.abs(missing) > 0.01;
-      this.holds[name] += missing * part;
+      this.holds[name] += (Number(mode[name]) - this.holds[name]) * part;
+      changing ||= Math.abs(Number(mode[name]) - this.holds[name]) > 0.01;
     }
     this.view.draw({
       q: valueAt(run, "q", time), theta1: valueAt(run, "theta1", time), thetaOut: valueAt(run, "theta_out", time),

@@ -22,7 +22,7 @@ SCENES = {
     },
     "planar": MECHANISMS["planar"] | {"input_hold": 1},
     "no freewheels": {
-        **{"housing_freewheel": False, "output_freewheel": False, "gravity": 9.81, "drive_friction": 0.01},
+        **{"housing_freewheel": False, "output_freewheel": False, "gravity": 9.81, "drive_friction": 0.01}
     },
 }
 SHAFTS = ({}, {"input_hold": 1, "balancer": 1.0, "driven_friction": 0.4})

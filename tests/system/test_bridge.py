@@ -241,10 +241,7 @@ NO_MEASUREMENT = [
 
 @pytest.mark.parametrize(
     "make, given, message",
-    [
-        *((bridge.fmu_system, *case) for case in NO_SYSTEM),
-        *((measured, *case) for case in NO_MEASUREMENT),
-    ],
+    [*((bridge.fmu_system, *case) for case in NO_SYSTEM), *((measured, *case) for case in NO_MEASUREMENT)],
 )
 def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make, given, message):
     with pytest.raises(ValueError, match=message):

@@ -187,17 +187,16 @@ def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, tmp_path, argum
     assert not (tmp_path / "out").exists()
 
 
+IS_FOLDER = "error: . must be an FMU file, is a folder\n"
+
+
 @pytest.mark.parametrize(
     "run, arguments, words",
     [
         (own_process, ("check", "nothing.fmu"), "nothing.fmu"),
         (command, ("run", "nothing.toml", "-o", "a/b"), "nothing.toml"),
-        (command, ("check", "."), "error: . must be an FMU file, is a folder\n"),
-        (
-            command,
-            ("run", REFERENCE, "--fmu", ".", "-o", "out"),
-            "error: . must be an FMU file, is a folder\n",
-        ),
+        (command, ("check", "."), IS_FOLDER),
+        (command, ("run", REFERENCE, "--fmu", ".", "-o", "out"), IS_FOLDER),
     ],
 )
 def test_files_that_are_none_are_named_and_no_folder_is_made_for_nothing(tmp_path, run, arguments, words):

@@ -17,12 +17,14 @@ from scenes import ELASTIC, MECHANISMS
 from scenes import REFERENCE as INPUTS
 
 from inertia_module.contract.variables import REAL
+from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
-from inertia_module.fmu.builder import FMUS
+from inertia_module.fmu.builder import FMUS, content_of
 from inertia_module.harness.system import Node, WiredFmus
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
+from tests.ready import HERE
 from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
@@ -49,8 +51,16 @@ class Exported(NamedTuple):
     looped: Callable[[float | None], dict[str, float]]
 
 
+@pytest.fixture(scope="module")
+def here():
+    """Exports have libraries for this platform alone."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(systems, "content_of", functools.partial(content_of, targets=HERE))
+        yield
+
+
 @pytest.fixture(scope="module", params=SYSTEMS)
-def exported(request, tmp_path_factory):
+def exported(request, here, tmp_path_factory):
     plan = make_plan(request.param, *SYSTEMS[request.param], STEP, STOP)
     folder = tmp_path_factory.mktemp("export")
     export(plan, folder)
@@ -165,6 +175,15 @@ def test_a_mechanism_without_a_shaft_is_one_fmu(exported):
         "osp/InertiaModule.fmu",
         "container.fmu",
     }
+
+
+def test_an_export_has_libraries_for_all_platforms(built_for_all, tmp_path):
+    export(make_plan("planar", *SYSTEMS["module alone"], STEP, STOP), tmp_path)
+    with (
+        zipfile.ZipFile(tmp_path / "osp" / "InertiaModule.fmu") as ours,
+        zipfile.ZipFile(built_for_all / "InertiaModule.fmu") as theirs,
+    ):
+        assert ours.namelist() == theirs.namelist()
 
 
 def test_scenes_are_exported_with_their_mechanism_drive_and_start():

@@ -94,10 +94,7 @@ def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
                 lambda: system.set("module", load_torque=3.0),
                 r"module\.load_torque must be an input that no wire drives: shaft",
             ),
-            (
-                lambda: system.set("engine", omega1=1.0),
-                "of the system, is 'engine' .there are module, shaft",
-            ),
+            (lambda: system.set("engine", omega1=1.0), "of the system, is 'engine' .there are module, shaft"),
             (lambda: system.run(0.01, [("engine", "omega1")]), "is 'engine'"),
             (lambda: system.run(0.0105, ENDS), "whole number of steps of 0.001 s after 0 s, is 0.0105 s"),
             (lambda: system.run(-1.0, ENDS), "is -1 s"),
