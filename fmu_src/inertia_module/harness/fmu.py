@@ -91,13 +91,10 @@ def run(
     lengths, given = np.ascontiguousarray(lengths), np.empty((lengths.size, len(inputs)))
     for column, values in zip(given.T, inputs.values(), strict=True):
         column[:] = values
-    in_one_call = getattr(plant, "take_steps", None)
     done, number = 0, FIRST_STEPS
     while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
-        part = lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1]
-        if in_one_call is None or not in_one_call(*part):
-            take_steps(plant, *part)
+        take_steps(plant, lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1])
         number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
         done = end
         if progress is not None:
@@ -107,7 +104,10 @@ def run(
 def take_steps(
     plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
 ) -> None:
-    """Take steps with a plant one after the other; arguments as of Fmu.take_steps."""
+    """Take steps, in one call of a plant that can, else one by one; arguments as of Fmu.take_steps."""
+    in_one_call = getattr(plant, "take_steps", None)
+    if in_one_call is not None and in_one_call(lengths, inputs, given, outputs, rows):
+        return
     rows[0] = plant.read(outputs)
     for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
         plant.set(**dict(zip(inputs, values, strict=True)))
