@@ -413,8 +413,7 @@ def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
         # an output that nothing is known of counts as the worst
         worst = [max(known, key=lambda name: (math.isnan(known[name]), known[name]))] if largest else []
         errors = [text(known[name], ".1e") for name in worst or wanted]
-        level = row.method if row.fidelity == PEER else row.level
-        table.add_row(level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
+        table.add_row(row.level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
     return table
 
 
