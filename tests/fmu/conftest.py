@@ -98,17 +98,14 @@ class Instance:
             v.name: of_enumerations if v.type == "Enumeration" else v.type for v in description.modelVariables
         }
         self.log = Log()
-        if self.is_fmi3:
-            modes["logMessage"] = self.log.take
-        else:
-            modes["callbacks"] = callbacks_of(self.log)
+        logged = {"logMessage": self.log.take} if self.is_fmi3 else {"callbacks": callbacks_of(self.log)}
         self.fmu = (Slave if self.is_fmi3 else FMU2Slave)(
             guid=description.guid,
             unzipDirectory=str(folder),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="instance",
         )
-        self.fmu.instantiate(loggingOn=True, **modes)
+        self.fmu.instantiate(loggingOn=True, **logged, **modes)
         self.time = 0.0
 
     def set(self, **values):

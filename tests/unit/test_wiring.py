@@ -14,11 +14,8 @@ GIVEN = {"module": ["omega1"], "shaft": ["load_torque"]}
 
 
 def check(descriptions, wires=BOTH, given=GIVEN, step=1e-3, drive=None):
-    parameters = {"module": {} if drive is None else {"drive": drive, "input_inertia": 0.1}}
-    nodes = {
-        name: Node("", parameters.get(name, {}), dict.fromkeys(given.get(name, ()), 1.0))
-        for name in descriptions
-    }
+    parameters = {} if drive is None else {"drive": drive}
+    nodes = {name: Node("", parameters, dict.fromkeys(given.get(name, ()), 1.0)) for name in descriptions}
     check_wiring(nodes, descriptions, wires, step)
 
 
