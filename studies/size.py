@@ -41,12 +41,12 @@ BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
     "kernel": 7488,
-    "compiling": 686,
-    "harness": 2400,
-    "fidelity": 810,
+    "compiling": 644,
+    "harness": 2303,
+    "fidelity": 802,
     "jobs": 2672,
-    "export, page, cli, common": 1792,
-    "package": 23185,
+    "export, page, cli, common": 1788,
+    "package": 23034,
     "studies": 6597,
     "tests": 16854,
 }
