@@ -459,7 +459,7 @@ def chart(
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
     one input speed, and there is a map of the efficiency over speed ratio and input speed.
     """
-    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, efficiency_map
+    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, efficiency_map, save_converter
 
     folder = folder_for(output, "chart")
     names = [scene.stem for scene in scenes]
@@ -468,10 +468,7 @@ def chart(
     omega1 = None if speed is None else turning(speed)
     at = omega1 or NOMINAL_SPEED
     mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
-    charts = {
-        name: inertia_module.torque_converter_chart(values, at < 0.0, omega1=abs(at))
-        for name, values in mechanisms.items()
-    }
+    charts = {name: inertia_module.torque_converter_chart(values, at) for name, values in mechanisms.items()}
     maps = {}
     for name in (name for name, found in charts.items() if not found.lossless):
         with progress_bar(f"efficiency of {name}") as progress:
@@ -481,8 +478,7 @@ def chart(
     if omega1 is not None:
         for name, found in charts.items():
             table = converter_table(SteadyMachine(mechanisms[name]), found, omega1)
-            files.append(table.save(folder / f"{name}_converter.csv"))
-            files.append(table.save_mat(folder / f"{name}_converter.mat"))
+            files += save_converter(table, omega1, folder / f"{name}_converter")
     files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, maps)))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}

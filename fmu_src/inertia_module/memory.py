@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import threading
 import warnings
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
@@ -370,23 +369,6 @@ class Module(ModelInstance):
                 setattr(self.derived, name, getattr(known, name))
         super()._begin()
         kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
-
-
-# a module of each thread, for checks: to make one takes as long as a check
-_of_thread = threading.local()
-
-
-def check_parameters(**values: float | str) -> None:
-    """Check parameters of an inertia module: those given, and all together.
-
-    Raises:
-        Refused: as start of a module.
-    """
-    if not hasattr(_of_thread, "module"):
-        _of_thread.module = Module("plain")
-    module = _of_thread.module
-    module.parameters.numbers[:] = _at_start(module.model)[0].numbers
-    module.check(**values)
 
 
 class DrivenShaft(ModelInstance):

@@ -85,7 +85,7 @@ def figures_of_scene():
     """Kernel times, and the largest difference of the mean output speed over a second, of the largest omega1."""
     scene = load_scene(SCENE)
     records = {
-        name: run_in_process(scene.replaced(mechanism={"fidelity": fidelity})).record
+        name: run_in_process(scene.replaced(mechanism={"fidelity": fidelity}))
         for name, fidelity in FIDELITIES.items()
     }
     whole = round(1.0 / scene.run.communication_step)

@@ -10,7 +10,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 from scenes import ALL_LOSSES, ELASTIC, REFERENCE, WIND_UP
 
 from inertia_module.fmu.builder import FMUS
-from inertia_module.harness.loading import Slave, messages_of_others, pass_on
+from inertia_module.harness.loading import Log, Slave, callbacks_of
 
 # the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
@@ -97,15 +97,15 @@ class Instance:
         self.calls = {
             v.name: of_enumerations if v.type == "Enumeration" else v.type for v in description.modelVariables
         }
-        if self.is_fmi3:
-            modes["logMessage"] = pass_on
+        self.log = Log()
+        logged = {"logMessage": self.log.take} if self.is_fmi3 else {"callbacks": callbacks_of(self.log)}
         self.fmu = (Slave if self.is_fmi3 else FMU2Slave)(
             guid=description.guid,
             unzipDirectory=str(folder),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="instance",
         )
-        self.fmu.instantiate(loggingOn=True, **modes)
+        self.fmu.instantiate(loggingOn=True, **logged, **modes)
         self.time = 0.0
 
     def set(self, **values):
@@ -174,13 +174,14 @@ class Instance:
     def refusal(self, action, expected=fmi2Error):
         """The message of what an action is refused with: an error, or another status that is expected."""
         status = None
-        with messages_of_others() as messages:
-            try:
-                action()
-            except FMICallException as error:
-                status = error.status
+        self.log.warnings.clear()
+        self.log.errors.clear()
+        try:
+            action()
+        except FMICallException as error:
+            status = error.status
         assert status == expected
-        return "; ".join(messages)
+        return "; ".join(self.log.warnings + self.log.errors)
 
     def close(self):
         # the library stays: one of pythonfmu that is loaded again may abort the process at its end

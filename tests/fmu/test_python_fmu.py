@@ -4,7 +4,6 @@ import ctypes
 import math
 from functools import partial
 from operator import attrgetter
-from unittest.mock import Mock
 
 import pytest
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
@@ -12,7 +11,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
 from inertia_module.fmu import builder, python_fmu
 from inertia_module.fmu.slave import HEAD_SIZE
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.loading import callbacks_of, messages_of_others
+from inertia_module.harness.loading import Log, callbacks_of
 from inertia_module.memory import NO_STATE, Module
 from tests.system.programs import process
 
@@ -101,13 +100,13 @@ def said_at(location, description, folder):
         modelIdentifier=description.modelName,
         instanceName="host",
     )
-    listener = Mock()
-    arguments = (b"host", 1, fmu.guid.encode(), location, ctypes.byref(callbacks_of(listener)), 0, 1)
+    log = Log()
+    arguments = (b"host", 1, fmu.guid.encode(), location, ctypes.byref(callbacks_of(log)), 0, 1)
     component = fmu.fmi2Instantiate(*arguments)
     if component:
         fmu.fmi2FreeInstance(component)
         return None
-    (((_, said), _),) = listener.on_message.call_args_list
+    (said,) = log.messages
     return said
 
 
@@ -231,9 +230,8 @@ def test_null_pointers_are_refused_and_the_instance_goes_on(instance, call):
     given = NULL_ARGUMENTS[call]
     arguments = [ctypes.c_void_p(value) if value is None else ctypes.c_size_t(value) for value in given]
     function = instance.fmu.dll[f"fmi2{call}"]
-    with messages_of_others() as messages:
-        assert function(ctypes.c_void_p(instance.fmu.component), *arguments) == fmi2Error
-    assert messages == [f"the arguments of fmi2{call} must be given, one is NULL"]
+    assert function(ctypes.c_void_p(instance.fmu.component), *arguments) == fmi2Error
+    assert instance.log.errors == [f"the arguments of fmi2{call} must be given, one is NULL"]
     assert instance.all_values() == before
     assert not instance.is_discarded(0.1)
     if call.endswith(KINDS):

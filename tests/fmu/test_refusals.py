@@ -14,7 +14,7 @@ from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
 from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.harness.loading import messages_of_others
+from inertia_module.harness.loading import Log, callbacks_of
 from inertia_module.memory import Module
 from tests.system.programs import process
 
@@ -331,11 +331,10 @@ def test_a_host_whose_time_jumps_is_told_so_once(instance):
     if not instance.is_native:
         pytest.skip("the Python FMU does not look at the time")
     instance.start(**R1)
-    with messages_of_others() as messages:
-        for time in (0.0, 7.0, 7.1, 3.0):
-            instance.time = time
-            instance.step(0.1)
-    (said,) = messages
+    for time in (0.0, 7.0, 7.1, 3.0):
+        instance.time = time
+        instance.step(0.1)
+    (said,) = instance.log.warnings + instance.log.errors
     assert "communication point must be the time reached, 0.1 s, or that of a saved state, is 7 s" in said
 
 
@@ -372,9 +371,10 @@ def test_instances_of_another_build_or_without_a_name_are_not_made(opened, guid,
         modelIdentifier="InertiaModule",
         instanceName=name,
     )
-    with messages_of_others() as messages, pytest.raises(Exception, match="nstantiate"):
-        fmu.instantiate()
-    assert said in messages[0]
+    log = Log()
+    with pytest.raises(Exception, match="nstantiate"):
+        fmu.instantiate(callbacks=callbacks_of(log))
+    assert said in log.errors[0]
 
 
 # --- mechanisms that cannot be built run, and are warned of ---
@@ -393,17 +393,16 @@ CASES = {
 def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_path, case):
     expected = Module("plain").start(**CASES[case]).warnings()
     assert bool(expected) == (case != "none")
-    warnings = []
-    with messages_of_others(warnings) as errors:
-        instance.start(**CASES[case], omega1=100.0)
-        instance.step(0.01)
-        assert warnings == expected
-        instance.fmu.reset()
-        instance.start(**CASES[case])
-        assert errors == []
-        instance.fmu.reset()
-        with pytest.raises(FMICallException):  # and if it is refused, not of more
-            instance.start(**CASES[case], imbalance_mass=-1.0)
+    warnings, errors = instance.log.warnings, instance.log.errors
+    instance.start(**CASES[case], omega1=100.0)
+    instance.step(0.01)
+    assert warnings == expected
+    instance.fmu.reset()
+    instance.start(**CASES[case])
+    assert errors == []
+    instance.fmu.reset()
+    with pytest.raises(FMICallException):  # and if it is refused, not of more
+        instance.start(**CASES[case], imbalance_mass=-1.0)
     assert warnings == 2 * expected
     assert len(errors) == 1
     with Fmu(fmu_path, CASES[case], {"omega1": 100.0}) as fmu:

@@ -134,7 +134,7 @@ def test_errors_are_largest_differences_over_windows(name, ours, exact, window, 
 
 def test_the_module_in_process_is_the_plant_of_the_same_loop(built):
     rigid = trials.at_level(SCENE, event(2, 1e-8))
-    ours = run_in_process(rigid).record
+    ours = run_in_process(rigid)
     fmu = run_scene(rigid, built / "InertiaModule.fmu").record
     for name in ("omega_out", "output_torque_mean", "load_torque"):
         assert ours[name] == pytest.approx(fmu[name], rel=1e-12, abs=1e-12)
@@ -145,8 +145,8 @@ def test_the_chosen_level_meets_the_error_in_all_outputs_and_has_them(first):
     chosen, choice = trials.choose(SCENE.replaced(run={"outputs": [first, "output_torque_mean"]}))
     assert not chosen.chooses_fidelity
     fidelity = int(chosen.parameters()["fidelity"])
-    exact = run_in_process(trials.at_level(SCENE, event(2, 1e-12))).record
-    errors = window_errors(run_in_process(chosen).record, exact, 0.1, fidelity)
+    exact = run_in_process(trials.at_level(SCENE, event(2, 1e-12)))
+    errors = window_errors(run_in_process(chosen), exact, 0.1, fidelity)
     assert choice.wanted == (first, "output_torque_mean")
     assert all(errors[name] <= 0.02 for name in choice.wanted)
     assert choice.row.wall_time > 0.0
@@ -196,7 +196,7 @@ def test_level_that_refuses_the_losses_of_a_scene_is_not_chosen():
     assert {row.level for row in rows if "must be" in row.failure} == {refusing}
     chosen, choice = trials.choose(lossy)
     assert choice.row.level != refusing
-    assert run_in_process(chosen).record.last()["time"] == pytest.approx(0.2)
+    assert run_in_process(chosen).last()["time"] == pytest.approx(0.2)
     # what refuses and might be cheaper is told with the sentence
     assert any(label.startswith(refusing) for label in choice.passed)
 

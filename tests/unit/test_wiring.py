@@ -5,14 +5,18 @@ from fmpy import read_model_description
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.fmu.description import model_description
-from inertia_module.harness.wires import Wire, WiringError, check_wiring
+from inertia_module.harness.wires import Node, Wire, WiringError, check_wiring
 
 SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
 TORQUE = Wire("shaft", "shaft_torque_mean", "module", "load_torque")
 BOTH = [SPEED, TORQUE]
 GIVEN = {"module": ["omega1"], "shaft": ["load_torque"]}
-# what a module driven by torque is given
-TURNED = {**GIVEN, "module": ["drive_torque"]}
+
+
+def check(descriptions, wires=BOTH, given=GIVEN, step=1e-3, drive=None):
+    parameters = {} if drive is None else {"drive": drive}
+    nodes = {name: Node("", parameters, dict.fromkeys(given.get(name, ()), 1.0)) for name in descriptions}
+    check_wiring(nodes, descriptions, wires, step)
 
 
 def described(model, folder, *changes):
@@ -34,22 +38,18 @@ def both(tmp_path_factory):
     }
 
 
-def by_torque(drive):
-    return {"module": {"drive": drive, "input_inertia": 0.1}}
-
-
 @pytest.mark.parametrize("drive", [1.0, 1, "torque"])
 def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both, drive):
-    check_wiring(both, BOTH, GIVEN, 1e-3)
+    check(both)
     # what a wire drives may have a start value
-    check_wiring(both, BOTH, {**GIVEN, "module": ["omega1", "load_torque"]}, 1e-3)
+    check(both, given={**GIVEN, "module": ["omega1", "load_torque"]})
     for names in (["drive_torque"], ["drive_torque", "omega1"]):
-        check_wiring(both, BOTH, {**GIVEN, "module": names}, 1e-3, by_torque(drive))
+        check(both, given={**GIVEN, "module": names}, drive=drive)
     with pytest.raises(WiringError, match=r"module\.drive_torque must be driven by a wire"):
-        check_wiring(both, BOTH, GIVEN, 1e-3, by_torque(drive))
+        check(both, drive=drive)
     idle = Wire("module", "omega_out", "module", "omega1")
     with pytest.raises(WiringError, match="the input must be drive_torque, omega1 has no effect"):
-        check_wiring(both, [*BOTH, idle], TURNED, 1e-3, by_torque(drive))
+        check(both, [*BOTH, idle], {**GIVEN, "module": ["drive_torque"]}, drive=drive)
 
 
 NOTHING, NAN = "must be driven by a wire or a given value, nothing", float("nan")
@@ -84,7 +84,7 @@ BAD = [
 @pytest.mark.parametrize("asked, words", BAD)
 def test_wires_that_cannot_work_are_named(both, asked, words):
     with pytest.raises(WiringError) as caught:
-        check_wiring(both, **{"wires": BOTH, "given": GIVEN, "step": 1e-3, **asked})
+        check(both, **asked)
     assert words in str(caught.value)
 
 
@@ -95,9 +95,9 @@ def test_a_loop_of_signals_that_follow_from_each_other_at_once_is_refused(both, 
         "module": described(INERTIA_MODULE, tmp_path / "one", through),
         "shaft": described(DRIVEN_SHAFT, tmp_path / "two", through),
     }
-    check_wiring(both | {"shaft": direct["shaft"]}, BOTH, GIVEN, 1e-3)
+    check(both | {"shaft": direct["shaft"]})
     with pytest.raises(WiringError, match="an algebraic loop must hold an output") as caught:
-        check_wiring(direct, BOTH, GIVEN, 1e-3)
+        check(direct)
     assert "module.omega_out" in str(caught.value)
     assert "shaft.shaft_torque_mean" in str(caught.value)
 
@@ -109,4 +109,4 @@ def test_kinds_have_to_match(both, tmp_path):
     )
     other = described(DRIVEN_SHAFT, tmp_path / "other", (real, b'<Integer start="0" />'))
     with pytest.raises(WiringError, match="both ends must be of one kind, are Real and Integer"):
-        check_wiring(both | {"shaft": other}, BOTH, GIVEN, 1e-3)
+        check(both | {"shaft": other})

@@ -11,7 +11,7 @@ place of the speed the input was left at. Against stepping on, a restart loses w
 and the step size of the integration: results agree within the tolerance, not to the bit.
 
 **whole.** The serialised state of the FMU, exact to the bit and good for every FMU, but only to be passed on:
-no part of it can be changed, so it cannot be linearised. Six bytes to a number: whole numbers below 2^48,
+no part of it can be changed, so it cannot be linearised. Four bytes to a number: whole numbers below 2^32,
 which every copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
 """
 
@@ -40,7 +40,7 @@ _SPEEDS = ("omega1", "hub_speed")
 # speed of link 1 where a torque drives the module, which starts at omega1
 _INPUT_SPEED = "input_speed"
 # of a whole state in each number
-_BYTES = 6
+_BYTES = 4
 
 
 # --- state: motion ---
@@ -94,8 +94,8 @@ class _Motion:
         self._held = tuple(name for name in inputs if name in _SPEEDS)
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_names = ["omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion]
-        carried = self._read[len(self._motion) :]
-        self.names = [*self._motion, *(f"{name}_held" for name in self._held), *carried]
+        held = [f"{name}_held" for name in self._held]
+        self.names = [*self._motion, *held, *self._read[len(self._motion) :]]
         self._places = np.array([self.names.index(name) for name in outputs], dtype=np.intp)
         self.start = self._state(fmu.read(self._held))
 
@@ -124,15 +124,13 @@ class _Motion:
 
 def numbers_of(data: bytes) -> Array:
     """Pack bytes as whole numbers, shape (n,); the first is the count of bytes."""
-    padded = np.frombuffer(data + bytes(-len(data) % _BYTES), dtype=np.uint8).reshape(-1, _BYTES)
-    wide = np.pad(padded, ((0, 0), (0, 8 - _BYTES)))
-    return np.concatenate([[float(len(data))], wide.view("<u8")[:, 0].astype(np.float64)])
+    padded = np.frombuffer(data + bytes(-len(data) % _BYTES), dtype="<u4")
+    return np.concatenate([[float(len(data))], padded.astype(np.float64)])
 
 
 def bytes_of(numbers: Array) -> bytes:
     """Unpack the bytes of numbers_of, refused where it has not given them: a state that has been changed."""
-    limit = 2.0 ** (8 * _BYTES)
-    whole = np.isfinite(numbers) & (numbers >= 0.0) & (numbers < limit) & (numbers == np.floor(numbers))
+    whole = (numbers >= 0.0) & (numbers < 2.0 ** (8 * _BYTES)) & (numbers == np.floor(numbers))
     count = (len(numbers) - 1) * _BYTES
     if not whole.all() or not count - _BYTES < numbers[0] <= count:
         place = int(np.argmin(whole))
@@ -140,8 +138,7 @@ def bytes_of(numbers: Array) -> bytes:
             f"a whole state must be one that the system has given, is changed: number {place} is"
             f" {numbers[place]:.17g} (state = 'motion' has one that can be changed)"
         )
-    narrow = numbers[1:].astype("<u8").view(np.uint8).reshape(-1, 8)[:, :_BYTES]
-    return narrow.tobytes()[: int(numbers[0])]
+    return numbers[1:].astype("<u4").tobytes()[: int(numbers[0])]
 
 
 class _Whole:

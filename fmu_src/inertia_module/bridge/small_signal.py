@@ -47,7 +47,7 @@ from scipy.signal import detrend
 
 from ..common.errors import did_you_mean, must_be
 from ..contract.variables import BY_NAME
-from ..harness.fmu import Fmu, as_names
+from ..harness.fmu import Fmu, as_names, run
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
 from ..kernel.averaged import run as average
@@ -156,7 +156,11 @@ def averaged_system(
     return ct.nlsys(
         lambda _, state, u, __: np.array([motion(float(state[0]), u)[-1]]),
         output,
-        **{"inputs": list(inputs), "outputs": list(outputs), "states": ["omega_out"], "name": name, "dt": 0},
+        inputs=list(inputs),
+        outputs=list(outputs),
+        states=["omega_out"],
+        name=name,
+        dt=0,
     )
 
 
@@ -239,10 +243,9 @@ class SineBench:
     def settle(self, time: float) -> float:
         """Run at constant inputs for a time, s; torque pulses per second in its last half (0: not two)."""
         count = math.ceil(time / self.step)
-        torque = np.empty(count)
-        for n in range(count):
-            self.plant.advance(self.step)
-            torque[n] = self.plant.read((PULSES,))[0]
+        rows = np.empty((count + 1, 1))
+        run(self.plant, np.full(count, self.step), {}, (PULSES,), rows)
+        torque = rows[1:, 0]
         driven = torque[count // 2 :] > 1e-9 * max(float(np.abs(torque).max()), 1e-300)
         starts = np.flatnonzero(~driven[:-1] & driven[1:])
         return float((starts.size - 1) / ((starts[-1] - starts[0]) * self.step)) if starts.size > 1 else 0.0

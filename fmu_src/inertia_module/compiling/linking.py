@@ -48,7 +48,7 @@ def compile_ir(model: Model, target: Target) -> bytes:
     # Code finds all by its distance from itself, within 2 GB. llvmlite's own choice writes whole addresses
     # into the code: the loader of macOS lets no one do that.
     machine = llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.processor, features=target.features, opt=3, reloc="pic", codemodel="small"
+        cpu=target.processor, opt=3, reloc="pic", codemodel="small"
     )
     module = llvm.parse_assembly(ir.llvm_text(model))
     module.triple = machine.triple
@@ -75,7 +75,7 @@ def object_file(model: Model, target: Target) -> bytes:
     Raises:
         CompilationUnavailable: numba or llvmlite is not installed, or fails.
     """
-    platform = f"{target.triple}-{target.processor}{target.features}"
+    platform = f"{target.triple}-{target.processor}"
     digest = content_hash(made_from(model) | {"platform": platform.encode()})[:16]
     return kept(f"{model.name}-{digest}.o", lambda: compile_ir(model, target)).read_bytes()
 
@@ -161,20 +161,15 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
 
 
 def kernel_library(model: Model) -> Path:
-    """The shared library of a kernel alone, for all that this processor can do, in the cache.
+    """The shared library of a kernel alone, in the cache: the machine code that an FMU of this platform has.
 
     Raises:
         CompilationUnavailable: what it takes is not installed, or fails.
     """
-    made = made_from(model) | ir.tool_versions("ziglang")
-    import llvmlite.binding as llvm
-
-    features = llvm.get_host_cpu_features().flatten()
-    target = here()._replace(processor=llvm.get_host_cpu_name(), features=features)
-    made["target"] = repr(target).encode()
-    digest = content_hash(made | sources("compiling/*.c", "compiling/targets.py"))[:16]
-    file = f"{model.name}{target.suffix}"
-    return kept(f"{model.name}-{digest}{target.suffix}", lambda: with_kernel(model, target, file, {}))
+    target = here()
+    made = made_from(model) | ir.tool_versions("ziglang") | sources("compiling/*.c", "compiling/targets.py")
+    file = f"{model.name}-kernel-{target.label}-{content_hash(made)[:16]}{target.suffix}"
+    return kept(file, lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {}))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,6 @@ class Target(NamedTuple):
         folder: in an FMU of FMI 2.0, below binaries.
         triple, processor: for the machine code of the kernel. compiler: target of the C compiler.
         libraries: what is linked with besides the C library.
-        features: what the processor can do beyond its name, as LLVM writes it.
     """
 
     folder: str
@@ -27,7 +26,6 @@ class Target(NamedTuple):
     processor: str
     compiler: str
     libraries: tuple[str, ...] = ()
-    features: str = ""
 
     @property
     def label(self) -> str:

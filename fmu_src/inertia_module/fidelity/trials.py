@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -413,8 +413,7 @@ def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
         # an output that nothing is known of counts as the worst
         worst = [max(known, key=lambda name: (math.isnan(known[name]), known[name]))] if largest else []
         errors = [text(known[name], ".1e") for name in worst or wanted]
-        level = row.method if row.fidelity == PEER else row.level
-        table.add_row(level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
+        table.add_row(row.level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
     return table
 
 
@@ -491,9 +490,7 @@ def kernel_time(
 
     def steps(number: int) -> None:
         module.restore(begin)
-        part = lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1]
-        if not module.take_steps(*part):
-            take_steps(module, *part)
+        take_steps(module, lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1])
 
     spent, none = (median_time(partial(steps, number), repeats) for number in (len(inputs), 0))
     return max(spent - none, _RESOLUTION * len(inputs))
@@ -502,20 +499,8 @@ def kernel_time(
 # --- a run ---
 
 
-class SceneRun(NamedTuple):
-    """Result of a run of a scene.
-
-    Attributes:
-        record: all variables of the module and all signals of the loop at each communication point.
-        module_time: of the kernel, s per simulated second.
-    """
-
-    record: Result
-    module_time: float
-
-
-def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
-    """Run a scene whose fidelity is chosen.
+def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
+    """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop.
 
     Args:
         scene: as it is to be run. progress: told how much is done (0 to 1).
@@ -523,16 +508,22 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> SceneRun:
     Raises:
         Refused: the module refuses its parameters, an input or a step.
     """
+    loop = ClosedLoop(_started(scene), scene.surroundings, COMPUTED, scene.signal_units)
+    return loop.run(scene.run.stop_time, progress)
+
+
+def _started(scene: Scene) -> Module:
     values, inputs = start_of(scene)
-    plant = Module().start(**values, **inputs)
-    begin = plant.save()
-    loop = ClosedLoop(plant, scene.surroundings, COMPUTED, scene.signal_units)
-    record = loop.run(scene.run.stop_time, progress)
+    return Module().start(**values, **inputs)
+
+
+def time_of(scene: Scene, record: Result) -> float:
+    """Measure the time of the kernel in a scene, s per simulated second; record: of run_in_process."""
+    plant = _started(scene)
     # the signals of a row are held over the step it begins, the other inputs over the run
     held = [record[name] if name in record else np.full(len(record), plant[name]) for name in PLANT_INPUTS]
     steps = np.transpose(held)[:-1].tolist()
-    spent = kernel_time(plant, begin, steps, scene.run.communication_step)
-    return SceneRun(record, spent / scene.run.stop_time)
+    return kernel_time(plant, plant.save(), steps, scene.run.communication_step) / scene.run.stop_time
 
 
 # --- errors over windows of time ---
@@ -620,15 +611,16 @@ def measure_scene(
     share = 1.0 / (1 + len(levels) * len(lengths))
     tell = progress or (lambda done: None)
     finest = at_level(scene, reference_level(scene))
-    reference = run_in_process(finest, lambda done: tell(done * share)).record
+    reference = run_in_process(finest, lambda done: tell(done * share))
 
     def of_level(level: Level, step: float) -> Callable[[Progress], dict[str, Any]]:
         def run(report: Progress) -> dict[str, Any]:
-            found = run_in_process(at_level(scene, level, step), report)
-            last = found.record.last()
+            ours = at_level(scene, level, step)
+            record = run_in_process(ours, report)
+            last = record.last()
             return {
-                "errors": window_errors(found.record, reference, scene.accuracy.window, level.fidelity),
-                "wall_time": found.module_time,
+                "errors": window_errors(record, reference, scene.accuracy.window, level.fidelity),
+                "wall_time": time_of(ours, record),
                 "evaluations": last["rhs_evaluations"],
                 "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
             }

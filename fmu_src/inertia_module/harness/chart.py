@@ -229,18 +229,8 @@ LARGEST_TORQUE_RATIO, LEAST_SHARE = 50.0, 1e-4
 COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 
 _TORQUES = ("output_torque", "input_torque", "ripple", "peak", "lock_up_torque")
-_CONVERTER_UNITS = {
-    "speed_ratio": "1",
-    "torque_ratio": "1",
-    "capacity_factor": "rad/s/(N.m)^0.5",
-    "output_torque": "N.m",
-    "input_torque": "N.m",
-}
-# the numbers of summary that are no torques
-_RATIOS = (
-    *("least_torque_ratio", "end_ratio", "stall_peak_over_mean"),
-    *("efficiency_maximum", "efficiency_maximum_ratio"),
-)
+# of a converter table; its other columns are pure numbers
+CONVERTER_UNITS = {"capacity_factor": "rad/s/(N.m)^0.5", "output_torque": "N.m", "input_torque": "N.m"}
 
 
 @dataclass(frozen=True)
@@ -299,16 +289,20 @@ class TorqueConverterChart:
             "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
         }
         square = 1.0 if omega1 is None else omega1 * omega1
-        return {name: value if name in _RATIOS else square * value for name, value in numbers.items()}
+        return {name: square * value if _is_torque(name) else value for name, value in numbers.items()}
 
     def units(self, omega1: float | None = None) -> dict[str, str]:
         """Units of the numbers of summary, "" for ratios."""
         torque = "N.m.s2" if omega1 is None else "N.m"
-        return {name: "" if name in _RATIOS else torque for name in self.summary()}
+        return {name: torque if _is_torque(name) else "" for name in self.summary()}
 
     def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""
         return write_columns(path, vars(self), dict.fromkeys(_TORQUES, "N.m.s2"))
+
+
+def _is_torque(number: str) -> bool:
+    return number.endswith("_torque")
 
 
 @dataclass(frozen=True)
@@ -345,28 +339,23 @@ def efficiency_map(machine: SteadyMachine, omega1: float, progress: Progress) ->
 
 
 def torque_converter_chart(
-    parameters: Mapping[str, float | str],
-    backward: bool = False,
-    kernel: str = "auto",
-    omega1: float = NOMINAL_SPEED,
+    parameters: Mapping[str, float | str], omega1: float = NOMINAL_SPEED, kernel: str = "auto"
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
 
     Args:
         parameters: of the module by name, those that differ from the defaults; as in Module.set.
-        backward: for omega1 < 0, where the drive turns the other way; the torque is another.
+        omega1: input speed at which a mechanism with losses is measured, rad/s, not 0; without losses the
+            chart is that of all speeds of this sign (backwards the torque is another).
         kernel: as in Module.
-        omega1: magnitude of the input speed at which a mechanism with losses is measured, rad/s; without
-            losses the chart is that of all speeds.
 
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
     machine = SteadyMachine(parameters, kernel)
     if machine.ideal:
-        return _chart_of_map(parameters, backward, kernel)
+        return _chart_of_map(parameters, omega1 < 0.0, kernel)
     # with losses, up to the last ratio at which the load gets a torque
-    omega1 = -omega1 if backward else omega1
     found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
     number = max(np.flatnonzero(found[:, 0] > 0.0), default=0) + 1
     torque, taken, efficiency, link2, ripple, peak, _ = found[:number].T
@@ -397,48 +386,17 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel:
     return TorqueConverterChart(ratios, torque, ratios * torque, one, link2, ripple, peak, lock * one)
 
 
-@dataclass(frozen=True)
-class ConverterTable:
-    """A converter at an input speed; arrays of shape (n,), all finite.
-
-    Attributes:
-        omega1: speed of the input, rad/s. speed_ratio: output over input speed, rising from 0.
-        torque_ratio: output over input torque, at most LARGEST_TORQUE_RATIO, negative on a braked shaft.
-        capacity_factor: omega1 / sqrt(input torque), rad/s/(N m)^0.5.
-        output_torque, input_torque: mean torques of the mechanism itself, N m.
-    """
-
-    omega1: float
-    speed_ratio: Array
-    torque_ratio: Array
-    capacity_factor: Array
-    output_torque: Array
-    input_torque: Array
-
-    def save(self, path: Path) -> Path:
-        """Write as CSV, whole or not at all."""
-        units = {name: unit for name, unit in _CONVERTER_UNITS.items() if unit != "1"}
-        return write_columns(path, {name: getattr(self, name) for name in _CONVERTER_UNITS}, units)
-
-    def save_mat(self, path: Path) -> Path:
-        """Write as MAT file (version 5), whole or not at all: a struct converter, with units."""
-        fields = {name: getattr(self, name) for name in _CONVERTER_UNITS}
-        from scipy.io import savemat  # takes half a second
-
-        stream = io.BytesIO()
-        content = {
-            "converter": {"omega1": self.omega1, **fields, "units": {"omega1": "rad/s", **_CONVERTER_UNITS}}
-        }
-        savemat(stream, content, oned_as="column")
-        write_atomically(path, stream.getvalue())
-        return path
-
-
-def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> ConverterTable:
+def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> dict[str, Array]:
     """The converter table of a mechanism.
 
     Args:
         machine: of the mechanism. chart: of it at this speed. omega1: speed of the input, rad/s, not 0.
+
+    Returns:
+        Columns of shape (n,), all finite: speed_ratio, output over input speed, rising from 0; torque_ratio,
+        output over input torque, at most LARGEST_TORQUE_RATIO, negative on a braked shaft; capacity_factor,
+        omega1 / sqrt(input torque), rad/s/(N m)^0.5; output_torque and input_torque, means of the mechanism
+        itself, N m.
 
     Raises:
         Refused: no torque is passed at any ratio.
@@ -454,11 +412,25 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
     if not greatest > 0.0:
         raise Refused(f"a mechanism must pass torque for a converter table, passes none at {omega1:g} rad/s")
     given = np.maximum(taken, np.maximum(passed / LARGEST_TORQUE_RATIO, LEAST_SHARE * greatest))
-    return ConverterTable(
-        omega1,
-        np.concatenate([chart.speed_ratio, ratios]),
-        passed / given,
-        abs(omega1) / np.sqrt(given),
-        passed,
-        taken,
-    )
+    return {
+        "speed_ratio": np.concatenate([chart.speed_ratio, ratios]),
+        "torque_ratio": passed / given,
+        "capacity_factor": abs(omega1) / np.sqrt(given),
+        "output_torque": passed,
+        "input_torque": taken,
+    }
+
+
+def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> list[Path]:
+    """Write a converter table at omega1, rad/s, to stem.csv and stem.mat, each whole or not at all.
+
+    The MAT file, of version 5, holds a struct converter with units.
+    """
+    from scipy.io import savemat  # takes half a second
+
+    units = {"omega1": "rad/s", **dict.fromkeys(table, "1"), **CONVERTER_UNITS}
+    stream = io.BytesIO()
+    savemat(stream, {"converter": {"omega1": omega1, **table, "units": units}}, oned_as="column")
+    files = [write_columns(Path(f"{stem}.csv"), table, CONVERTER_UNITS), Path(f"{stem}.mat")]
+    write_atomically(files[1], stream.getvalue())
+    return files

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 
 # function of the native FMUs that takes many steps in one call
 RUN = "inertiaModuleRun"
+# status of a warning in the standards; above it are errors
+WARNING = 1
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 # calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
@@ -104,7 +106,7 @@ def run(
 def take_steps(
     plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
 ) -> None:
-    """Take steps with a plant, in one call where it can; arguments as of Fmu.take_steps."""
+    """Take steps, in one call of a plant that can, else one by one; arguments as of Fmu.take_steps."""
     in_one_call = getattr(plant, "take_steps", None)
     if in_one_call is not None and in_one_call(lengths, inputs, given, outputs, rows):
         return
@@ -182,6 +184,22 @@ def _number_for(variable: Any, value: Any) -> float:
     return number
 
 
+class Log:
+    """Messages of an instance, oldest first: all of them, and of these the warnings and the errors."""
+
+    def __init__(self) -> None:
+        self.messages: list[str] = []
+        self.warnings: list[str] = []
+        self.errors: list[str] = []
+
+    def take(self, environment: int | None, status: int, category: bytes, message: bytes) -> None:
+        """Take a message, as the log callback of FMI 3.0."""
+        text = message.decode("utf-8", "replace")
+        self.messages.append(text)
+        if status >= WARNING:
+            (self.warnings if status == WARNING else self.errors).append(text)
+
+
 class Kept(NamedTuple):
     """A state kept by an instance, and its time, s."""
 
@@ -224,9 +242,8 @@ class Fmu(Closing):
     ) -> None:
         self.path = fmu_file(path)
         self.time = start_time
-        self.messages: list[str] = []
-        self.warnings: list[str] = []
-        self._errors: list[str] = []
+        self._log = Log()
+        self.messages, self.warnings = self._log.messages, self._log.warnings
         self._kept: list[Kept] = []
         self._unpacked: Unpacked | None = None
         self._instance: Any = None
@@ -258,7 +275,7 @@ class Fmu(Closing):
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
-            self._instance = instantiate(description, self._unpacked.folder, self.path.stem, self)
+            self._instance = instantiate(description, self._unpacked.folder, self.path.stem, self._log)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
             raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error
@@ -276,25 +293,18 @@ class Fmu(Closing):
         self._kept.clear()
         self._unpacked = None
 
-    def on_message(self, status: int, message: str) -> None:
-        """Take a log message of the FMU; status as in FMI 2.0: 1 for a warning, above it for errors."""
-        self.messages.append(message)
-        if status == 1:
-            self.warnings.append(message)
-        elif status > 1:
-            self._errors.append(message)
-
     def _call(self, function: str, *arguments: Any) -> Any:
         """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
         if self._instance is None:
             raise FmuError(f"{self.path.name} is closed: {function} needs an instance that is open")
-        self._errors.clear()
+        errors = self._log.errors
+        errors.clear()
         try:
             found = getattr(self._instance, function)(*arguments)
         except Exception as error:
-            raise FmuError("; ".join(self._errors) or f"{function}: {error}") from error
-        if self._errors:
-            raise FmuError("; ".join(self._errors))
+            raise FmuError("; ".join(errors) or f"{function}: {error}") from error
+        if errors:
+            raise FmuError("; ".join(errors))
         return found
 
     def set_logging(self, on: bool, *categories: str) -> None:

@@ -5,14 +5,12 @@ Importing it brings fmpy along.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import io
 import shutil
 import tempfile
 import threading
 import weakref
-from collections.abc import Iterator
 from ctypes import byref, c_void_p
 from dataclasses import dataclass, field
 from multiprocessing.util import Finalize
@@ -34,10 +32,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 from fmpy.validation import validate_fmu
 
-from .fmu import RUN, Fmu, read_description
-
-# status of a warning in FMI 2.0; above it are errors
-WARNING = 1
+from .fmu import RUN, WARNING, Log, read_description
 
 
 class Unpacked:
@@ -74,74 +69,44 @@ def unpacked(path: Path) -> Unpacked:
         return copy
 
 
-# instances by the environment their callbacks carry, and what takes the messages of all others
-_listeners: weakref.WeakValueDictionary[int, Fmu] = weakref.WeakValueDictionary()
-_others: list[tuple[list[str], list[str]]] = []
+# of the environment that callbacks carry; of instances that fmpy makes itself, which carry none
+_logs: weakref.WeakValueDictionary[int, Log] = weakref.WeakValueDictionary()
+_OTHERS = 0
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Pass a log message on to the instance it is for; others are printed, as fmpy does."""
-    listener = _listeners.get(environment or 0)
-    if listener is not None:
-        listener.on_message(status, message.decode("utf-8", "replace"))
-    elif _others and status > 0:
-        warnings, errors = _others[-1]
-        (warnings if status == WARNING else errors).append(message.decode("utf-8", "replace"))
-    elif not _others:
+    """Pass a message on to the log it is for; without one it is printed, as fmpy does."""
+    log = _logs.get(environment or _OTHERS)
+    if log is None:
         printLogMessage(environment, instance, status, category, message)
-
-
-def pass_on(environment: int | None, status: int, category: bytes, message: bytes) -> None:
-    """Log callback of an instance of FMI 3.0 that fmpy makes itself: its messages are no printf formats."""
-    _dispatch(environment, b"", status, category, message)
+    else:
+        log.take(environment, status, category, message)
 
 
 _DISPATCHER = fmi2CallbackLoggerTYPE(_dispatch)
 
 
-def _callbacks() -> Any:
-    """Callbacks with the log callback of all instances, to which fmpy's proxy passes messages from now on.
+def callbacks_of(log: Log, environment: int | None = None) -> Any:
+    """Callbacks of one instance of FMI 2.0 with a log, and its own environment unless one is given.
 
-    The proxy, which formats the messages, knows one callback a process: the last one given. One that is
-    freed while another instance still logs would crash the process: this one stays.
+    Fmpy's proxy, which formats the messages, knows one callback a process: the last one given. One that is
+    freed while another instance still logs would crash the process: that of all instances stays.
     """
     callbacks = fmi2CallbackFunctions()
     callbacks.logger = _DISPATCHER
     addLoggerProxy(byref(callbacks))
-    return callbacks
-
-
-def callbacks_of(listener: Fmu) -> Any:
-    """Callbacks of one instance of FMI 2.0, with its own environment."""
-    callbacks = _callbacks()
     callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
     callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    callbacks.componentEnvironment = id(listener)
-    _listeners[id(listener)] = listener
+    callbacks.componentEnvironment = key = id(log) if environment is None else environment
+    _logs[key] = log
     return callbacks
 
 
-@contextlib.contextmanager
-def messages_of_others(warnings: list[str] | None = None) -> Iterator[list[str]]:
-    """Collect warnings and errors of instances that fmpy makes itself.
-
-    Args:
-        warnings: list for the warnings; by default they come with the errors.
-    """
-    _callbacks()
-    messages: list[str] = []
-    _others.append((messages if warnings is None else warnings, messages))
-    try:
-        yield messages
-    finally:
-        _others.pop()
-
-
-def instantiate(description: Any, folder: str, name: str, listener: Fmu) -> Any:
+def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
     """Make an instance for co-simulation, with FMPy's FMI 2.0 method names.
 
     Args:
-        description: fmpy's. folder: with its content. name: of the instance. listener: takes its messages.
+        description: fmpy's. folder: with its content. name: of the instance. log: takes its messages.
     """
     arguments = {
         "guid": description.guid,
@@ -151,14 +116,10 @@ def instantiate(description: Any, folder: str, name: str, listener: Fmu) -> Any:
     }
     if description.fmiVersion == "2.0":
         instance = FMU2Slave(**arguments)
-        instance.instantiate(callbacks=callbacks_of(listener), loggingOn=True)
+        instance.instantiate(callbacks=callbacks_of(log), loggingOn=True)
     else:
-
-        def log(environment: int | None, status: int, category: bytes, message: bytes) -> None:
-            listener.on_message(status, message.decode("utf-8", "replace"))
-
         instance = Slave(**arguments)
-        instance.instantiate(logMessage=log, loggingOn=True)
+        instance.instantiate(logMessage=log.take, loggingOn=True)
     whole_runs = getattr(instance.dll, RUN, None)
     if whole_runs is not None:
         whole_runs.argtypes, whole_runs.restype = (c_void_p, c_void_p), _check_status
@@ -224,15 +185,19 @@ def _step(path: Path, description: Any, report: Report, events: bool = False) ->
     stop = float(getattr(experiment, "stopTime", None) or 1.0)
     what = f"stepping it to {stop:g} s" + " with event mode" * events
     modes: dict[str, Any] = {"use_event_mode": events, "early_return_allowed": events, "debug_logging": True}
+    log = Log()
     if description.fmiVersion == "3.0":
-        modes["logger"] = pass_on
-    with messages_of_others(report.warnings) as messages:
-        try:
-            table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, **modes)
-        except Exception as error:
-            report.problems.append(f"{what} fails: {'; '.join(messages) or error}")
-            return
-    report.problems.extend(f"it logs an error: {message}" for message in messages)
+        modes["logger"] = log.take
+    else:
+        callbacks_of(log, _OTHERS)
+    try:
+        table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, **modes)
+    except Exception as error:
+        report.problems.append(f"{what} fails: {'; '.join(log.errors) or error}")
+        return
+    finally:
+        report.warnings += log.warnings
+    report.problems.extend(f"it logs an error: {message}" for message in log.errors)
     heading = "with event mode" if events else "stepped to"
     report.facts[heading] = f"{stop:g} s in {len(table) - 1} steps"
     for name in table.dtype.names or ():

@@ -5,32 +5,19 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import did_you_mean, must_be
+from ..common.errors import Named, must_be
 from .fmu import Closing, Fmu, FmuError, read_description
 from .results import TIME, Result
 from .simulate import whole_steps
-from .wires import Wire, WiringError, check_wiring
+from .wires import Node, Wire, WiringError, check_wiring
+
+__all__ = ["GAUSS_SEIDEL", "JACOBI", "Node", "WiredFmus"]
 
 JACOBI = "Jacobi"
 GAUSS_SEIDEL = "Gauss-Seidel"
-
-
-class Node(NamedTuple):
-    """One FMU of a system.
-
-    Attributes:
-        path: the .fmu file. parameters: by name. inputs: by name, those that no wire drives, and start
-            values of those that one does. tolerance: for its experiment, or None.
-    """
-
-    path: Path | str
-    parameters: Mapping[str, float | bool | str] = {}
-    inputs: Mapping[str, float] = {}
-    tolerance: float | None = None
 
 
 class WiredFmus(Closing):
@@ -56,18 +43,13 @@ class WiredFmus(Closing):
     ) -> None:
         if order not in (JACOBI, GAUSS_SEIDEL):
             raise WiringError(must_be("order", f"{JACOBI} or {GAUSS_SEIDEL}", repr(order)))
-        check_wiring(
-            {name: read_description(Path(node.path)) for name, node in nodes.items()},
-            wires,
-            {name: node.inputs for name, node in nodes.items()},
-            step,
-            {name: node.parameters for name, node in nodes.items()},
-        )
+        described = {name: read_description(Path(node.path)) for name, node in nodes.items()}
+        check_wiring(nodes, described, wires, step)
         self.step = step
         self.order = order
         self.time = 0.0
         self._wires = tuple(wires)
-        self.fmus: dict[str, Fmu] = {}
+        self.fmus: Named[Fmu] = Named({}, "an FMU of the system")
         try:
             for name, node in nodes.items():
                 self.fmus[name] = Fmu(node.path, node.parameters, node.inputs, node.tolerance)
@@ -75,18 +57,11 @@ class WiredFmus(Closing):
             self.close()
             raise
 
-    def _fmu(self, name: str) -> Fmu:
-        if name not in self.fmus:
-            if not self.fmus:
-                raise WiringError(f"an FMU must be of a system that is open, is {name!r}")
-            raise WiringError(f"an FMU must be of the system, is {name!r} {did_you_mean(name, self.fmus)}")
-        return self.fmus[name]
-
     def set(self, name: str, **values: float | str) -> None:
         """Set inputs of one FMU that no wire drives.
 
         Raises:
-            WiringError: a wire drives it, or there is no such FMU. FmuError: there is no such input.
+            WiringError: a wire drives it. UnknownName, FmuError: there is no such FMU, or no such input.
         """
         for wire in self._wires:
             if wire.sink == name and wire.input in values:
@@ -94,10 +69,10 @@ class WiredFmus(Closing):
                     f"{name}.{wire.input} must be an input that no wire drives:"
                     f" {wire.source}.{wire.output} drives it"
                 )
-        self._fmu(name).set(**values)
+        self.fmus[name].set(**values)
 
     def _pass_on(self, wires: Iterable[Wire]) -> None:
-        values = [(wire, self._fmu(wire.source)[wire.output]) for wire in wires]
+        values = [(wire, self.fmus[wire.source][wire.output]) for wire in wires]
         for wire, value in values:
             self.fmus[wire.sink].set(**{wire.input: value})
 
@@ -128,7 +103,7 @@ class WiredFmus(Closing):
             Table of the outputs, named name.variable, shape (steps + 1,) each.
 
         Raises:
-            WiringError: there is no such FMU, or stop_time is no whole number of steps away.
+            UnknownName: there is no such FMU. WiringError: stop_time is no whole number of steps away.
             FmuError: there is no such variable, or an FMU refuses a step.
         """
         steps = whole_steps(stop_time - self.time, self.step)
@@ -137,7 +112,7 @@ class WiredFmus(Closing):
                 f"stop_time must be a whole number of steps of {self.step:g} s after {self.time:g} s, is"
                 f" {stop_time:g} s"
             )
-        read = [(f"{name}.{output}", self._fmu(name), output) for name, output in outputs]
+        read = [(f"{name}.{output}", self.fmus[name], output) for name, output in outputs]
         times = self.time + self.step * np.arange(steps + 1)
         rows = np.empty((times.size, 1 + len(read)))
         for n, time in enumerate(times):
@@ -152,4 +127,4 @@ class WiredFmus(Closing):
         with contextlib.ExitStack() as stack:
             for fmu in self.fmus.values():
                 stack.callback(fmu.close)
-        self.fmus = {}
+        self.fmus = Named({}, "an FMU of a system that is open")

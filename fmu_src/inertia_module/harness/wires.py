@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import graphlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..common.errors import Refused, did_you_mean, must_be
 from ..contract.variables import ENUMERATIONS
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 
-# inputs of the module without effect once it runs, by its parameter drive
-_IDLE = {DRIVE_SPEED: "drive_torque", DRIVE_TORQUE: "omega1"}
+# inputs of the module by its parameter drive: the one that drives it, the one without effect once it runs
+_DRIVEN_BY = {DRIVE_SPEED: ("omega1", "drive_torque"), DRIVE_TORQUE: ("drive_torque", "omega1")}
 _DRIVES: Mapping[Any, int] = {name: number for name, number, _ in ENUMERATIONS["Drive"]}
 
 
@@ -36,6 +37,20 @@ class Wire(NamedTuple):
         return f"{self.source}.{self.output} -> {self.sink}.{self.input}"
 
 
+class Node(NamedTuple):
+    """One FMU of a system.
+
+    Attributes:
+        path: the .fmu file. parameters: by name. inputs: by name, those that no wire drives, and start
+            values of those that one does. tolerance: for its experiment, or None.
+    """
+
+    path: Path | str
+    parameters: Mapping[str, float | bool | str] = {}
+    inputs: Mapping[str, float] = {}
+    tolerance: float | None = None
+
+
 def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, causality: str) -> Any:
     """The variable at one end of a wire, refused where there is none of this causality."""
     if instance not in descriptions:
@@ -47,43 +62,34 @@ def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, 
     return there[name]
 
 
-def _idle_input(description: Any, parameters: Mapping[str, Any]) -> str | None:
-    """The input of a module that has no effect with its drive; None of any other FMU."""
+def _driven_by(description: Any, parameters: Mapping[str, Any]) -> tuple[str, str]:
+    """The input that drives a module and the one that has no effect then; neither of any other FMU."""
     known = {variable.name: variable for variable in description.modelVariables}
-    if not {"drive", *_IDLE.values()} <= known.keys():
-        return None
+    if not {"drive", "omega1", "drive_torque"} <= known.keys():
+        return "", ""
     drive = parameters.get("drive", int(known["drive"].start))
-    return _IDLE.get(_DRIVES.get(drive, drive))
+    return _DRIVEN_BY.get(_DRIVES.get(drive, drive), ("", ""))
 
 
-def _check_driven(
-    descriptions: Mapping[str, Any],
-    wires: Sequence[Wire],
-    given: Mapping[str, Iterable[str]],
-    parameters: Mapping[str, Mapping[str, Any]],
+def _not_driven_once(
+    nodes: Mapping[str, Node], descriptions: Mapping[str, Any], wires: Sequence[Wire]
 ) -> list[str]:
     """List inputs that are not driven once, by a wire or by the user, and wires to one without effect."""
     problems = []
-    idle = {name: _idle_input(found, parameters.get(name, {})) for name, found in descriptions.items()}
-    for wire in wires:
-        if wire.input == idle[wire.sink]:
-            other = next(name for name in _IDLE.values() if name != wire.input)
-            problems.append(f"{wire}: the input must be {other}, {wire.input} has no effect with that drive")
-    drivers: dict[tuple[str, str], list[str]] = {}
-    for wire in wires:
-        drivers.setdefault((wire.sink, wire.input), []).append(f"{wire.source}.{wire.output}")
-    for (instance, name), found in drivers.items():
-        if len(found) > 1:
-            problems.append(
-                f"{instance}.{name} must be driven by one of them, is driven by {' and by '.join(found)}"
-            )
-    for instance, description in descriptions.items():
-        for variable in description.modelVariables:
-            needed = variable.causality == "input" and variable.name != idle[instance]
-            has = (instance, variable.name) in drivers or variable.name in given.get(instance, ())
-            if needed and not has:
+    for instance, node in nodes.items():
+        needed, idle = _driven_by(descriptions[instance], node.parameters)
+        inputs = (v.name for v in descriptions[instance].modelVariables if v.causality == "input")
+        for name in inputs:
+            found = [wire for wire in wires if (wire.sink, wire.input) == (instance, name)]
+            if name == idle:
+                why = f"the input must be {needed}, {idle} has no effect with that drive"
+                problems += [f"{wire}: {why}" for wire in found]
+            elif len(found) > 1:
+                drivers = " and by ".join(f"{wire.source}.{wire.output}" for wire in found)
+                problems.append(f"{instance}.{name} must be driven by one of them, is driven by {drivers}")
+            elif not found and name not in node.inputs:
                 problems.append(
-                    f"{instance}.{variable.name} must be driven by a wire or a given value, nothing drives it"
+                    f"{instance}.{name} must be driven by a wire or a given value, nothing drives it"
                 )
     return problems
 
@@ -113,20 +119,13 @@ def _check_loops(descriptions: Mapping[str, Any], wires: Sequence[Wire]) -> None
 
 
 def check_wiring(
-    descriptions: Mapping[str, Any],
-    wires: Sequence[Wire],
-    given: Mapping[str, Iterable[str]],
-    step: float,
-    parameters: Mapping[str, Mapping[str, Any]] | None = None,
+    nodes: Mapping[str, Node], descriptions: Mapping[str, Any], wires: Sequence[Wire], step: float
 ) -> None:
     """Refuse wires that cannot work, before anything runs.
 
     Args:
-        descriptions: fmpy's model description of each FMU instance by its name.
-        wires: between them. given: names of the inputs that have values, by instance; those of driven ones
-            are start values.
+        nodes: FMUs by name. descriptions: fmpy's model description of each. wires: between them.
         step: at which values are exchanged, s.
-        parameters: by name, by instance; what drives a module is one of them.
 
     Raises:
         WiringError: an unknown name, another kind or unit, an input driven twice or not at all, an algebraic
@@ -142,10 +141,10 @@ def check_wiring(
         units = (start.unit or "1", end.unit or "1")
         if units[0] != units[1]:
             raise WiringError(f"{wire}: both ends must be in one unit, are in {units[0]} and {units[1]}")
-    for instance, names in given.items():
-        for name in names:
+    for instance, node in nodes.items():
+        for name in node.inputs:
             _end(descriptions, Wire("given", name, instance, name), instance, name, "input")
-    problems = _check_driven(descriptions, wires, given, parameters or {})
+    problems = _not_driven_once(nodes, descriptions, wires)
     if problems:
         raise WiringError("; ".join(problems))
     _check_loops(descriptions, wires)

@@ -24,7 +24,7 @@ from ..contract.variables import (
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import CYCLES, Cycle
-from ..memory import check_parameters
+from ..memory import Module
 from .keys import (
     AUTO,
     FIDELITY,
@@ -273,7 +273,7 @@ class Scene(Strict):
         except ValueError as error:
             raise SceneError(f"run.communication_step: {error}") from None
         try:
-            check_parameters(**self.parameters())
+            Module("plain").check(**self.parameters())
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
