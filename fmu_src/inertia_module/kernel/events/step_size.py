@@ -14,12 +14,11 @@ from .stages import make_step
 STEP_PHASE = 4.0
 # ... where a link is far lighter at an angle than at others, so that its speed has a spike there, and where
 # the output can swing, which errors of long steps are estimated too low for
-SHORT_PHASE = 1.0
+SHORT_PHASE, SWING_PHASE = 1.0, 1.5
 # ... up to which the few stages of a short step tell what a guard does
 QUIET_PHASE = 2.0
-# phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
-STIFF = 4.0
-STIFF_SHARE = 0.5
+# phase of shaft and springs within a step from which on it is a stiff one, and its share of the longest step
+STIFF, STIFF_SHARE = 4.0, 0.67
 # a swing of at most so many tolerances of the output's speed is let go of, by a stiff step of this phase,
 # where stiff ones may then grow to so much
 LET_GO, LET_GO_PHASE, WORTH = 5.0, 8.0, 100.0
@@ -32,10 +31,7 @@ LARGEST_FACTOR = 5.0
 REJECTIONS = 100
 # share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
 # error of a longer step may be estimated far too low
-AFRESH = 0.5
-AFRESH_PHASE = 1.0
-# share of the allowed error that a step of the pair of order 5 may have: there are many of them
-SHORT_SHARE = 0.1
+AFRESH, AFRESH_PHASE = 0.5, 1.0
 
 
 def advance_of_phase(d, x, w):
@@ -49,7 +45,9 @@ def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
-    phase = SHORT_PHASE if d.lightest < CUSP or d.elastic != 0.0 else STEP_PHASE
+    phase = SWING_PHASE if d.elastic != 0.0 else STEP_PHASE
+    if d.lightest < CUSP:
+        phase = SHORT_PHASE
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
     if scale * slip * step > phase:
@@ -112,8 +110,9 @@ def try_short_step(d, x, w, remaining):
     """
     make_step(d, x, w, SHORT, remaining)
     fastest = fastest_speed(d, x, w)
-    error = step_error(d, x, w, fastest) / SHORT_SHARE
-    x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
+    error = step_error(d, x, w, fastest)
+    size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
+    x.short_size = max(size, x.short_size) if size > remaining else size  # (as in carry_size)
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     for guard in range(how_many_guards(d)):
