@@ -40,7 +40,7 @@ FROM_REST = 0.01
 OF_LOSSES = 0.1
 # share of its largest inertia below which a link has a cusp: errors grow there as its speed does
 CUSP = 1e-2
-# share of the tolerance where an output swings and nothing brings link 2 to rest: errors of its phase add up
+# share of the tolerance where an output swings without losses: nothing damps an error of its phase
 SWINGING = 0.15
 # share of a scale that is rounding
 ROUNDING = 1e-13
@@ -163,7 +163,7 @@ def step_error(d, x, w, fastest):
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
     tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
-    if d.elastic != 0.0 and d.housing == 0.0 and d.losses == 0.0 and w.pair != THIRDS:
+    if d.elastic != 0.0 and d.losses == 0.0 and w.pair != THIRDS:
         tolerance *= SWINGING
     sum5 = 0.0
     sum3 = 0.0
