@@ -9,7 +9,7 @@ from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
 from ..events.stages import LOST, OMEGA3, weighed_rate
 from ..events.stages import OMEGA1 as V
-from ..events.step_size import SHORT_SAFETY, SHORT_SHARE, carry_size, first_size, next_factor
+from ..events.step_size import SHORT_SAFETY, carry_size, first_size, next_factor
 from ..fields import CAUSES
 from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR
 from .rates import (
@@ -31,6 +31,8 @@ LOSSY = LOST + CAUSES
 APART = 1e-7
 # what the energies of a step may miss, in errors allowed of the speeds
 BALANCE = 10.0
+# share of the allowed error that a gentle step may have: there are many of them
+GENTLE_SHARE = 0.1
 # largest step, over the time in which a motion that its balance repels grows by e
 REPELLED = 1.0
 # from such a step on, over the time in which a balance attracts, it may be looked beyond
@@ -315,7 +317,7 @@ def try_gentle_step(d, side, x, w, leg, h, remaining):
         Whether that will do: it is within the leg, and of allowed error.
     """
     make_gentle_step(d, side, x, w, leg, h)
-    error = step_error(d, side, x, w, leg, remaining) / SHORT_SHARE
+    error = step_error(d, side, x, w, leg, remaining) / GENTLE_SHARE
     x.short_size = next_factor(error, 3.0, SHORT_SAFETY) * h
     return error <= 1.0 and beyond_leg(d, side, x, w, leg) <= ARRIVED
 

@@ -13,7 +13,7 @@ from ..equations.losses import SHAFT
 from ..equations.motion import take_state
 from ..equations.states import LOCKED, WOUND
 from ..tableau import PARTS, THIRDS
-from .stages import MOTION, how_many_move, keep_rates, prescribe_link1, solve_changed, solve_motion
+from .stages import MOTION, how_many_move, keep_rates, prescribe_link1, solve_changed, solve_motion, weigh
 
 STAGES = 8
 GAMMA = 0.21193756319429014
@@ -123,7 +123,7 @@ def differentiate(d, x, w):
 
 
 def factorise(d, w, count):
-    """Factors of 1 / (GAMMA h) - J of what moves, with row pivots, into w.matrix and w.pivots."""
+    """Factors of 1 / (GAMMA h) - J, with row pivots and reciprocal diagonal, into w.matrix and w.pivots."""
     own = 1.0 / (GAMMA * w.step)
     a = w.matrix
     for i in range(count):
@@ -140,6 +140,7 @@ def factorise(d, w, count):
             for j in range(count):
                 a[MOVING * i + j], a[MOVING * pivot + j] = a[MOVING * pivot + j], a[MOVING * i + j]
         scale = 1.0 / a[MOVING * i + i]
+        a[MOVING * i + i] = scale
         for n in range(i + 1, count):
             factor = scale * a[MOVING * n + i]
             a[MOVING * n + i] = factor
@@ -156,21 +157,15 @@ def solve(w, count):
         if pivot != i:
             b[i], b[pivot] = b[pivot], b[i]
     for i in range(count):
-        for n in range(i):
-            b[i] -= a[MOVING * i + n] * b[n]
+        known = b[i]
+        for n in range(i + 1, count):
+            b[n] -= a[MOVING * n + i] * known
     for back in range(count):
         i = count - 1 - back
-        for n in range(i + 1, count):
-            b[i] -= a[MOVING * i + n] * b[n]
-        b[i] /= a[MOVING * i + i]
-
-
-def weighed_stage(w, table, row, count, which):
-    """Sum of the first stages of a quantity with the weights of a row of a table."""
-    total = 0.0
-    for n in range(count):
-        total += table[row + n] * w.stages[n].numbers[which]
-    return total
+        known = a[MOVING * i + i] * b[i]
+        b[i] = known
+        for n in range(i):
+            b[n] -= a[MOVING * n + i] * known
 
 
 def solve_stage(d, w, stage, rates_at, count):
@@ -179,15 +174,18 @@ def solve_stage(d, w, stage, rates_at, count):
     row = (STAGES - 1) * stage
     rates, changes = w.rates[rates_at].numbers, w.stages[stage].numbers
     b = w.right_side
+    weigh(w.stages, C, row, stage, per_step, changes, len(changes))
     for which in range(len(rates)):
-        changes[which] = rates[which] + per_step * weighed_stage(w, C, row, stage, which)
+        changes[which] += rates[which]
     for i in range(count):
         b[i] = changes[MOTION[i]]
     solve(w, count)
+    for i in range(count):
+        slopes, known = w.slopes[i].numbers, b[i]
+        for which in range(len(rates)):
+            changes[which] += slopes[which] * known
     own = GAMMA * w.step
     for which in range(len(rates)):
-        for i in range(count):
-            changes[which] += w.slopes[i].numbers[which] * b[i]
         changes[which] *= own
     for i in range(count):
         changes[MOTION[i]] = b[i]
@@ -201,8 +199,7 @@ def make_stiff_step(d, x, w, h):
     factorise(d, w, count)
     solve_stage(d, w, 0, 0, count)
     for stage in range(1, STAGES):
-        for i in range(count):
-            w.change.numbers[MOTION[i]] = weighed_stage(w, A, (STAGES - 1) * stage, stage, MOTION[i])
+        weigh(w.stages, A, (STAGES - 1) * stage, stage, 1.0, w.change.numbers, len(w.change.numbers))
         solve_changed(d, x, w, w.change)
         keep_rates(d, x, w, SCRATCH)
         solve_stage(d, w, stage, SCRATCH, count)
@@ -221,15 +218,13 @@ def write_part_weights(w, sigma):
 def set_part(d, x, w, sigma):
     """Changes of all that is followed over the part sigma of the step in hand (order 4 within it)."""
     write_part_weights(w, sigma)
-    for which in range(len(w.change.numbers)):
-        w.change.numbers[which] = weighed_stage(w, w.weights, 0, STAGES, which)
+    weigh(w.stages, w.weights, 0, STAGES, 1.0, w.change.numbers, len(w.change.numbers))
     prescribe_link1(d, x, w, w.change, sigma * w.step)
 
 
 def look_inside(d, x, w, part):
     """Keep the rates at one of the thirds of the step in hand."""
     write_part_weights(w, part / PARTS)
-    for i in range(how_many_solved(d)):
-        w.change.numbers[MOTION[i]] = weighed_stage(w, w.weights, 0, STAGES, MOTION[i])
+    weigh(w.stages, w.weights, 0, STAGES, 1.0, w.change.numbers, len(w.change.numbers))
     solve_changed(d, x, w, w.change)
     keep_rates(d, x, w, part)

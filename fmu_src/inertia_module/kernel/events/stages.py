@@ -6,13 +6,14 @@ w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integral
 from ..equations.losses import write_powers_lost
 from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
+from ..fields import CAUSES
 from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import SLIP, how_many_guards, value_and_rate
 
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
 THETA1, WORK_IN, LOST = 8, 10, 11
-TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = 17, 18, 19, 20
+TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = range(LOST + CAUSES, LOST + CAUSES + 4)
 # what moves: with a rigid output, with a shaft, with wind-up; for weights the angle of link 1. Place of twist
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
 RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
@@ -81,17 +82,32 @@ def weighed_rate(w, row, count, which):
     return total
 
 
-def weighed_four(w, weights, begin, count, first):
-    """Weighed sums of the rates of four quantities at so many stages, weights from place begin on."""
+def weighed_four(stages, weights, begin, count, first):
+    """Weighed sums of four quantities at so many stages (w.rates ...), weights from place begin on."""
     a = b = c = d = 0.0
     for n in range(count):
         weight = weights[begin + n]
-        rates = w.rates[n].numbers
-        a += weight * rates[first]
-        b += weight * rates[first + 1]
-        c += weight * rates[first + 2]
-        d += weight * rates[first + 3]
+        numbers = stages[n].numbers
+        a += weight * numbers[first]
+        b += weight * numbers[first + 1]
+        c += weight * numbers[first + 2]
+        d += weight * numbers[first + 3]
     return a, b, c, d
+
+
+def weigh(stages, weights, begin, count, factor, sums, followed):
+    """Write such sums of the first so many quantities that are followed, times a factor, into sums."""
+    for first in range(0, followed - 3, 4):
+        one, two, three, four = weighed_four(stages, weights, begin, count, first)
+        sums[first] = factor * one
+        sums[first + 1] = factor * two
+        sums[first + 2] = factor * three
+        sums[first + 3] = factor * four
+    for which in range(followed - followed % 4, followed):
+        total = 0.0
+        for n in range(count):
+            total += weights[begin + n] * stages[n].numbers[which]
+        sums[which] = factor * total
 
 
 def evaluate_stages(d, x, w, first, last):
@@ -109,7 +125,7 @@ def stages_of(d, x, w, first, last, lossy):
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(w, WEIGHTS, STAGES * row, n, Q)
+        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, n, Q)
         m.q = x.q + h * q
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
@@ -133,19 +149,8 @@ def set_changes(d, x, w, changes, h, count, fewest):
     Args:
         fewest: how many of them a rigid module without losses wants.
     """
-    change = changes.numbers
-    followed = fewest if d.elastic + d.losses == 0.0 else len(change)
-    for first in range(0, followed - 3, 4):
-        one, two, three, four = weighed_four(w, w.weights, 0, count, first)
-        change[first] = w.step * one
-        change[first + 1] = w.step * two
-        change[first + 2] = w.step * three
-        change[first + 3] = w.step * four
-    for which in range(followed - followed % 4, followed):
-        total = 0.0
-        for n in range(count):
-            total += w.weights[n] * w.rates[n].numbers[which]
-        change[which] = w.step * total
+    followed = fewest if d.elastic + d.losses == 0.0 else len(changes.numbers)
+    weigh(w.rates, w.weights, 0, count, w.step, changes.numbers, followed)
     prescribe_link1(d, x, w, changes, h)
 
 

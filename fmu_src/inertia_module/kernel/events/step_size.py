@@ -18,8 +18,7 @@ SHORT_PHASE = 1.0
 # ... up to which the few stages of a short step tell what a guard does
 QUIET_PHASE = 2.0
 # phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
-STIFF = 4.0
-STIFF_SHARE = 0.5
+STIFF, STIFF_SHARE = 4.0, 0.5
 # a swing of at most so many tolerances of the output's speed is let go of, by a stiff step of this phase,
 # where stiff ones may then grow to so much
 LET_GO, LET_GO_PHASE, WORTH = 5.0, 8.0, 100.0
@@ -32,10 +31,7 @@ LARGEST_FACTOR = 5.0
 REJECTIONS = 100
 # share of its size that a step keeps where a freewheel has switched, and phase that is tried first then: an
 # error of a longer step may be estimated far too low
-AFRESH = 0.5
-AFRESH_PHASE = 1.0
-# share of the allowed error that a step of the pair of order 5 may have: there are many of them
-SHORT_SHARE = 0.1
+AFRESH, AFRESH_PHASE = 0.5, 1.0
 
 
 def advance_of_phase(d, x, w):
@@ -112,8 +108,9 @@ def try_short_step(d, x, w, remaining):
     """
     make_step(d, x, w, SHORT, remaining)
     fastest = fastest_speed(d, x, w)
-    error = step_error(d, x, w, fastest) / SHORT_SHARE
-    x.short_size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
+    error = step_error(d, x, w, fastest)
+    size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
+    x.short_size = max(size, x.short_size) if size > remaining else size  # (as in carry_size)
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     for guard in range(how_many_guards(d)):
