@@ -87,8 +87,8 @@ def stability(
     }
     counted = [
         (axis, level, *(count[name] for name in verdicts.OUTCOMES), largest)
-        for axis, here in verdicts.by_axis(rows).items()
-        for level, (count, largest) in verdicts.counts(here).items()
+        for axis in dict.fromkeys(row.axis for row in rows)
+        for level, (count, largest) in verdicts.counts([row for row in rows if row.axis == axis]).items()
     ]
     headings = "axis", "level of fidelity", *verdicts.OUTCOMES, "error up to"
     total = Counter(verdict.outcome for verdict in found)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -22,8 +23,8 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
 from . import karetin, lysenko, stelmashchuk
-from .engine import Row
-from .karetin import DYNAMIC, GENERAL, MOVING, OFFSET, PAPER, STOP, Geometry, exact, period, turned_x
+from .engine import Row, words
+from .karetin import DYNAMIC, GENERAL, MOVING, PAPER, STOP, Geometry, exact, period, turned_x
 from .lysenko import EXAMPLE as M
 from .lysenko import EXAMPLE_SPEED as W
 from .stelmashchuk import KAPPA2, PHASES, Criteria, law_of_motion, phase_starts, response
@@ -42,14 +43,12 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
 TURNS = np.linspace(0.0, 1.0, 1441)
 # between the instants at which D is on an axis or the page divides by zero
 BETWEEN = (np.arange(5760) + 0.5) / 5760
-DRIVE = "turns of the drive"
-ALPHA = "angle α of wheel 1 on the carrier [°]"
 MODES = (("stop mode", STOP), ("dynamic mode, i = 2", DYNAMIC))
-# quantity, symbol, unit, and that over the SI unit
-VECTORS = (("velocity", "V", "m/s", 1.0), ("acceleration", "a", "km/s²", 1e-3))
+SHIFTS = np.linspace(0.0, 0.5 * np.pi, 25)
 # the dwell of Stelmashchuk's figures is not given
 KAPPA = np.linspace(0.0, 3.5, 1401)
-RELATIVE_TIME = "relative time κ = t/T [1]"
+STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in stelmashchuk.STIFFNESSES}
+DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
 # Lysenko's mechanism and the speed of wheel 1 on the carrier
 WHEELS = (
     f"R, r, l = {1e3 * M.R0:g}, {1e3 * M.r:g}, {1e3 * M.arm:g} mm, b = {M.b:.3g}, m = {M.m:g} kg, "
@@ -67,6 +66,8 @@ def mechanism(g: Geometry, offsets: bool = True) -> str:
 
 
 # --- curves ---
+
+CURVES = tomllib.loads(words("figures.toml"))
 
 
 class Panel(NamedTuple):
@@ -137,10 +138,16 @@ SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
         karetin,
         karetin.STOPPED.t * karetin.STOPPED.omega16 / (2.0 * np.pi),
         slice(0, karetin.SAMPLES // GENERAL.turns_in_period, 10),
-        DRIVE,
+        CURVES["karetin_3"]["label"],
         mechanism(GENERAL),
     ),
-    "lysenko": (lysenko, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, WHEELS),
+    "lysenko": (
+        lysenko,
+        np.degrees(lysenko.INSIDE),
+        slice(0, None, 18),
+        CURVES["lysenko_2"]["label"],
+        WHEELS,
+    ),
     "stelmashchuk": (
         stelmashchuk,
         stelmashchuk.RISE,
@@ -165,154 +172,89 @@ def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
     return exact(geometry, motion, turns * period(geometry, motion))
 
 
-def by_mode(x: Any, told: str, curves: Callable[..., Mapping[str, Any]]) -> Figure:
-    """Draw what curves gives of velocity and acceleration, each over a period in both modes."""
-    rows = [
-        [Panel(f"{name} [{unit}]", curves(name, symbol, scale, motion), title) for title, motion in MODES]
-        for name, symbol, unit, scale in VECTORS
+def components(symbol: str, vector: Any) -> dict[str, Any]:
+    """Curves of the components and the modulus of a vector, shape (3, n)."""
+    parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
+    return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
+
+
+def moduli(name: str, motion: Any, scale: float = 1.0) -> tuple[Any, Any]:
+    """Moduli of velocity or acceleration over a period, exact and as the page computes them."""
+    k = in_period(motion, BETWEEN)
+    velocity = "velocity" if motion.carrier else "velocity_in_link1"
+    page = karetin.printed(PAPER, motion, k.t, velocity)
+    if name == "acceleration":
+        step = 1e-3 * k.t[0]
+        after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
+        page = (after - before) / (2.0 * step)
+    return scale * karetin.modulus(k[name]), scale * karetin.modulus(page)
+
+
+def angles(motion: Any) -> dict[str, Any]:
+    """Curves of the angles of D about Oz, Ox, Oy and of that of link 1, degrees."""
+    k = in_period(motion, BETWEEN)
+    beta, about = np.degrees(np.unwrap(k.angles)), zip("HPF", "zxy", strict=True)
+    shown = {f"$β_{index}$, about $O{axis}$": beta[n] for n, (index, axis) in enumerate(about)}
+    return shown | {"$-ω_1t$": -np.degrees(motion.carrier * k.t)}
+
+
+def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
+    """A panel of |V| with offsets and its mirror image."""
+    geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
+    span = period(geometry, motion)
+
+    def speed(t: Any) -> Any:
+        return exact(geometry, motion, t).speed
+
+    share, instant = karetin.best_mirror(speed, span)
+    both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
+    told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
+    return Panel(f"|V| [m/s], {title}", both, told)
+
+
+def asymmetries(name: str, motion: Any) -> Any:
+    """Asymmetry of a modulus over SHIFTS, percent of its range."""
+    half = [
+        100.0 * karetin.asymmetry(name, replace(PAPER, gamma=gamma), motion) for gamma in SHIFTS[:13].tolist()
     ]
-    return panels(rows, x, DRIVE, f"{told}. {mechanism(PAPER)}", sharey="row")
+    # even, and repeated every pi/s: the drive has turned on by that when B has by pi
+    return np.array([*half, *half[-2::-1]])
 
 
-def velocity_and_acceleration() -> Figure:
-    """Karetin's figure 3: velocity and acceleration of D, their moduli and components."""
-
-    def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
-        vector = scale * in_period(motion)[name]
-        parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
-        return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
-
-    return by_mode(TURNS, "Absolute velocity and acceleration of D and their components, exact", curves)
-
-
-def in_a_row() -> Figure:
-    """Moduli of velocity and acceleration, exact and as the page computes them."""
-
-    def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
-        k = in_period(motion, BETWEEN)
-        velocity = "velocity" if motion.carrier else "velocity_in_link1"
-        page = karetin.printed(PAPER, motion, k.t, velocity)
-        if name == "acceleration":
-            step = 1e-3 * k.t[0]
-            after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
-            page = (after - before) / (2.0 * step)
-        return {"exact": scale * karetin.modulus(k[name]), "as printed": scale * karetin.modulus(page)}
-
-    told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
-    figure = by_mode(BETWEEN, told, curves)
-    # it has poles where the page divides by zero
-    for axes, top in zip(figure.axes, (20.0, 20.0, 6.0, 6.0), strict=True):
-        axes.set_ylim(0.0, top)
-    return figure
-
-
-def swing() -> Figure:
-    """Conclusion 3: angles of D about Ox, Oy, Oz and their rates over a period, in both modes."""
-    upper, lower = [], []
-    for title, motion in MODES:
-        k = in_period(motion, BETWEEN)
-        beta, about = np.degrees(np.unwrap(k.angles)), zip("HPF", "zxy", strict=True)
-        shown = {f"$β_{index}$, about $O{axis}$": beta[n] for n, (index, axis) in enumerate(about)}
-        upper.append(Panel("angle of D [°]", shown | {"$-ω_1t$": -np.degrees(motion.carrier * k.t)}, title))
-        rates = {f"$ω_{index}$": k.angular_velocities[n] for n, index in enumerate("HPF")}
-        lower.append(Panel("angular velocity [rad/s]", rates, title))
-    told = f"Angles of D about the axes, put right, and their rates, (5) and (6), exact. {mechanism(PAPER)}"
-    figure = panels([upper, lower], BETWEEN, DRIVE, told)
-    for axes in figure.axes[2:]:
-        axes.set_ylim(-350.0, 300.0)
-    return figure
-
-
-def offsets() -> Figure:
-    """Conclusion 2: |V| with the offsets epsilon and gamma, each beside its mirror image."""
-
-    def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
-        geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
-        span = period(geometry, motion)
-
-        def speed(t: Any) -> Any:
-            return exact(geometry, motion, t).speed
-
-        share, instant = karetin.best_mirror(speed, span)
-        both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
-        told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
-        return Panel(f"|V| [m/s], {title}", both, told)
-
-    cases = ((0.0, 0.0), (OFFSET, 0.0), (0.0, OFFSET), (OFFSET, OFFSET / PAPER.s))
-    rows = [[beside_its_mirror(*mode, *case) for case in cases] for mode in MODES]
-    told = "Speed of D and its mirror image about the instant that suits best (broken), exact"
-    return panels(rows, TURNS, DRIVE, f"{told}. {mechanism(PAPER, offsets=False)}", sharey="row")
-
-
-def effective_offset() -> Figure:
-    """Conclusion 2: asymmetry of |V| and |a| over gamma - epsilon/s, all that counts of the offsets."""
-    gamma = np.linspace(0.0, 0.5 * np.pi, 25)
-    cases = [replace(PAPER, gamma=g) for g in gamma[:13].tolist()]
-    found = {}
-    for title, motion in MODES:
-        for symbol, name in (("|V|", "speed"), ("|a|", "acceleration_modulus")):
-            half = [100.0 * karetin.asymmetry(name, case, motion) for case in cases]
-            # even, and repeated every pi/s: the drive has turned on by that when B has by pi
-            found[f"{symbol}, {title}"] = np.array([*half, *half[-2::-1]])
-    told = f"Asymmetry within a period, exact. {mechanism(PAPER, offsets=False)}"
-    panel = Panel("asymmetry [% of the range]", found)
-    return panels([[panel]], np.degrees(gamma), "effective offset γ - ε/s [°]", told)
-
-
-def cycle() -> Figure:
-    """Lysenko: moments and power of the drive over a cycle at constant speed, and the free motion."""
-    alpha = np.linspace(0.0, 2.0 * np.pi, 721)
-    # the page divides by the speed, which is 0 at both ends
-    e, page = lysenko.exact(M, alpha, W), lysenko.printed(M, np.clip(alpha, 1e-9, 2.0 * np.pi - 1e-9), W)
-    power, page_power = (-k.N1 - k.N for k in (e, page))
-    free = lysenko.exact(M, alpha).free_speed
-    upper = (
-        two_forms("$M_1$ [N·m]", e.M1, page.M1, "moment about O1"),
-        two_forms("$M$ [N·m]", e.M, page.M, "moment about O"),
-    )
-    lower = (
-        two_forms("$-(N_1 + N)$ [W]", power, page_power, "power of the drive, zero on average"),
-        two_forms("ω / ω min [1]", free, page.J_limits[0] / page.J, "free mechanism, no drive"),
-    )
-    told = f"A cycle of the epicycloid, exact and as printed. {WHEELS}"
-    return panels((upper, lower), np.degrees(alpha), ALPHA, told)
-
-
-def over_phases(rows: Sequence[Sequence[Panel]], told: str, **shared: Any) -> Figure:
-    """Draw panels over the relative time, phases of Stelmashchuk's law marked along the top of each."""
-    figure = panels(rows, KAPPA, RELATIVE_TIME, told, **shared)
-    edges = [*phase_starts(KAPPA2), KAPPA[-1]]
-    for axes in figure.axes:
-        for number, name in enumerate(PHASES):
-            start, end = edges[number : number + 2]
-            if number % 2:
-                axes.axvspan(start, end, color=GREY, alpha=0.10, linewidth=0)
-            at = 0.5 * (start + end), 0.98
-            axes.text(*at, name, transform=axes.get_xaxis_transform(), ha="center", va="top", color=GREY)
-    return figure
-
-
-def accelerations(cases: Mapping[str, Criteria], over: str) -> Figure:
-    """Stelmashchuk's figures 2 and 3: a'' with the balancer above that without it, to one scale."""
+def with_and_without_balancer(cases: Mapping[str, Criteria]) -> list[list[Panel]]:
+    """Panels of a'' of the driven mass, one over the other."""
     rows = []
     for title, beta in (("with the balancer", 1.0), ("without the balancer", 0.0)):
         sine = {"sine": law_of_motion(KAPPA, KAPPA2)[2]}
         found = {name: response(KAPPA, case, KAPPA2, beta).acceleration for name, case in cases.items()}
         rows.append([Panel("a″ [1]", sine | found, title)])
-    told = f"Acceleration of the driven mass over the {over}, exact; κ2 = {KAPPA2:g}"
-    return over_phases(rows, f"{told}. Accelerations in φ/T², times in T.", sharey=True)
+    return rows
 
 
-def over_printed() -> Figure:
-    """Acceleration with the balancer as the page computes it, its equations in a row, beside the exact."""
-    rows = []
-    for name, case in STIFFNESSES.items():
-        page = stelmashchuk.acceleration(stelmashchuk.printed(case, KAPPA2), KAPPA)
-        rows.append([two_forms("a″ [1]", response(KAPPA, case, KAPPA2).acceleration, page, name)])
-    told = "Acceleration of the driven mass with the balancer, where the printed C1 of phase III leads"
-    figure = over_phases(rows, f"{told}; Π = 0.5, κ2 = 1. In φ/T², logarithmic beyond ±10.")
-    for axes in figure.axes:
-        axes.set_yscale("symlog", linthresh=10.0, linscale=2.0)
+def curves(name: str) -> Figure:
+    """Draw a figure of CURVES."""
+    row, scope = CURVES[name], globals().copy()
+    for known, formula in row.get("known", {}).items():
+        scope[known] = eval(formula, scope)
+    captions = {
+        "paper": mechanism(PAPER),
+        "without_offsets": mechanism(PAPER, offsets=False),
+        "wheels": WHEELS,
+    }
+    told, shared = row["told"].format_map(captions), {"sharey": row.get("sharey", "none")}
+    figure = panels(eval(row["panels"], scope), eval(row["x"], scope), row["label"], told, **shared)
+    for axes, limits in zip(figure.axes, row.get("limits", ()), strict=False):
+        axes.set_ylim(*limits)
+    edges = [*phase_starts(KAPPA2), KAPPA[-1]]
+    for axes in figure.axes if "phases" in row else ():
+        for number, phase in enumerate(PHASES):
+            start, end = edges[number : number + 2]
+            if number % 2:
+                axes.axvspan(start, end, color=GREY, alpha=0.10, linewidth=0)
+            at = 0.5 * (start + end), 0.98
+            axes.text(*at, phase, transform=axes.get_xaxis_transform(), ha="center", va="top", color=GREY)
+        if "symlog" in row:
+            axes.set_yscale("symlog", linthresh=row["symlog"], linscale=2.0)
     return figure
 
 
@@ -500,7 +442,12 @@ def arms() -> Figure:
         for place, name in ((0j, "O"), (mass, point), (end, foot)):
             drawn.point(place, f"${name}$", 9 + 9j)
         draw(axes[1], Panel(f"O{foot} [mm]", {f"O{foot}": 1e3 * MOVING.arms[n, turn]}), turns)
-        draw(axes[2], Panel("speed [m/s]", {plane: MOVING.plane_speeds[n, turn]}), turns, DRIVE)
+        draw(
+            axes[2],
+            Panel("speed [m/s]", {plane: MOVING.plane_speeds[n, turn]}),
+            turns,
+            CURVES["karetin_3"]["label"],
+        )
     return figure
 
 
@@ -584,23 +531,13 @@ def speeds_and_forces() -> Figure:
 
 # --- all of them ---
 
-STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in stelmashchuk.STIFFNESSES}
-DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
 FIGURES: dict[str, Callable[[], Figure]] = {
     "karetin_1": figure_1,
     "karetin_2": trajectories,
     "karetin_arms": arms,
     "lysenko_1": epicycloid,
     "lysenko_forces": speeds_and_forces,
-    "karetin_3": velocity_and_acceleration,
-    "karetin_offsets": offsets,
-    "karetin_effective_offset": effective_offset,
-    "karetin_swing": swing,
-    "karetin_printed": in_a_row,
-    "lysenko_2": cycle,
-    "stelmashchuk_2": partial(accelerations, STIFFNESSES, "stiffness, Π = 0.5"),
-    "stelmashchuk_3": partial(accelerations, DAMPINGS, "damping, ν = 8"),
-    "stelmashchuk_printed": over_printed,
+    **{name: partial(curves, name) for name in CURVES},
     **{
         f"{name}_equation_{''.join(filter(str.isalnum, row.number))}": partial(equation, name, row)
         for name, (paper, *_) in SHEETS.items()

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
@@ -43,6 +44,7 @@ from .motion import (
     Run,
     Segment,
     distance,
+    missed,
     relative,
     run,
 )
@@ -60,8 +62,6 @@ STUDIES = Path(__file__).parents[1]
 HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
 # rows that count: motions that take too long to be run again in other ways, and those refused
 SHORT, TAKEN = "not long", "not refused"
-# motions tried to make one that fails smaller; one that is given up, takes long or is compared counts more
-TRIES, SLOW = 300, 15
 NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -83,7 +83,8 @@ FACTOR = 4.0  # whose powers are exact
 AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
 AS_TORQUE = ("housing_drag", "output_drag", "gravity")
 # without losses virtual work is Lagrange's equations: so kept outcomes call it
-REFERENCE, VIRTUAL_WORK, STEPS = "Lagrange's equations", "virtual work", "long and short steps"
+COMPARISONS = REFERENCE, VIRTUAL_WORK = "Lagrange's equations", "virtual work"
+STEPS = "long and short steps"
 # parameters that make the difference
 LOSSES = (
     *AS_TORQUE,
@@ -246,7 +247,7 @@ class Finding:
     @property
     def failed(self) -> list[str]:
         """Names of the figures that do not hold."""
-        return [name for name, figure in self.figures.items() if not figure.holds]
+        return list(missed(self.figures))
 
     @property
     def causes(self) -> list[str]:
@@ -407,7 +408,7 @@ class Outcome:
 
     Attributes:
         number: in the campaign. level: of fidelity. finding: what it showed.
-        reproducer: the smallest motion found that fails or is refused in the same way, or None.
+        reproducer: of one that fails or is refused all that this needs, or None.
     """
 
     number: int
@@ -415,21 +416,18 @@ class Outcome:
     finding: Finding
     reproducer: dict[str, Any] | None = None
 
-    def as_line(self) -> str:
-        """The outcome as a line of its file."""
-        return json.dumps(asdict(self)) + "\n"
-
 
 def outcomes_file(folder: Path, seed: int, losses: bool = False) -> Path:
     """The file in a folder that keeps the outcomes of a seed with this code: a line for each, in order."""
-    name = f"random-losses-{seed}" if losses else f"random-{seed}"
-    own = {
-        path.relative_to(STUDIES).as_posix(): path.read_bytes()
-        for part in ("reference", "stability")
-        for path in (STUDIES / part).glob("*.py")
-    }
-    code = sources("contract/*.py", "kernel/**/*.py", "memory.py") | own
-    return folder / f"{name}-{content_hash(code)[:8]}.jsonl"
+    parts = [path for part in ("reference", "stability") for path in (STUDIES / part).glob("*.py")]
+    code = sources("contract/*.py", "kernel/**/*.py", "memory.py")
+    code |= {path.relative_to(STUDIES).as_posix(): path.read_bytes() for path in parts}
+    return folder / f"random-{'losses-' * losses}{seed}-{content_hash(code)[:8]}.jsonl"
+
+
+def line_of(outcome: Outcome) -> str:
+    """The outcome as a line of its file."""
+    return json.dumps(asdict(outcome)) + "\n"
 
 
 def read_outcomes(path: Path) -> list[Outcome]:
@@ -439,39 +437,19 @@ def read_outcomes(path: Path) -> list[Outcome]:
     return [read(json.loads(line)) for line in lines if line.endswith("\n")]
 
 
-def smaller(motion: Motion) -> Iterator[Motion]:
-    """Motions with less in them: fewer segments, parameters at their defaults, rounder numbers."""
-    p, segments = motion.parameters, motion.segments
-    for n in range(len(segments)) if len(segments) > 1 else ():
-        yield Motion(p, segments[:n] + segments[n + 1 :])
-    for name in p:
-        yield Motion({other: value for other, value in p.items() if other != name}, segments)
-    for digits in (1, 2, 3):
-        for name in p:
-            yield motion.changed(**{name: rounded(p[name], digits)})
-        for n, part in enumerate(segments):
-            for name in ("slope", "drive", "load", "omega1", "duration"):
-                value = rounded(getattr(part, name), digits)
-                for tried in (value,) if name == "duration" else (0.0, value):
-                    changes: dict[str, Any] = {name: tried}
-                    yield Motion(p, (*segments[:n], replace(part, **changes), *segments[n + 1 :]))
-
-
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
-    """A smaller motion with the same cause of failure or refusal."""
-    compared = wanted in (REFERENCE, VIRTUAL_WORK)
-    left, found = TRIES, True
-    while found:
-        found = False
-        for tried in smaller(motion):
-            if tried == motion or left <= 0:
-                continue
-            finding = examine(tried, make, not compared)
-            slow = compared or finding.long or "abandoned" in finding.refused
-            left -= SLOW if slow else 1
-            if wanted in finding.causes:
-                motion, found = tried, True
-                break
+    """The motion without the segments and parameters that its cause of failure or refusal does not need."""
+
+    def tried(segments: tuple[Segment, ...], parameters: Parameters) -> Motion:
+        less = replace(motion, segments=segments, parameters=parameters)
+        return less if wanted in examine(less, make, wanted not in COMPARISONS).causes else motion
+
+    for part in motion.segments:
+        if len(motion.segments) > 1:
+            motion = tried(tuple(one for one in motion.segments if one is not part), motion.parameters)
+    for name in motion.parameters:
+        others = {other: value for other, value in motion.parameters.items() if other != name}
+        motion = tried(motion.segments, others)
     return motion
 
 
@@ -498,17 +476,14 @@ def run_random(
         number: of motions. seed: of all of them. folder: to keep them. report: called with the share done.
         losses: whether to draw losses by load, drag and gravity besides.
     """
-    from concurrent.futures import ProcessPoolExecutor
-
     Module().load_kernel()  # compiled once, before there are many who would
     path = outcomes_file(folder, seed, losses)
     outcomes = read_outcomes(path)
-    write_text(path, "".join(outcome.as_line() for outcome in outcomes))
-    report(len(outcomes) / number)
+    write_text(path, "".join(map(line_of, outcomes)))
     with ProcessPoolExecutor() as pool, path.open("a") as file:
         left = range(len(outcomes), number)
         for outcome in pool.map(partial(try_number, seed, losses=losses), left, chunksize=4):
-            file.write(outcome.as_line())
+            file.write(line_of(outcome))
             file.flush()
             outcomes.append(outcome)
             report(len(outcomes) / number)
@@ -523,8 +498,11 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
     rows: list[tuple[Any, ...]] = []
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
-        for name in dict.fromkeys(name for one in here for name in one.finding.figures):
-            figures = {one.number: one.finding.figures[name] for one in here if name in one.finding.figures}
+        found: dict[str, dict[int, Figure]] = {}
+        for one in here:
+            for name, figure in one.finding.figures.items():
+                found.setdefault(name, {})[one.number] = figure
+        for name, figures in found.items():
             told = {number: figure for number, figure in figures.items() if figure.bound < SENSITIVE}
             explained = sum(figure.explained for figure in told.values())
             failed = sum(not figure.holds for figure in told.values())
@@ -546,10 +524,8 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         if one.reproducer:
             kinds.setdefault((one.level, one.finding.causes[0]), []).append(one)
     told = []
-    for (level, what), found in kinds.items():
-        first, figures = found[0], found[0].finding.figures.items()
-        missed = [f"{name}: {one.value:.1e}, bound {one.bound:.0e}" for name, one in figures if not one.holds]
-        sentence = "; ".join(missed) or first.finding.refused
+    for (level, what), (first, *others) in kinds.items():
+        sentence = "; ".join(missed(first.finding.figures).values()) or first.finding.refused
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
-        told.append({"level": level, "what": what, "count": len(found), **where})
+        told.append({"level": level, "what": what, "count": 1 + len(others), **where})
     return told
