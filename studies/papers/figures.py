@@ -24,7 +24,7 @@ from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURP
 
 from . import karetin, lysenko, stelmashchuk
 from .engine import Row, words
-from .karetin import DYNAMIC, GENERAL, MOVING, PAPER, STOP, Geometry, exact, period, turned_x
+from .karetin import DYNAMIC, GENERAL, MOVING, PAPER, STOP, Geometry, exact, period
 from .lysenko import EXAMPLE as M
 from .lysenko import EXAMPLE_SPEED as W
 from .stelmashchuk import KAPPA2, PHASES, Criteria, law_of_motion, phase_starts, response
@@ -260,6 +260,8 @@ def curves(name: str) -> Figure:
 
 # --- mechanisms to scale ---
 
+SKETCHES = tomllib.loads(words("sketches.toml"))
+
 # a, b and c differ from 1, so that no two points are one
 LAYOUT = replace(GENERAL, epsilon=0.0, gamma=0.0)
 # where the dynamic mode is drawn: share of a turn of the drive
@@ -314,58 +316,39 @@ class Sketch:
         self.line(*(corner + radius * turned))
         self.write(corner + (radius + 7.0) * turned[20], name)
 
+    def lever(
+        self, of: complex, through: complex, along: complex, colour: str, name: str, aside: complex
+    ) -> None:
+        """The perpendicular from a point on the line through a place, its name aside of its middle."""
+        foot = through + ((of - through) * np.conj(along)).real * along
+        self.line(through, foot, colour=colour, linestyle=BROKEN)
+        self.line(of, foot, colour=colour, linestyle=DOTTED)
+        self.write(0.5 * (of + foot) + aside, name, colour)
 
-def linkage(axes: Axes, plane: str, motion: Any, share: float, title: str) -> tuple[Sketch, complex, complex]:
-    """Draw O, Q, A and D of Karetin's mechanism after a share of a turn of the drive, seen on a plane.
-
-    Returns:
-        The drawing; places of Q and D, mm.
-    """
-    drawn = Sketch(axes, plane, (-130.0, 140.0, -125.0, 90.0), title)
-    now = in_period(motion, share / LAYOUT.turns_in_period, LAYOUT)
-    apex = np.array([0.0, 0.0, LAYOUT.OQ])
-    Q, A = (drawn.seen(turned_x(place, now.theta)) for place in (apex, now.centre_of_satellite))
-    D = drawn.seen(now.position)
-    drawn.line(0j, Q, A, linewidth=2.0)
-    drawn.line(A, D, colour=ORANGE, linewidth=2.4)
-    drawn.point(0j, "$O$", -8 - 7j)
-    drawn.point(Q, "$Q$", -9 + 5j)
-    drawn.point(A, "$A$", 9 + 3j)
-    drawn.point(D, "$P$" if plane == "yz" else "$D$", 10 - 2j, VERMILION)
-    return drawn, Q, D
+    def parts(self, *names: str, **known: Any) -> None:
+        """Draw parts of SKETCHES, each with what is known and the places of those before it."""
+        scope = globals() | {"seen": self.seen, "plane": self.plane} | known
+        for part in map(SKETCHES.__getitem__, names):
+            for name, formula in part.get("known", {}).items():
+                scope[name] = eval(formula, scope)
+            for kind, arguments, *condition in part["rows"]:
+                if all(eval(one, scope) for one in condition):
+                    eval(f"draw_it({arguments})", scope | {"draw_it": getattr(self, kind)})
 
 
 def figure_1() -> Figure:
     """Karetin's figure 1: the layout in section at the time 0, both modes seen against the central axis."""
     g, told = LAYOUT, f"All exact. b, c: one turn of the drive, drawn after {INSTANT:g} of it; P is D on yOz"
     figure = sheet(12.0, 4.2, f"{told}. {mechanism(g)}")
-    section, *others = figure.subplots(1, 3)
-    told = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
-    drawn, Q, _ = linkage(section, "xz", STOP, 0.0, told)
-    rims = [drawn.seen(rim) for rim in pitch_cones(g)[1:]]
-    for rim, colour in zip(rims, (GREY, BLUE), strict=True):
-        drawn.line(Q, rim[0], rim[60], Q, colour=colour)
-    centre, K = (0.5 * (rim[0] + rim[60]) for rim in rims)
-    drawn.line(-125.0, 135.0, linewidth=0.8, linestyle=CHAIN)
-    drawn.line(centre, Q, linewidth=0.8, linestyle=CHAIN)
-    drawn.point(K, "$K$", -6 + 8j)
-    drawn.point(centre, "$O_r$", -9 - 5j)
-    drawn.point(rims[0][0], "$Π$", 2 - 8j)
-    drawn.arc(Q, -1j, g.psi, 28.0, "$ψ$")
-    drawn.arc(Q, -1j * np.exp(1j * g.psi), g.phi, 34.0, "$φ$")
-    places = {"17": -52 - 28j, "6": 64 + 48j, "16, $ω_{16}$": 60j, "link 1, $ω_1$": -96 + 9j}
-    for name, place in (places | {"link 2, $ω_2$": 112 - 32j}).items():
-        drawn.write(place, name)
-    titles = "b) stop mode: ω2 = 0, OQ at rest", "c) dynamic mode: OQ turns about Ox"
-    for axes, motion, title in zip(others, (STOP, DYNAMIC), titles, strict=True):
-        drawn, _, D = linkage(axes, "yz", motion, INSTANT, title)
-        turn = exact(g, motion, np.linspace(0.0, period(g, motion) / g.turns_in_period, 361))
-        drawn.line(*drawn.seen(turn.position), colour=VERMILION, label="P")
-        drawn.line(0j, D, colour=GREY, linestyle=BROKEN)
-        drawn.arc(0j, 1j, np.angle(D / 1j), 34.0, "$β_P$")
-        if motion.carrier:
-            drawn.line(0j, 60j, linewidth=0.8, linestyle=CHAIN)
-            drawn.arc(0j, 1j, motion.carrier * INSTANT * turn.t[-1], 16.0, "$ω_1t$")
+    layout = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
+    views = (
+        (layout, "xz", "section", STOP, 0.0),
+        ("b) stop mode: ω2 = 0, OQ at rest", "yz", "path", STOP, INSTANT),
+        ("c) dynamic mode: OQ turns about Ox", "yz", "path", DYNAMIC, INSTANT),
+    )
+    for axes, (title, plane, part, motion, share) in zip(figure.subplots(1, 3), views, strict=True):
+        drawn = Sketch(axes, plane, (-130.0, 140.0, -125.0, 90.0), title)
+        drawn.parts("linkage", part, motion=motion, share=share)
     return figure
 
 
@@ -451,81 +434,28 @@ def arms() -> Figure:
     return figure
 
 
-def wheels_at(axes: Axes, view: Any) -> tuple[Sketch, complex, complex]:
-    """Draw Lysenko's wheels 1 and 2, carrier 3, imbalance and its epicycloid 4.
-
-    Returns:
-        The drawing; places of the axis of wheel 1 and of the imbalance, mm.
-    """
-    drawn, around = Sketch(axes, "XY", view), np.exp(2j * np.pi * np.linspace(0.0, 1.0, 721))
-    x, y = lysenko.exact(M, np.linspace(0.0, 2.0 * np.pi / M.b, 721)).epicycloid
-    centre, mass = 1e3 * AT.D * TURN, complex(1e3 * AT.place * TURN)
-    drawn.line(*(1e3 * (x + 1j * y)), colour=GREY, label="epicycloid")
-    drawn.line(*(1e3 * M.R0 * around), colour=GREY, linewidth=1.6)
-    drawn.line(*(centre + 1e3 * M.r * around), colour=BLUE, linewidth=1.6)
-    drawn.line(0j, centre)
-    drawn.line(centre, mass, colour=BLUE)
-    drawn.line(0j, mass, linestyle=BROKEN)
-    drawn.write(0.5 * mass, "$ρ$")
-    drawn.point(0j, "$O$", -5 - 5j)
-    drawn.point(centre, "$O_1$", -8 + 3j)
-    drawn.point(mass, "$S$", 3 - 7j, VERMILION)
-    drawn.arc(0j, 1 + 0j, M.b * SHOWN, 22.0, "$bα$")
-    drawn.arc(centre, -centre, SHOWN, 8.0, "$α$")
-    return drawn, centre, mass
-
-
 def epicycloid() -> Figure:
     """The figure of Lysenko, to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
     figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the held wheel 2 (exact), drawn at α = 130°. {WHEELS}")
-    drawn, centre, _ = wheels_at(figure.subplots(), (-105, 105, -105, 105))
-    for name, place in (("1", centre + 15j), ("2", -37 - 37j), ("3", 0.4 * centre + 6j), ("4", -90 + 45j)):
-        drawn.write(place, name)
+    Sketch(figure.subplots(), "XY", (-105, 105, -105, 105)).parts("wheels", "links")
     return figure
 
 
 def speeds_and_forces() -> Figure:
-    """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle.
-
-    45 mm for V, 24 mm for F1; grey as printed.
-    """
-    page, view = lysenko.printed(M, SHOWN, W), (-12, 132, -12, 112)
+    """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle."""
+    page = lysenko.printed(M, SHOWN, W)
     printed_arms = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
     told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {printed_arms}"
     figure = sheet(9.4, 5.0, f"At α = 130°, {told}. {WHEELS}")
-    left, right = figure.subplots(1, 2)
-    drawn, centre, mass = wheels_at(left, view)
-    spoke, velocity, scale = complex(AT.spoke * TURN), complex(AT.velocity * TURN), 45.0 / AT.V
-    drawn.arrow(mass, scale * 1j * W * spoke, BLUE, "$V_1$")
-    drawn.arrow(mass, scale * 1e-3j * M.b * W * mass, GREEN, "$V_2$")
-    drawn.arrow(mass, scale * velocity, VERMILION, "$V$")
-    for direction in (spoke, mass):
-        drawn.line(mass, mass + 30.0 * direction / abs(direction), colour=GREY, linestyle=BROKEN)
-    drawn.arc(mass, spoke, float(AT.beta1), 22.0, "$β_1$")
-    drawn.arc(mass, velocity, float(AT.delta), 30.0, "$δ$")
-    sizes = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
-    left.set_title(f"angles and speeds: $V_1, V_2, V$ = {sizes}", loc="left", fontsize=9)
-
-    drawn, centre, mass = wheels_at(right, view)
-    outward, along_OS, scale = spoke / M.arm, mass / abs(mass), 24.0 / AT.F1
-    wrong = outward * np.exp(1j * (page.beta1 - page.delta))
-    for of, along, colour, name, aside in (
-        (0j, outward, GREEN, "$n_1 = k_2$", 15 + 6j),
-        (centre, along_OS, PURPLE, "$n_2$", 8 - 9j),
-        (centre, wrong, GREY, "$k_1$", -6 - 2j),
-        (0j, wrong, GREY, "$k_2$", -5 + 0j),
-    ):
-        # of the perpendicular from a point on the line of a force through the imbalance
-        foot = mass + ((of - mass) * np.conj(along)).real * along
-        drawn.line(mass, foot, colour=colour, linestyle=BROKEN)
-        drawn.line(of, foot, colour=colour, linestyle=DOTTED)
-        drawn.write(0.5 * (of + foot) + aside, name, colour)
-    drawn.arrow(mass, scale * (AT.F1 + AT.Fk) * outward, ORANGE, "$F_k$")
-    drawn.arrow(mass, scale * AT.F1 * outward, GREEN, "$F_1$")
-    drawn.arrow(mass, scale * AT.F2 * along_OS, PURPLE, "$F_2$")
-    drawn.arrow(mass, scale * page.Fk * wrong, GREY, "$F_k$", BROKEN)
-    sizes = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
-    right.set_title(f"forces and arms: $F_1, F_2, F_k$ = {sizes}", loc="left", fontsize=9)
+    speeds = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
+    forces = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
+    titles = {
+        "speeds": f"angles and speeds: $V_1, V_2, V$ = {speeds}",
+        "forces": f"forces and arms: $F_1, F_2, F_k$ = {forces}",
+    }
+    for axes, (part, title) in zip(figure.subplots(1, 2), titles.items(), strict=True):
+        Sketch(axes, "XY", (-12, 132, -12, 112)).parts("wheels", part, page=page)
+        axes.set_title(title, loc="left", fontsize=9)
     return figure
 
 
