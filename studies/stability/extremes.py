@@ -122,18 +122,18 @@ class Mechanism:
             low, high = (middle, high) if engages(middle) else (low, middle)
 
 
-BEVEL = Mechanism("bevel", {"kinematic_ratio": 0.5}, 100.0, 10.0)
-PLANAR = Mechanism(
-    "planar",
-    {
-        **{"layout": 1, "eccentricity": 0.02, "imbalance_mass": 0.8, "satellites": 3},
-        **{"link2_inertia": 0.003, "output_inertia": 0.4, "kinematic_ratio": 0.5},
-    },
-    120.0,
-    8.0,
+MECHANISMS = (
+    Mechanism("bevel", {"kinematic_ratio": 0.5}, 100.0, 10.0),
+    Mechanism(
+        "planar",
+        {
+            **{"layout": 1, "eccentricity": 0.02, "imbalance_mass": 0.8, "satellites": 3},
+            **{"link2_inertia": 0.003, "output_inertia": 0.4, "kinematic_ratio": 0.5},
+        },
+        120.0,
+        8.0,
+    ),
 )
-MECHANISMS = (BEVEL, PLANAR)
-
 # what an extreme changes besides parameters, where it does not
 USUAL = {"segments": (), "turns": 0.0, "levels": LEVELS, "split": 50, "slow": False}
 

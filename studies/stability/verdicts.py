@@ -298,10 +298,10 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
 
 def run_study(chosen: Sequence[Case], report: Progress = lambda done: None) -> list[Verdict]:
     """Verdicts on these cases, in their order; report is told how much is done (0 to 1)."""
-    verdicts: list[Verdict] = []
-    for case in chosen:
+    verdicts = []
+    for number, case in enumerate(chosen, 1):
         verdicts.append(judge(try_case(case)))
-        report(len(verdicts) / len(chosen))
+        report(number / len(chosen))
     return verdicts
 
 
@@ -319,11 +319,11 @@ class Row(NamedTuple):
 
 def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
     """Rows of these verdicts, in their order."""
-    rows: dict[tuple[str, str, str], dict[str, Cell]] = {}
-    for verdict in verdicts:
-        case = verdict.case
-        rows.setdefault((case.axis, case.value, case.layout), {})[case.level.name] = verdict.cell
-    return [Row(*key, cells) for key, cells in rows.items()]
+    rows: dict[tuple[str, str, str], Row] = {}
+    for case, cell in ((verdict.case, verdict.cell) for verdict in verdicts):
+        key = case.axis, case.value, case.layout
+        rows.setdefault(key, Row(*key, {})).cells[case.level.name] = cell
+    return list(rows.values())
 
 
 def write_rows(path: Path, rows: Iterable[Row]) -> Path:
