@@ -111,14 +111,12 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
         outcomes = run_random(number, seed, folder, progress, losses)
     rows, found = rows_of(outcomes), findings(outcomes)
     path = folder / ("random_losses.csv" if losses else "random.csv")
-    files = {"invariants": write_rows(path, HEADINGS, rows)}
+    told = "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}"
     shown: list[Shown] = [
         partial(print_table, "", HEADINGS, rows),
-        *(
-            "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}".format(**one)
-            for one in found
-        ),
+        *(told.format_map(one) for one in found),
     ]
+    files = {"invariants": write_rows(path, HEADINGS, rows)}
     return Answer({"findings": found}, shown, files, any(one.finding.failed for one in outcomes))
 
 
