@@ -87,8 +87,8 @@ def stability(
     }
     counted = [
         (axis, level, *(count[name] for name in verdicts.OUTCOMES), largest)
-        for axis, here in verdicts.by_axis(rows).items()
-        for level, (count, largest) in verdicts.counts(here).items()
+        for axis in dict.fromkeys(row.axis for row in rows)
+        for level, (count, largest) in verdicts.counts([row for row in rows if row.axis == axis]).items()
     ]
     headings = "axis", "level of fidelity", *verdicts.OUTCOMES, "error up to"
     total = Counter(verdict.outcome for verdict in found)
@@ -111,14 +111,12 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
         outcomes = run_random(number, seed, folder, progress, losses)
     rows, found = rows_of(outcomes), findings(outcomes)
     path = folder / ("random_losses.csv" if losses else "random.csv")
-    files = {"invariants": write_rows(path, HEADINGS, rows)}
+    told = "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}"
     shown: list[Shown] = [
         partial(print_table, "", HEADINGS, rows),
-        *(
-            "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}".format(**one)
-            for one in found
-        ),
+        *(told.format_map(one) for one in found),
     ]
+    files = {"invariants": write_rows(path, HEADINGS, rows)}
     return Answer({"findings": found}, shown, files, any(one.finding.failed for one in outcomes))
 
 

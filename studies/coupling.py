@@ -200,9 +200,8 @@ def coupled_engine(
     case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> AbstractContextManager[EnginePlant]:
     """Engine and module at the start of a case."""
-    start = {"omega1": case.speed, "load_torque": case.load_torque}
-    inertia = case.interface.middle
-    return coupled(fmu_path, scheme, case.engine(), inertia, case.parameters, start, tolerance)
+    given = case.parameters, {"omega1": case.speed, "load_torque": case.load_torque}, tolerance
+    return coupled(fmu_path, scheme, case.engine(), case.interface.middle, *given)
 
 
 def course(
@@ -367,15 +366,14 @@ def urban_runs(
     fmu_path: Path, scene_path: Path = SCENE, progress: Progress = lambda done: None
 ) -> list[UrbanRun]:
     """Drive all of RUNS (arguments of urban_run)."""
-    scene, found = urban_scene(scene_path), list[UrbanRun]()
-    runs = [(name, substeps) for name, numbers in RUNS.items() for substeps in numbers]
+    scene, runs = urban_scene(scene_path), [(name, n) for name, numbers in RUNS.items() for n in numbers]
 
-    def report(done: float) -> None:
-        progress((len(found) + done) / len(runs))
+    def tell(number: int, done: float) -> None:
+        progress((number + done) / len(runs))
 
-    for name, substeps in runs:
-        found.append(urban_run(scene, fmu_path, name, substeps, progress=report))
-    return found
+    return [
+        urban_run(scene, fmu_path, *one, progress=partial(tell, number)) for number, one in enumerate(runs)
+    ]
 
 
 # --- what is left of it ---
@@ -397,7 +395,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
     schemes = list(dict.fromkeys(row.scheme for row in rows))
     columns = sorted({(row.ratio, row.step) for row in rows})
     figure = Figure(figsize=(11, 0.6 + 1.9 * len(cases)), dpi=110, layout="constrained")
-    panels = list(figure.subplots(len(cases), 1, squeeze=False)[:, 0])
+    panels = list(figure.subplots(len(cases), 1, squeeze=False).flat)
     for axes, case in zip(panels, cases, strict=True):
         found = {(row.scheme, row.ratio, row.step): row.worst for row in rows if row.case == case}
         grid = np.array([[found.get((name, *column), math.inf) for column in columns] for name in schemes])

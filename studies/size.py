@@ -23,18 +23,20 @@ BEFORE = ROOT / "docs" / "house.csv"
 # share of a budget that may be exceeded
 MARGIN = 0.05
 
-# rooms from the ground up: name, folders, most lines; a floor is a row
-FLOORS: tuple[tuple[tuple[str, tuple[str, ...], int], ...], ...] = (
-    (("kernel", ("kernel",), 5500),),
-    (("compiling", ("compiling",), 550), ("contract", ("contract",), 800)),
-    (("fmu", ("fmu",), 1600), ("harness", ("harness", "memory.py"), 1800)),
-    (("loops", ("loops",), 1400), ("bridge", ("bridge",), 850)),
-    (("scene", ("scene",), 1900),),
-    (("fidelity", ("fidelity",), 700), ("jobs", ("jobs",), 2500)),
-    (
-        ("figures", ("figures",), 750),
-        ("export, page, cli, common", ("export", "page", "cli.py", "common"), 1650),
-    ),
+# rooms from the ground up: name, folders, most lines
+ROOMS: tuple[tuple[str, tuple[str, ...], int], ...] = (
+    ("kernel", ("kernel",), 5500),
+    ("compiling", ("compiling",), 550),
+    ("contract", ("contract",), 800),
+    ("fmu", ("fmu",), 1600),
+    ("harness", ("harness", "memory.py"), 1800),
+    ("loops", ("loops",), 1400),
+    ("bridge", ("bridge",), 850),
+    ("scene", ("scene",), 1900),
+    ("fidelity", ("fidelity",), 700),
+    ("jobs", ("jobs",), 2500),
+    ("figures", ("figures",), 750),
+    ("export, page, cli, common", ("export", "page", "cli.py", "common"), 1650),
 )
 PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
@@ -91,42 +93,31 @@ def room(name: str, places: Iterable[Path], budget: int) -> Room:
 
 def house() -> list[Room]:
     """Rooms of the package from the ground up, the package as a whole, studies and tests."""
-    rooms = [
-        room(name, [PACKAGE / folder for folder in folders], budget)
-        for floor in FLOORS
-        for name, folders, budget in floor
-    ]
+    rooms = [room(name, [PACKAGE / folder for folder in folders], most) for name, folders, most in ROOMS]
     rooms.append(room("package", [PACKAGE], PACKAGE_LINES))
     return rooms + [room(name, [ROOT / folder], budget) for name, folder, budget in BESIDE]
 
 
 def picture(houses: Mapping[str, Mapping[str, int]]) -> Figure:
-    """Draw houses side by side: a floor a row, the kernel on the ground, a room as wide as its lines.
+    """Draw houses beside each other: the kernel on the ground, a room a bar as long as its lines.
 
     Args:
         houses: title, and lines of each room by name.
     """
-    from inertia_module.common.colours import BLUE, ORANGE
+    from inertia_module.common.colours import BLUE, GREY, ORANGE
 
-    names = [[name for name, _, _ in floor] for floor in FLOORS]
-    widest = max(sum(lines[name] for name in floor) for lines in houses.values() for floor in names)
-    figure = Figure(figsize=(4.0 * len(houses), 4.4), layout="constrained")
-    for axes, (title, lines) in zip(figure.subplots(1, len(houses)), houses.items(), strict=True):
-        for height, floor in enumerate(names):
-            left = -0.5 * sum(lines[name] for name in floor)
-            for number, name in enumerate(floor):
-                axes.bar(left, 0.9, lines[name], height, align="edge", color=BLUE, alpha=0.35, edgecolor="w")
-                # names of narrow rooms beside each other stand at different heights
-                place = height + (0.25 + 0.4 * number if len(floor) > 1 else 0.45)
-                label = f"{name.replace(', ', ' ')}  {lines[name]}"
-                axes.text(left + 0.5 * lines[name], place, label, ha="center", va="center", fontsize=7)
-                left += lines[name]
-        beside = lines["studies"]
-        axes.bar(-0.5 * beside, 0.9, beside, -1.3, align="edge", color=ORANGE, alpha=0.35, edgecolor="w")
-        axes.text(0.0, -0.85, f"beside it: studies\n{beside}", ha="center", va="center", fontsize=7)
-        axes.set_title(f"{title}: {lines['package']} lines", fontsize=9)
-        axes.set_xlim(-0.55 * widest, 0.55 * widest)
-        axes.set_axis_off()
+    names = [name for name, _, _ in ROOMS]
+    figure = Figure(figsize=(8.0, 4.8), layout="constrained")
+    axes, height = figure.subplots(), 0.8 / len(houses)
+    for n, ((title, lines), colour) in enumerate(zip(houses.items(), (GREY, BLUE, ORANGE), strict=True)):
+        label = f"{title}: {lines['package']} lines, beside them studies {lines['studies']}"
+        places = [place + n * height for place in range(len(names))]
+        bars = axes.barh(places, [lines[name] for name in names], height, color=colour, label=label)
+        axes.bar_label(bars, fontsize=6, padding=2)
+    axes.set_yticks([place + height for place in range(len(names))], names)
+    axes.set_xlabel("lines")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(fontsize=8, frameon=False)
     return figure
 
 

@@ -1,21 +1,16 @@
 """Fidelity averaged against rigid: kernel time on the urban scene, and mean speeds where the input torque is given.
 
-The drive and load of the scene, recorded once, are played to the compiled kernel in a compiled loop: no shell, no Python.
+The drive and load of the scene, recorded once, are played to the compiled kernel.
 Run: python -m studies.benchmarks.averaged
 """
 
 import math
-import statistics
-import time
 from pathlib import Path
 
-import numba
 import numpy as np
 
-from inertia_module.compiling.load import load as load_kernel
-from inertia_module.contract.models import INERTIA_MODULE
-from inertia_module.fidelity.trials import run_in_process
-from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID, STEP_ONLY
+from inertia_module.fidelity.trials import kernel_time, run_in_process
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID
 from inertia_module.loops import interface_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene
@@ -34,50 +29,20 @@ START = {
 }
 ANGLES = 12  # drive angles that the rigid module starts at: its energy at the start depends on it
 STEP = 0.01
-REPEATS = 8
 BEGIN, END = 2.0, 4.0  # s, of the means
-
-
-def player():
-    """Compiled loop: steps of h with the inputs given, from the state given. Returns how many it refused."""
-    entry = load_kernel(INERTIA_MODULE).inertia_module_kernel
-    omega1_place, load_place = INERTIA_MODULE.place("omega1"), INERTIA_MODULE.place("load_torque")
-
-    @numba.njit
-    def play(p, d, u, x, y, w, omega1, load, h):
-        refused = 0
-        for n in range(omega1.size):
-            u[omega1_place] = omega1[n]
-            u[load_place] = load[n]
-            status = entry(STEP_ONLY, p.ctypes, d.ctypes, u.ctypes, x.ctypes, y.ctypes, w.ctypes, h)
-            refused += status != 0
-        return refused
-
-    return play
 
 
 def kernel_times(scene, record):
     """Kernel time of both fidelities for the recorded inputs, in steps of the scene and of 1 s."""
-    found, play, h = [], player(), scene.run.communication_step
-    per_second = round(1.0 / h)
-    inputs = np.array([record["omega1"][1:], record["load_torque"][1:]])
-    inputs = inputs[:, : inputs.shape[1] // per_second * per_second]
-    coarse = inputs.reshape(2, -1, per_second).mean(axis=2)
-    for step, (omega1, load) in ((h, inputs), (1.0, coarse)):
+    found, h = [], scene.run.communication_step
+    inputs = np.column_stack([record["omega1"], record["load_torque"], 0.0 * record["omega1"]])[1:]
+    for step, number in ((h, 1), (1.0, round(1.0 / h))):
+        given = inputs[: len(inputs) // number * number].reshape(-1, number, 3).mean(axis=1)
         for name, fidelity in FIDELITIES.items():
             parameters = {**scene.parameters(), "fidelity": fidelity, "tolerance": scene.accuracy.tolerance}
-            module = Module("compiled").start(omega1=omega1[0], load_torque=load[0], **parameters)
-            begin = [np.array(record.numbers[:]) for record in module._records]
-            times = []
-            for _ in range(REPEATS):
-                arrays = [values.copy() for values in begin]
-                start = time.perf_counter()
-                refused = play(*arrays, omega1, load, step)
-                times.append(time.perf_counter() - start)
-                if refused:
-                    raise RuntimeError(f"{refused} steps are refused")
-            taken = statistics.median(times[1:])  # numba compiles at the first call
-            found.append((f"{name}, steps of {step:g} s", "time", 1e6 * taken / (step * omega1.size), "us"))
+            module = Module("compiled").start(omega1=given[0, 0], load_torque=given[0, 1], **parameters)
+            taken = kernel_time(module, module.save(), given, step)
+            found.append((f"{name}, steps of {step:g} s", "time", 1e6 * taken / (step * len(given)), "us"))
     return found
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -22,8 +23,8 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
 from . import karetin, lysenko, stelmashchuk
-from .engine import Row
-from .karetin import DYNAMIC, GENERAL, MOVING, OFFSET, PAPER, STOP, Geometry, exact, period, turned_x
+from .engine import Row, words
+from .karetin import DYNAMIC, GENERAL, MOVING, PAPER, STOP, Geometry, exact, period
 from .lysenko import EXAMPLE as M
 from .lysenko import EXAMPLE_SPEED as W
 from .stelmashchuk import KAPPA2, PHASES, Criteria, law_of_motion, phase_starts, response
@@ -42,14 +43,12 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
 TURNS = np.linspace(0.0, 1.0, 1441)
 # between the instants at which D is on an axis or the page divides by zero
 BETWEEN = (np.arange(5760) + 0.5) / 5760
-DRIVE = "turns of the drive"
-ALPHA = "angle α of wheel 1 on the carrier [°]"
 MODES = (("stop mode", STOP), ("dynamic mode, i = 2", DYNAMIC))
-# quantity, symbol, unit, and that over the SI unit
-VECTORS = (("velocity", "V", "m/s", 1.0), ("acceleration", "a", "km/s²", 1e-3))
+SHIFTS = np.linspace(0.0, 0.5 * np.pi, 25)
 # the dwell of Stelmashchuk's figures is not given
 KAPPA = np.linspace(0.0, 3.5, 1401)
-RELATIVE_TIME = "relative time κ = t/T [1]"
+STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in stelmashchuk.STIFFNESSES}
+DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
 # Lysenko's mechanism and the speed of wheel 1 on the carrier
 WHEELS = (
     f"R, r, l = {1e3 * M.R0:g}, {1e3 * M.r:g}, {1e3 * M.arm:g} mm, b = {M.b:.3g}, m = {M.m:g} kg, "
@@ -67,6 +66,8 @@ def mechanism(g: Geometry, offsets: bool = True) -> str:
 
 
 # --- curves ---
+
+CURVES = tomllib.loads(words("figures.toml"))
 
 
 class Panel(NamedTuple):
@@ -137,10 +138,16 @@ SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
         karetin,
         karetin.STOPPED.t * karetin.STOPPED.omega16 / (2.0 * np.pi),
         slice(0, karetin.SAMPLES // GENERAL.turns_in_period, 10),
-        DRIVE,
+        CURVES["karetin_3"]["label"],
         mechanism(GENERAL),
     ),
-    "lysenko": (lysenko, np.degrees(lysenko.INSIDE), slice(0, None, 18), ALPHA, WHEELS),
+    "lysenko": (
+        lysenko,
+        np.degrees(lysenko.INSIDE),
+        slice(0, None, 18),
+        CURVES["lysenko_2"]["label"],
+        WHEELS,
+    ),
     "stelmashchuk": (
         stelmashchuk,
         stelmashchuk.RISE,
@@ -165,158 +172,95 @@ def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
     return exact(geometry, motion, turns * period(geometry, motion))
 
 
-def by_mode(x: Any, told: str, curves: Callable[..., Mapping[str, Any]]) -> Figure:
-    """Draw what curves gives of velocity and acceleration, each over a period in both modes."""
-    rows = [
-        [Panel(f"{name} [{unit}]", curves(name, symbol, scale, motion), title) for title, motion in MODES]
-        for name, symbol, unit, scale in VECTORS
+def components(symbol: str, vector: Any) -> dict[str, Any]:
+    """Curves of the components and the modulus of a vector, shape (3, n)."""
+    parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
+    return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
+
+
+def moduli(name: str, motion: Any, scale: float = 1.0) -> tuple[Any, Any]:
+    """Moduli of velocity or acceleration over a period, exact and as the page computes them."""
+    k = in_period(motion, BETWEEN)
+    velocity = "velocity" if motion.carrier else "velocity_in_link1"
+    page = karetin.printed(PAPER, motion, k.t, velocity)
+    if name == "acceleration":
+        step = 1e-3 * k.t[0]
+        after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
+        page = (after - before) / (2.0 * step)
+    return scale * karetin.modulus(k[name]), scale * karetin.modulus(page)
+
+
+def angles(motion: Any) -> dict[str, Any]:
+    """Curves of the angles of D about Oz, Ox, Oy and of that of link 1, degrees."""
+    k = in_period(motion, BETWEEN)
+    beta, about = np.degrees(np.unwrap(k.angles)), zip("HPF", "zxy", strict=True)
+    shown = {f"$β_{index}$, about $O{axis}$": beta[n] for n, (index, axis) in enumerate(about)}
+    return shown | {"$-ω_1t$": -np.degrees(motion.carrier * k.t)}
+
+
+def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
+    """A panel of |V| with offsets and its mirror image."""
+    geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
+    span = period(geometry, motion)
+
+    def speed(t: Any) -> Any:
+        return exact(geometry, motion, t).speed
+
+    share, instant = karetin.best_mirror(speed, span)
+    both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
+    told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
+    return Panel(f"|V| [m/s], {title}", both, told)
+
+
+def asymmetries(name: str, motion: Any) -> Any:
+    """Asymmetry of a modulus over SHIFTS, percent of its range."""
+    half = [
+        100.0 * karetin.asymmetry(name, replace(PAPER, gamma=gamma), motion) for gamma in SHIFTS[:13].tolist()
     ]
-    return panels(rows, x, DRIVE, f"{told}. {mechanism(PAPER)}", sharey="row")
+    # even, and repeated every pi/s: the drive has turned on by that when B has by pi
+    return np.array([*half, *half[-2::-1]])
 
 
-def velocity_and_acceleration() -> Figure:
-    """Karetin's figure 3: velocity and acceleration of D, their moduli and components."""
-
-    def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
-        vector = scale * in_period(motion)[name]
-        parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
-        return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
-
-    return by_mode(TURNS, "Absolute velocity and acceleration of D and their components, exact", curves)
-
-
-def in_a_row() -> Figure:
-    """Moduli of velocity and acceleration, exact and as the page computes them."""
-
-    def curves(name: str, symbol: str, scale: float, motion: Any) -> Mapping[str, Any]:
-        k = in_period(motion, BETWEEN)
-        velocity = "velocity" if motion.carrier else "velocity_in_link1"
-        page = karetin.printed(PAPER, motion, k.t, velocity)
-        if name == "acceleration":
-            step = 1e-3 * k.t[0]
-            after, before = (karetin.printed(PAPER, motion, k.t + h, velocity) for h in (step, -step))
-            page = (after - before) / (2.0 * step)
-        return {"exact": scale * karetin.modulus(k[name]), "as printed": scale * karetin.modulus(page)}
-
-    told = "Moduli of velocity and acceleration, exact and as printed, the equations of the page in a row"
-    figure = by_mode(BETWEEN, told, curves)
-    # it has poles where the page divides by zero
-    for axes, top in zip(figure.axes, (20.0, 20.0, 6.0, 6.0), strict=True):
-        axes.set_ylim(0.0, top)
-    return figure
-
-
-def swing() -> Figure:
-    """Conclusion 3: angles of D about Ox, Oy, Oz and their rates over a period, in both modes."""
-    upper, lower = [], []
-    for title, motion in MODES:
-        k = in_period(motion, BETWEEN)
-        beta, about = np.degrees(np.unwrap(k.angles)), zip("HPF", "zxy", strict=True)
-        shown = {f"$β_{index}$, about $O{axis}$": beta[n] for n, (index, axis) in enumerate(about)}
-        upper.append(Panel("angle of D [°]", shown | {"$-ω_1t$": -np.degrees(motion.carrier * k.t)}, title))
-        rates = {f"$ω_{index}$": k.angular_velocities[n] for n, index in enumerate("HPF")}
-        lower.append(Panel("angular velocity [rad/s]", rates, title))
-    told = f"Angles of D about the axes, put right, and their rates, (5) and (6), exact. {mechanism(PAPER)}"
-    figure = panels([upper, lower], BETWEEN, DRIVE, told)
-    for axes in figure.axes[2:]:
-        axes.set_ylim(-350.0, 300.0)
-    return figure
-
-
-def offsets() -> Figure:
-    """Conclusion 2: |V| with the offsets epsilon and gamma, each beside its mirror image."""
-
-    def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
-        geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
-        span = period(geometry, motion)
-
-        def speed(t: Any) -> Any:
-            return exact(geometry, motion, t).speed
-
-        share, instant = karetin.best_mirror(speed, span)
-        both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
-        told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
-        return Panel(f"|V| [m/s], {title}", both, told)
-
-    cases = ((0.0, 0.0), (OFFSET, 0.0), (0.0, OFFSET), (OFFSET, OFFSET / PAPER.s))
-    rows = [[beside_its_mirror(*mode, *case) for case in cases] for mode in MODES]
-    told = "Speed of D and its mirror image about the instant that suits best (broken), exact"
-    return panels(rows, TURNS, DRIVE, f"{told}. {mechanism(PAPER, offsets=False)}", sharey="row")
-
-
-def effective_offset() -> Figure:
-    """Conclusion 2: asymmetry of |V| and |a| over gamma - epsilon/s, all that counts of the offsets."""
-    gamma = np.linspace(0.0, 0.5 * np.pi, 25)
-    cases = [replace(PAPER, gamma=g) for g in gamma[:13].tolist()]
-    found = {}
-    for title, motion in MODES:
-        for symbol, name in (("|V|", "speed"), ("|a|", "acceleration_modulus")):
-            half = [100.0 * karetin.asymmetry(name, case, motion) for case in cases]
-            # even, and repeated every pi/s: the drive has turned on by that when B has by pi
-            found[f"{symbol}, {title}"] = np.array([*half, *half[-2::-1]])
-    told = f"Asymmetry within a period, exact. {mechanism(PAPER, offsets=False)}"
-    panel = Panel("asymmetry [% of the range]", found)
-    return panels([[panel]], np.degrees(gamma), "effective offset γ - ε/s [°]", told)
-
-
-def cycle() -> Figure:
-    """Lysenko: moments and power of the drive over a cycle at constant speed, and the free motion."""
-    alpha = np.linspace(0.0, 2.0 * np.pi, 721)
-    # the page divides by the speed, which is 0 at both ends
-    e, page = lysenko.exact(M, alpha, W), lysenko.printed(M, np.clip(alpha, 1e-9, 2.0 * np.pi - 1e-9), W)
-    power, page_power = (-k.N1 - k.N for k in (e, page))
-    free = lysenko.exact(M, alpha).free_speed
-    upper = (
-        two_forms("$M_1$ [N·m]", e.M1, page.M1, "moment about O1"),
-        two_forms("$M$ [N·m]", e.M, page.M, "moment about O"),
-    )
-    lower = (
-        two_forms("$-(N_1 + N)$ [W]", power, page_power, "power of the drive, zero on average"),
-        two_forms("ω / ω min [1]", free, page.J_limits[0] / page.J, "free mechanism, no drive"),
-    )
-    told = f"A cycle of the epicycloid, exact and as printed. {WHEELS}"
-    return panels((upper, lower), np.degrees(alpha), ALPHA, told)
-
-
-def over_phases(rows: Sequence[Sequence[Panel]], told: str, **shared: Any) -> Figure:
-    """Draw panels over the relative time, phases of Stelmashchuk's law marked along the top of each."""
-    figure = panels(rows, KAPPA, RELATIVE_TIME, told, **shared)
-    edges = [*phase_starts(KAPPA2), KAPPA[-1]]
-    for axes in figure.axes:
-        for number, name in enumerate(PHASES):
-            start, end = edges[number : number + 2]
-            if number % 2:
-                axes.axvspan(start, end, color=GREY, alpha=0.10, linewidth=0)
-            at = 0.5 * (start + end), 0.98
-            axes.text(*at, name, transform=axes.get_xaxis_transform(), ha="center", va="top", color=GREY)
-    return figure
-
-
-def accelerations(cases: Mapping[str, Criteria], over: str) -> Figure:
-    """Stelmashchuk's figures 2 and 3: a'' with the balancer above that without it, to one scale."""
+def with_and_without_balancer(cases: Mapping[str, Criteria]) -> list[list[Panel]]:
+    """Panels of a'' of the driven mass, one over the other."""
     rows = []
     for title, beta in (("with the balancer", 1.0), ("without the balancer", 0.0)):
         sine = {"sine": law_of_motion(KAPPA, KAPPA2)[2]}
         found = {name: response(KAPPA, case, KAPPA2, beta).acceleration for name, case in cases.items()}
         rows.append([Panel("a″ [1]", sine | found, title)])
-    told = f"Acceleration of the driven mass over the {over}, exact; κ2 = {KAPPA2:g}"
-    return over_phases(rows, f"{told}. Accelerations in φ/T², times in T.", sharey=True)
+    return rows
 
 
-def over_printed() -> Figure:
-    """Acceleration with the balancer as the page computes it, its equations in a row, beside the exact."""
-    rows = []
-    for name, case in STIFFNESSES.items():
-        page = stelmashchuk.acceleration(stelmashchuk.printed(case, KAPPA2), KAPPA)
-        rows.append([two_forms("a″ [1]", response(KAPPA, case, KAPPA2).acceleration, page, name)])
-    told = "Acceleration of the driven mass with the balancer, where the printed C1 of phase III leads"
-    figure = over_phases(rows, f"{told}; Π = 0.5, κ2 = 1. In φ/T², logarithmic beyond ±10.")
-    for axes in figure.axes:
-        axes.set_yscale("symlog", linthresh=10.0, linscale=2.0)
+def curves(name: str) -> Figure:
+    """Draw a figure of CURVES."""
+    row, scope = CURVES[name], globals().copy()
+    for known, formula in row.get("known", {}).items():
+        scope[known] = eval(formula, scope)
+    captions = {
+        "paper": mechanism(PAPER),
+        "without_offsets": mechanism(PAPER, offsets=False),
+        "wheels": WHEELS,
+    }
+    told, shared = row["told"].format_map(captions), {"sharey": row.get("sharey", "none")}
+    figure = panels(eval(row["panels"], scope), eval(row["x"], scope), row["label"], told, **shared)
+    for axes, limits in zip(figure.axes, row.get("limits", ()), strict=False):
+        axes.set_ylim(*limits)
+    edges = [*phase_starts(KAPPA2), KAPPA[-1]]
+    for axes in figure.axes if "phases" in row else ():
+        for number, phase in enumerate(PHASES):
+            start, end = edges[number : number + 2]
+            if number % 2:
+                axes.axvspan(start, end, color=GREY, alpha=0.10, linewidth=0)
+            at = 0.5 * (start + end), 0.98
+            axes.text(*at, phase, transform=axes.get_xaxis_transform(), ha="center", va="top", color=GREY)
+        if "symlog" in row:
+            axes.set_yscale("symlog", linthresh=row["symlog"], linscale=2.0)
     return figure
 
 
 # --- mechanisms to scale ---
+
+SKETCHES = tomllib.loads(words("sketches.toml"))
 
 # a, b and c differ from 1, so that no two points are one
 LAYOUT = replace(GENERAL, epsilon=0.0, gamma=0.0)
@@ -372,58 +316,39 @@ class Sketch:
         self.line(*(corner + radius * turned))
         self.write(corner + (radius + 7.0) * turned[20], name)
 
+    def lever(
+        self, of: complex, through: complex, along: complex, colour: str, name: str, aside: complex
+    ) -> None:
+        """The perpendicular from a point on the line through a place, its name aside of its middle."""
+        foot = through + ((of - through) * np.conj(along)).real * along
+        self.line(through, foot, colour=colour, linestyle=BROKEN)
+        self.line(of, foot, colour=colour, linestyle=DOTTED)
+        self.write(0.5 * (of + foot) + aside, name, colour)
 
-def linkage(axes: Axes, plane: str, motion: Any, share: float, title: str) -> tuple[Sketch, complex, complex]:
-    """Draw O, Q, A and D of Karetin's mechanism after a share of a turn of the drive, seen on a plane.
-
-    Returns:
-        The drawing; places of Q and D, mm.
-    """
-    drawn = Sketch(axes, plane, (-130.0, 140.0, -125.0, 90.0), title)
-    now = in_period(motion, share / LAYOUT.turns_in_period, LAYOUT)
-    apex = np.array([0.0, 0.0, LAYOUT.OQ])
-    Q, A = (drawn.seen(turned_x(place, now.theta)) for place in (apex, now.centre_of_satellite))
-    D = drawn.seen(now.position)
-    drawn.line(0j, Q, A, linewidth=2.0)
-    drawn.line(A, D, colour=ORANGE, linewidth=2.4)
-    drawn.point(0j, "$O$", -8 - 7j)
-    drawn.point(Q, "$Q$", -9 + 5j)
-    drawn.point(A, "$A$", 9 + 3j)
-    drawn.point(D, "$P$" if plane == "yz" else "$D$", 10 - 2j, VERMILION)
-    return drawn, Q, D
+    def parts(self, *names: str, **known: Any) -> None:
+        """Draw parts of SKETCHES, each with what is known and the places of those before it."""
+        scope = globals() | {"seen": self.seen, "plane": self.plane} | known
+        for part in map(SKETCHES.__getitem__, names):
+            for name, formula in part.get("known", {}).items():
+                scope[name] = eval(formula, scope)
+            for kind, arguments, *condition in part["rows"]:
+                if all(eval(one, scope) for one in condition):
+                    eval(f"draw_it({arguments})", scope | {"draw_it": getattr(self, kind)})
 
 
 def figure_1() -> Figure:
     """Karetin's figure 1: the layout in section at the time 0, both modes seen against the central axis."""
     g, told = LAYOUT, f"All exact. b, c: one turn of the drive, drawn after {INSTANT:g} of it; P is D on yOz"
     figure = sheet(12.0, 4.2, f"{told}. {mechanism(g)}")
-    section, *others = figure.subplots(1, 3)
-    told = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
-    drawn, Q, _ = linkage(section, "xz", STOP, 0.0, told)
-    rims = [drawn.seen(rim) for rim in pitch_cones(g)[1:]]
-    for rim, colour in zip(rims, (GREY, BLUE), strict=True):
-        drawn.line(Q, rim[0], rim[60], Q, colour=colour)
-    centre, K = (0.5 * (rim[0] + rim[60]) for rim in rims)
-    drawn.line(-125.0, 135.0, linewidth=0.8, linestyle=CHAIN)
-    drawn.line(centre, Q, linewidth=0.8, linestyle=CHAIN)
-    drawn.point(K, "$K$", -6 + 8j)
-    drawn.point(centre, "$O_r$", -9 - 5j)
-    drawn.point(rims[0][0], "$Π$", 2 - 8j)
-    drawn.arc(Q, -1j, g.psi, 28.0, "$ψ$")
-    drawn.arc(Q, -1j * np.exp(1j * g.psi), g.phi, 34.0, "$φ$")
-    places = {"17": -52 - 28j, "6": 64 + 48j, "16, $ω_{16}$": 60j, "link 1, $ω_1$": -96 + 9j}
-    for name, place in (places | {"link 2, $ω_2$": 112 - 32j}).items():
-        drawn.write(place, name)
-    titles = "b) stop mode: ω2 = 0, OQ at rest", "c) dynamic mode: OQ turns about Ox"
-    for axes, motion, title in zip(others, (STOP, DYNAMIC), titles, strict=True):
-        drawn, _, D = linkage(axes, "yz", motion, INSTANT, title)
-        turn = exact(g, motion, np.linspace(0.0, period(g, motion) / g.turns_in_period, 361))
-        drawn.line(*drawn.seen(turn.position), colour=VERMILION, label="P")
-        drawn.line(0j, D, colour=GREY, linestyle=BROKEN)
-        drawn.arc(0j, 1j, np.angle(D / 1j), 34.0, "$β_P$")
-        if motion.carrier:
-            drawn.line(0j, 60j, linewidth=0.8, linestyle=CHAIN)
-            drawn.arc(0j, 1j, motion.carrier * INSTANT * turn.t[-1], 16.0, "$ω_1t$")
+    layout = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
+    views = (
+        (layout, "xz", "section", STOP, 0.0),
+        ("b) stop mode: ω2 = 0, OQ at rest", "yz", "path", STOP, INSTANT),
+        ("c) dynamic mode: OQ turns about Ox", "yz", "path", DYNAMIC, INSTANT),
+    )
+    for axes, (title, plane, part, motion, share) in zip(figure.subplots(1, 3), views, strict=True):
+        drawn = Sketch(axes, plane, (-130.0, 140.0, -125.0, 90.0), title)
+        drawn.parts("linkage", part, motion=motion, share=share)
     return figure
 
 
@@ -500,107 +425,49 @@ def arms() -> Figure:
         for place, name in ((0j, "O"), (mass, point), (end, foot)):
             drawn.point(place, f"${name}$", 9 + 9j)
         draw(axes[1], Panel(f"O{foot} [mm]", {f"O{foot}": 1e3 * MOVING.arms[n, turn]}), turns)
-        draw(axes[2], Panel("speed [m/s]", {plane: MOVING.plane_speeds[n, turn]}), turns, DRIVE)
+        draw(
+            axes[2],
+            Panel("speed [m/s]", {plane: MOVING.plane_speeds[n, turn]}),
+            turns,
+            CURVES["karetin_3"]["label"],
+        )
     return figure
-
-
-def wheels_at(axes: Axes, view: Any) -> tuple[Sketch, complex, complex]:
-    """Draw Lysenko's wheels 1 and 2, carrier 3, imbalance and its epicycloid 4.
-
-    Returns:
-        The drawing; places of the axis of wheel 1 and of the imbalance, mm.
-    """
-    drawn, around = Sketch(axes, "XY", view), np.exp(2j * np.pi * np.linspace(0.0, 1.0, 721))
-    x, y = lysenko.exact(M, np.linspace(0.0, 2.0 * np.pi / M.b, 721)).epicycloid
-    centre, mass = 1e3 * AT.D * TURN, complex(1e3 * AT.place * TURN)
-    drawn.line(*(1e3 * (x + 1j * y)), colour=GREY, label="epicycloid")
-    drawn.line(*(1e3 * M.R0 * around), colour=GREY, linewidth=1.6)
-    drawn.line(*(centre + 1e3 * M.r * around), colour=BLUE, linewidth=1.6)
-    drawn.line(0j, centre)
-    drawn.line(centre, mass, colour=BLUE)
-    drawn.line(0j, mass, linestyle=BROKEN)
-    drawn.write(0.5 * mass, "$ρ$")
-    drawn.point(0j, "$O$", -5 - 5j)
-    drawn.point(centre, "$O_1$", -8 + 3j)
-    drawn.point(mass, "$S$", 3 - 7j, VERMILION)
-    drawn.arc(0j, 1 + 0j, M.b * SHOWN, 22.0, "$bα$")
-    drawn.arc(centre, -centre, SHOWN, 8.0, "$α$")
-    return drawn, centre, mass
 
 
 def epicycloid() -> Figure:
     """The figure of Lysenko, to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
     figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the held wheel 2 (exact), drawn at α = 130°. {WHEELS}")
-    drawn, centre, _ = wheels_at(figure.subplots(), (-105, 105, -105, 105))
-    for name, place in (("1", centre + 15j), ("2", -37 - 37j), ("3", 0.4 * centre + 6j), ("4", -90 + 45j)):
-        drawn.write(place, name)
+    Sketch(figure.subplots(), "XY", (-105, 105, -105, 105)).parts("wheels", "links")
     return figure
 
 
 def speeds_and_forces() -> Figure:
-    """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle.
-
-    45 mm for V, 24 mm for F1; grey as printed.
-    """
-    page, view = lysenko.printed(M, SHOWN, W), (-12, 132, -12, 112)
+    """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle."""
+    page = lysenko.printed(M, SHOWN, W)
     printed_arms = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
     told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {printed_arms}"
     figure = sheet(9.4, 5.0, f"At α = 130°, {told}. {WHEELS}")
-    left, right = figure.subplots(1, 2)
-    drawn, centre, mass = wheels_at(left, view)
-    spoke, velocity, scale = complex(AT.spoke * TURN), complex(AT.velocity * TURN), 45.0 / AT.V
-    drawn.arrow(mass, scale * 1j * W * spoke, BLUE, "$V_1$")
-    drawn.arrow(mass, scale * 1e-3j * M.b * W * mass, GREEN, "$V_2$")
-    drawn.arrow(mass, scale * velocity, VERMILION, "$V$")
-    for direction in (spoke, mass):
-        drawn.line(mass, mass + 30.0 * direction / abs(direction), colour=GREY, linestyle=BROKEN)
-    drawn.arc(mass, spoke, float(AT.beta1), 22.0, "$β_1$")
-    drawn.arc(mass, velocity, float(AT.delta), 30.0, "$δ$")
-    sizes = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
-    left.set_title(f"angles and speeds: $V_1, V_2, V$ = {sizes}", loc="left", fontsize=9)
-
-    drawn, centre, mass = wheels_at(right, view)
-    outward, along_OS, scale = spoke / M.arm, mass / abs(mass), 24.0 / AT.F1
-    wrong = outward * np.exp(1j * (page.beta1 - page.delta))
-    for of, along, colour, name, aside in (
-        (0j, outward, GREEN, "$n_1 = k_2$", 15 + 6j),
-        (centre, along_OS, PURPLE, "$n_2$", 8 - 9j),
-        (centre, wrong, GREY, "$k_1$", -6 - 2j),
-        (0j, wrong, GREY, "$k_2$", -5 + 0j),
-    ):
-        # of the perpendicular from a point on the line of a force through the imbalance
-        foot = mass + ((of - mass) * np.conj(along)).real * along
-        drawn.line(mass, foot, colour=colour, linestyle=BROKEN)
-        drawn.line(of, foot, colour=colour, linestyle=DOTTED)
-        drawn.write(0.5 * (of + foot) + aside, name, colour)
-    drawn.arrow(mass, scale * (AT.F1 + AT.Fk) * outward, ORANGE, "$F_k$")
-    drawn.arrow(mass, scale * AT.F1 * outward, GREEN, "$F_1$")
-    drawn.arrow(mass, scale * AT.F2 * along_OS, PURPLE, "$F_2$")
-    drawn.arrow(mass, scale * page.Fk * wrong, GREY, "$F_k$", BROKEN)
-    sizes = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
-    right.set_title(f"forces and arms: $F_1, F_2, F_k$ = {sizes}", loc="left", fontsize=9)
+    speeds = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
+    forces = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
+    titles = {
+        "speeds": f"angles and speeds: $V_1, V_2, V$ = {speeds}",
+        "forces": f"forces and arms: $F_1, F_2, F_k$ = {forces}",
+    }
+    for axes, (part, title) in zip(figure.subplots(1, 2), titles.items(), strict=True):
+        Sketch(axes, "XY", (-12, 132, -12, 112)).parts("wheels", part, page=page)
+        axes.set_title(title, loc="left", fontsize=9)
     return figure
 
 
 # --- all of them ---
 
-STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in stelmashchuk.STIFFNESSES}
-DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
 FIGURES: dict[str, Callable[[], Figure]] = {
     "karetin_1": figure_1,
     "karetin_2": trajectories,
     "karetin_arms": arms,
     "lysenko_1": epicycloid,
     "lysenko_forces": speeds_and_forces,
-    "karetin_3": velocity_and_acceleration,
-    "karetin_offsets": offsets,
-    "karetin_effective_offset": effective_offset,
-    "karetin_swing": swing,
-    "karetin_printed": in_a_row,
-    "lysenko_2": cycle,
-    "stelmashchuk_2": partial(accelerations, STIFFNESSES, "stiffness, Π = 0.5"),
-    "stelmashchuk_3": partial(accelerations, DAMPINGS, "damping, ν = 8"),
-    "stelmashchuk_printed": over_printed,
+    **{name: partial(curves, name) for name in CURVES},
     **{
         f"{name}_equation_{''.join(filter(str.isalnum, row.number))}": partial(equation, name, row)
         for name, (paper, *_) in SHEETS.items()

@@ -64,6 +64,15 @@ class Figure:
 Figures = dict[str, Figure]
 
 
+def missed(figures: Figures) -> dict[str, str]:
+    """Tell by name, with value and bound, of the figures that do not hold."""
+    return {
+        name: f"{name} {figure.value:.0e}, bound {figure.bound:.0e}"
+        for name, figure in figures.items()
+        if not figure.holds
+    }
+
+
 @dataclass(frozen=True)
 class Segment:
     """A stretch of time with given inputs.
@@ -222,9 +231,6 @@ class Run:
         scales = self.speed, self.torque, self.speed * self.torque, self.energy
         return relative(self.breaches[breach], scales[BREACHES.index(breach)])
 
-    def _breach(self, name: str, value: float) -> None:
-        self.breaches[name] = max(self.breaches[name], value)
-
     def look(self, module: Module) -> None:
         """Take note of what shows at a communication point."""
         self.finite = self.finite and all(map(math.isfinite, module.outputs.numbers))
@@ -234,25 +240,25 @@ class Run:
         link1 = module["input_speed" if module["drive"] else "omega1"]
         fastest = max(abs(link1), abs(module["omega2"]))
         possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
-        energies = (abs(module[name]) for name in (*ENERGIES, "energy_stored"))
-        self.energy = max(self.energy, possible, *energies)
+        self.energy = max(
+            self.energy, possible, *(abs(module[name]) for name in (*ENERGIES, "energy_stored"))
+        )
         self.speed = max(self.speed, abs(link1), *(abs(module[name]) for name in SPEEDS))
         self.torque = max(self.torque, *(abs(module[name]) for name in TORQUES))
         before, self.lost = self.lost, {name: module[name] for name in LOST}
-        self._breach(REGAINED, max(before.get(name, 0.0) - lost for name, lost in self.lost.items()))
-        elastic = module["fidelity"] == ELASTIC
-        if not elastic and module["fidelity"] != RIGID:
-            return
-        slips = module["omega2"], module["omega_hub"] - module["omega2"]
-        for wheel, spring, slip in zip(("housing", "output"), ("housing", "freewheel"), slips, strict=True):
+        breaches = [(REGAINED, before.get(name, 0.0) - lost) for name, lost in self.lost.items()]
+        elastic, omega2 = module["fidelity"] == ELASTIC, module["omega2"]
+        slips = ("housing", "housing", omega2), ("output", "freewheel", module["omega_hub"] - omega2)
+        for wheel, spring, slip in slips if elastic or module["fidelity"] == RIGID else ():
             if not module[f"{wheel}_freewheel"]:
                 continue
             drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
             held = module[f"{wheel}_torque"] + drag
-            self._breach(TORQUE, -held)
+            breaches.append((TORQUE, -held))
             if not elastic or module[f"{spring}_stiffness"] == 0.0:  # while it winds up it may turn backwards
-                self._breach(SPEED, -slip)
-                self._breach(POWER, slip * held)
+                breaches += [(SPEED, -slip), (POWER, slip * held)]
+        for name, value in breaches:
+            self.breaches[name] = max(self.breaches[name], value)
 
 
 def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:
@@ -302,7 +308,14 @@ def _advance(found: Run, module: Module, segment: Segment, split: int) -> None:
             module.advance(step)
         except Refused as error:
             found.refused = str(error)
-            found.broken = _after_refusal(module, before)
+            if bytes(module.state) != before:
+                found.broken = "a refused step changed the state"
+                return
+            module.set(omega1=1.0, load_torque=1.0)
+            try:
+                module.advance(1e-6)
+            except Refused as next_one:
+                found.broken = f"no good step after a refused one: {next_one}"
             return
         found.steps += 1
         if module["max_step"] > 0.0:
@@ -313,18 +326,6 @@ def _advance(found: Run, module: Module, segment: Segment, split: int) -> None:
         found.look(module)
     for name, impulse in impulses.items():
         found.end[name] = found.end.get(name, 0.0) + impulse
-
-
-def _after_refusal(module: Module, before: bytes) -> str:
-    """Try the module after a refused step and tell what is wrong with it, or ""."""
-    if bytes(module.state) != before:
-        return "a refused step changed the state"
-    module.set(omega1=1.0, load_torque=1.0)
-    try:
-        module.advance(1e-6)
-    except Refused as error:
-        return f"no good step after a refused one: {error}"
-    return ""
 
 
 def _followed_rate(module: Module) -> float:

@@ -8,7 +8,9 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import tomllib
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
@@ -20,10 +22,10 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from inertia_module.common.files import content_hash, sources
-from inertia_module.contract.variables import default_parameters
-from inertia_module.fidelity.trials import Level
+from inertia_module.contract.variables import BY_NAME, default_parameters
 from inertia_module.harness.results import write_text
-from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from inertia_module.kernel import codes
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMESTEPPING
 from inertia_module.memory import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
@@ -43,6 +45,7 @@ from .motion import (
     Run,
     Segment,
     distance,
+    missed,
     relative,
     run,
 )
@@ -54,14 +57,19 @@ DIGITS = 5
 FRICTION_SHARE, MOST_FRICTION = 0.3, 100.0
 # losses by load, drag, gravity: the share of the motions that have each, efficiencies
 LOSS_SHARE, EFFICIENCIES = 0.5, (0.5, 0.9, 0.97, 0.99, 1.0 - 1e-12)
+# names, formula and, if there is one, condition
+DRAWS = {
+    table: [(names.split(), *(compile(text, text, "eval") for text in texts)) for names, *texts in rows]
+    for table, rows in tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).items()
+}
+# of Draw, that formulas use
+METHODS = ("choice", "random", "uniform", "randint", "decades", "between")
 # how often each of LEVELS is drawn
 WEIGHTS = (1, 3, 5, 3, 4, 2)
 STUDIES = Path(__file__).parents[1]
 HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
 # rows that count: motions that take too long to be run again in other ways, and those refused
 SHORT, TAKEN = "not long", "not refused"
-# motions tried to make one that fails smaller; one that is given up, takes long or is compared counts more
-TRIES, SLOW = 300, 15
 NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -83,7 +91,8 @@ FACTOR = 4.0  # whose powers are exact
 AS_SPEED = ("omega2_start", "omega_out_start", *FRICTIONS, "housing_drag_viscous", "output_drag_viscous")
 AS_TORQUE = ("housing_drag", "output_drag", "gravity")
 # without losses virtual work is Lagrange's equations: so kept outcomes call it
-REFERENCE, VIRTUAL_WORK, STEPS = "Lagrange's equations", "virtual work", "long and short steps"
+COMPARISONS = REFERENCE, VIRTUAL_WORK = "Lagrange's equations", "virtual work"
+STEPS = "long and short steps"
 # parameters that make the difference
 LOSSES = (
     *AS_TORQUE,
@@ -246,7 +255,7 @@ class Finding:
     @property
     def failed(self) -> list[str]:
         """Names of the figures that do not hold."""
-        return [name for name, figure in self.figures.items() if not figure.holds]
+        return list(missed(self.figures))
 
     @property
     def causes(self) -> list[str]:
@@ -299,86 +308,28 @@ def _inertia(motion: Motion) -> float:
     return mass * length**2 + motion["link2_inertia"]
 
 
-def _mechanism(draw: Draw) -> Parameters:
-    p: Parameters = {
-        **{"satellites": draw.choice([1, 2, 3, 4, 5]), "modules": draw.choice([1, 1, 2, 5])},
-        **{"imbalance_mass": draw.choice([0.0, *[draw.decades(0.01, 100.0)] * 9])},
-        **{"drive_inertia": draw.choice([0.0, draw.decades(1e-6, 1.0)])},
-        **{"link2_inertia": draw.decades(1e-6, 1.0), "output_inertia": draw.decades(1e-4, 100.0)},
-        **{"drive_angle_start": draw.choice([0.0, draw.between(-10.0, 10.0)])},
-    }
-    if draw.random() < 0.5:
-        p |= {"layout": 1, "sun_radius": draw.decades(0.01, 0.5), "satellite_radius": draw.decades(0.01, 0.5)}
-        return p | {"eccentricity": rounded(draw.choice([0.0, *[draw.random()] * 9]) * p["satellite_radius"])}
-    p |= {name: draw.choice([draw.randint(1, 200), draw.randint(12, 60)]) for name in ("z2", "z16")}
-    p |= {name: draw.randint(8, 80) for name in ("z17", "z6")}
-    p |= {name: draw.choice([0.0, 1.0, draw.between(0.0, 1.5)]) for name in "abc"}
-    p |= {name: draw.choice([0.0, draw.between(0.0, 6.3)]) for name in ("epsilon", "gamma")}
-    angle = draw.choice([rounded(math.pi / 2.0), draw.between(0.1, 3.0)])
-    return p | {"wheel_radius": draw.decades(0.02, 0.5), "shaft_angle": angle}
-
-
-def _drive_and_output(draw: Draw, level: Level, omega: float) -> Parameters:
-    by_torque = level.fidelity != KINEMATIC and draw.random() < 0.5
-    inertia = draw.decades(1e-4, 100.0)
-    p = {**level.values, "input_inertia": inertia if by_torque else draw.choice([0.0, inertia])}
-    p |= {"drive": float(by_torque), "tolerance": draw.decades(1e-10, 1e-4)}
-    if level.fidelity == KINEMATIC:
-        return p | {"kinematic_ratio": draw.between(-2.0, 2.0)}
-    left_out = [] if level.fidelity == AVERAGED else [(0, 1), (1, 0), (0, 0)]
-    housing, output = draw.choice([(1, 1)] * 4 + left_out)
-    omega_out = rounded(omega * draw.choice([0.0, 0.0, draw.uniform(0.0, 1.5)]))
-    omega2 = omega_out * draw.choice([0.0, 1.0]) if output else omega_out
-    p |= {"housing_freewheel": housing, "output_freewheel": output}
-    p |= {"omega_out_start": omega_out, "omega2_start": omega2}
-    if level.fidelity == ELASTIC:
-        p |= {"driven_inertia": draw.decades(1e-3, 100.0), "shaft_stiffness": draw.decades(1.0, 1e6)}
-        p |= {"shaft_damping": draw.choice([0.0, draw.decades(1e-3, 10.0)])}
-        p |= {"driven_friction": draw.choice([0.0, 0.0, draw.decades(1e-4, 1.0)])}
-        p |= {"balancer": draw.choice([0.0, 0.0, draw.between(-0.9, 0.9)])}
-    return p
-
-
-def _friction(draw: Draw, scale: float) -> Parameters:
-    """Of some links, up to a scale, N.m.s/rad."""
-    if draw.random() >= FRICTION_SHARE:
-        return {}
-    drawn = {name: draw.choice([0.0, draw.decades(1e-5, 1.0)]) * scale for name in FRICTIONS}
-    return {name: min(rounded(value), MOST_FRICTION) for name, value in drawn.items()}
-
-
-def _losses(draw: Draw, motion: Motion, torque: float, omega: float) -> Parameters:
-    """Each on or off: by load, drag, gravity, bodies and, elastic by events, freewheels that wind up."""
-
-    def some(**values: float) -> Parameters:
-        return values if draw.random() < LOSS_SHARE else {}
-
-    def part(low: float, high: float, of: float, most: float) -> float:
-        return min(rounded(draw.decades(low, high) * of), most)
-
-    p = some(mesh_efficiency=draw.choice(EFFICIENCIES))
-    p |= some(satellite_mesh_efficiency=draw.choice(EFFICIENCIES))
-    p |= some(journal_friction=draw.decades(1e-6, 0.1), gravity=draw.choice([0.0, 9.81, 60.0]))
-    inertia = _inertia(motion) / (motion["satellites"] * motion["modules"])
-    p |= some(satellite_inertia=part(1e-6, 1.0, inertia, 1e9))
-    p |= some(satellite_transverse_inertia=part(1e-6, 1.0, inertia, 1e9))
-    for wheel, spring in (("housing", "housing"), ("output", "freewheel")):
-        p |= some(**{f"{wheel}_drag": part(1e-6, 1.0, torque, 1e7)})
-        p |= some(**{f"{wheel}_drag_viscous": part(1e-6, 0.1, torque / omega, MOST_FRICTION)})
-        stiffness = draw.decades(1e2, 1e6)
-        damping = rounded(stiffness * draw.choice([0.0, 1e-4, 1e-3]))
-        wound = some(**{f"{spring}_stiffness": stiffness, f"{spring}_damping": damping})
-        p |= wound if (motion.level.fidelity, motion.level.method) == (ELASTIC, EVENT) else {}
-    return p
+def draws(table: str, scope: dict[str, Any]) -> Parameters:
+    """Draw what the rows of a table beside the code say; scope: what formulas use, and what is drawn."""
+    found: Parameters = {}
+    for names, formula, *condition in DRAWS[table]:
+        if all(eval(one, scope) for one in condition):
+            for name in names:
+                scope[name] = eval(formula, scope)
+                found |= {name: scope[name]} if name in BY_NAME else {}
+    return found
 
 
 def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
     """The motion of this number in the campaign of this seed; losses: by load, drag and gravity besides."""
     draw = Draw(f"{seed}/{number}")
     (level,) = draw.choices(LEVELS, WEIGHTS)
-    omega = draw.decades(1.0, 300.0)
-    motion = Motion(_mechanism(draw) | _drive_and_output(draw, level, omega), ())
-    torque = _inertia(motion) * omega**2
+    methods = {name: getattr(draw, name) for name in METHODS}
+    scope = (
+        globals() | vars(codes) | methods | {"level": level, "rough": level.fidelity != AVERAGED or losses}
+    )
+    motion = Motion(draws("mechanism", scope), ())
+    omega, inertia = scope["omega"], _inertia(motion)
+    torque, body = inertia * omega**2, inertia / (motion["satellites"] * motion["modules"])
     full = {**default_parameters(), **motion.parameters}
     rate = omega * ratio(full) * (2.0 + 2.0 * satellite_ratio(full))
     travel, segments = draw.decades(0.3, 60.0), []
@@ -390,12 +341,11 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
         drive = rounded(push) if by_torque else 0.0
         segments.append(Segment(duration, rounded(omega1), rounded(load), rounded(slope), drive))
         omega1 = draw.choice([omega1, omega1, omega1 + slope * duration, omega * draw.uniform(-1.0, 1.0)])
-    if level.method == TIMESTEPPING:
-        motion.parameters["max_step"] = draw.decades(0.003, 3.0) / rate
-    rough = level.fidelity != AVERAGED or losses  # without losses no motion of averaged has friction
-    friction = _friction(draw, torque / omega) if rough else {}
-    lossy = _losses(draw, motion, torque, omega) if losses and rough else {}
-    return Motion(motion.parameters | friction | lossy, tuple(segments))
+    scope |= {"torque": torque, "rate": rate, "body": body}
+    parameters = motion.parameters | draws("friction", scope)
+    if losses:
+        parameters |= draws("losses", scope)
+    return Motion(parameters, tuple(segments))
 
 
 # --- a campaign ---
@@ -407,7 +357,7 @@ class Outcome:
 
     Attributes:
         number: in the campaign. level: of fidelity. finding: what it showed.
-        reproducer: the smallest motion found that fails or is refused in the same way, or None.
+        reproducer: of one that fails or is refused all that this needs, or None.
     """
 
     number: int
@@ -415,21 +365,18 @@ class Outcome:
     finding: Finding
     reproducer: dict[str, Any] | None = None
 
-    def as_line(self) -> str:
-        """The outcome as a line of its file."""
-        return json.dumps(asdict(self)) + "\n"
-
 
 def outcomes_file(folder: Path, seed: int, losses: bool = False) -> Path:
     """The file in a folder that keeps the outcomes of a seed with this code: a line for each, in order."""
-    name = f"random-losses-{seed}" if losses else f"random-{seed}"
-    own = {
-        path.relative_to(STUDIES).as_posix(): path.read_bytes()
-        for part in ("reference", "stability")
-        for path in (STUDIES / part).glob("*.py")
-    }
-    code = sources("contract/*.py", "kernel/**/*.py", "memory.py") | own
-    return folder / f"{name}-{content_hash(code)[:8]}.jsonl"
+    parts = [path for part in ("reference", "stability") for path in (STUDIES / part).glob("*.*")]
+    code = sources("contract/*.py", "kernel/**/*.py", "memory.py")
+    code |= {path.relative_to(STUDIES).as_posix(): path.read_bytes() for path in parts}
+    return folder / f"random-{'losses-' * losses}{seed}-{content_hash(code)[:8]}.jsonl"
+
+
+def line_of(outcome: Outcome) -> str:
+    """The outcome as a line of its file."""
+    return json.dumps(asdict(outcome)) + "\n"
 
 
 def read_outcomes(path: Path) -> list[Outcome]:
@@ -439,39 +386,19 @@ def read_outcomes(path: Path) -> list[Outcome]:
     return [read(json.loads(line)) for line in lines if line.endswith("\n")]
 
 
-def smaller(motion: Motion) -> Iterator[Motion]:
-    """Motions with less in them: fewer segments, parameters at their defaults, rounder numbers."""
-    p, segments = motion.parameters, motion.segments
-    for n in range(len(segments)) if len(segments) > 1 else ():
-        yield Motion(p, segments[:n] + segments[n + 1 :])
-    for name in p:
-        yield Motion({other: value for other, value in p.items() if other != name}, segments)
-    for digits in (1, 2, 3):
-        for name in p:
-            yield motion.changed(**{name: rounded(p[name], digits)})
-        for n, part in enumerate(segments):
-            for name in ("slope", "drive", "load", "omega1", "duration"):
-                value = rounded(getattr(part, name), digits)
-                for tried in (value,) if name == "duration" else (0.0, value):
-                    changes: dict[str, Any] = {name: tried}
-                    yield Motion(p, (*segments[:n], replace(part, **changes), *segments[n + 1 :]))
-
-
 def shrunk(motion: Motion, wanted: str, make: Make = Module) -> Motion:
-    """A smaller motion with the same cause of failure or refusal."""
-    compared = wanted in (REFERENCE, VIRTUAL_WORK)
-    left, found = TRIES, True
-    while found:
-        found = False
-        for tried in smaller(motion):
-            if tried == motion or left <= 0:
-                continue
-            finding = examine(tried, make, not compared)
-            slow = compared or finding.long or "abandoned" in finding.refused
-            left -= SLOW if slow else 1
-            if wanted in finding.causes:
-                motion, found = tried, True
-                break
+    """The motion without the segments and parameters that its cause of failure or refusal does not need."""
+
+    def tried(segments: tuple[Segment, ...], parameters: Parameters) -> Motion:
+        less = replace(motion, segments=segments, parameters=parameters)
+        return less if wanted in examine(less, make, wanted not in COMPARISONS).causes else motion
+
+    for part in motion.segments:
+        if len(motion.segments) > 1:
+            motion = tried(tuple(one for one in motion.segments if one is not part), motion.parameters)
+    for name in motion.parameters:
+        others = {other: value for other, value in motion.parameters.items() if other != name}
+        motion = tried(motion.segments, others)
     return motion
 
 
@@ -498,17 +425,14 @@ def run_random(
         number: of motions. seed: of all of them. folder: to keep them. report: called with the share done.
         losses: whether to draw losses by load, drag and gravity besides.
     """
-    from concurrent.futures import ProcessPoolExecutor
-
     Module().load_kernel()  # compiled once, before there are many who would
     path = outcomes_file(folder, seed, losses)
     outcomes = read_outcomes(path)
-    write_text(path, "".join(outcome.as_line() for outcome in outcomes))
-    report(len(outcomes) / number)
+    write_text(path, "".join(map(line_of, outcomes)))
     with ProcessPoolExecutor() as pool, path.open("a") as file:
         left = range(len(outcomes), number)
         for outcome in pool.map(partial(try_number, seed, losses=losses), left, chunksize=4):
-            file.write(outcome.as_line())
+            file.write(line_of(outcome))
             file.flush()
             outcomes.append(outcome)
             report(len(outcomes) / number)
@@ -523,8 +447,11 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
     rows: list[tuple[Any, ...]] = []
     for level in sorted({outcome.level for outcome in outcomes}):
         here = [outcome for outcome in outcomes if outcome.level == level]
-        for name in dict.fromkeys(name for one in here for name in one.finding.figures):
-            figures = {one.number: one.finding.figures[name] for one in here if name in one.finding.figures}
+        found: dict[str, dict[int, Figure]] = {}
+        for one in here:
+            for name, figure in one.finding.figures.items():
+                found.setdefault(name, {})[one.number] = figure
+        for name, figures in found.items():
             told = {number: figure for number, figure in figures.items() if figure.bound < SENSITIVE}
             explained = sum(figure.explained for figure in told.values())
             failed = sum(not figure.holds for figure in told.values())
@@ -546,10 +473,8 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         if one.reproducer:
             kinds.setdefault((one.level, one.finding.causes[0]), []).append(one)
     told = []
-    for (level, what), found in kinds.items():
-        first, figures = found[0], found[0].finding.figures.items()
-        missed = [f"{name}: {one.value:.1e}, bound {one.bound:.0e}" for name, one in figures if not one.holds]
-        sentence = "; ".join(missed) or first.finding.refused
+    for (level, what), (first, *others) in kinds.items():
+        sentence = "; ".join(missed(first.finding.figures).values()) or first.finding.refused
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
-        told.append({"level": level, "what": what, "count": len(found), **where})
+        told.append({"level": level, "what": what, "count": 1 + len(others), **where})
     return told

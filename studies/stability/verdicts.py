@@ -43,6 +43,7 @@ from .motion import (
     Run,
     Segment,
     distance,
+    missed,
     relative,
     run,
 )
@@ -124,7 +125,7 @@ class Trial:
 
     case: Case
     long: Run
-    short: Run | None = None
+    short: Run = field(default_factory=Run)
     tight: Run | None = None
     sensitivity: float = 0.0
 
@@ -153,7 +154,7 @@ def try_case(case: Case, make: Make = Module) -> Trial:
         tight = _tight(make, tuple(precise.parameters.items()), motion.segments)
         trial = Trial(case, long, short, None if tight.refused else tight)
         for beside in () if tight.refused or short.refused else precise.nudged(tolerance):
-            if all(figure.holds for name, figure in figures_of(trial, short).items() if name in COMPARED):
+            if all(figure.holds for name, figure in figures_of(trial).items() if name in COMPARED):
                 break
             changed = run(beside, make)
             if not changed.refused:
@@ -212,7 +213,7 @@ class Verdict:
     @property
     def missed(self) -> list[str]:
         """Names of the figures beyond their bounds."""
-        return [name for name, figure in self.figures.items() if not figure.holds]
+        return list(missed(self.figures))
 
     @property
     def cell(self) -> Cell:
@@ -238,9 +239,9 @@ def cause(message: str) -> str:
     return found.group(1).strip() if found else message.partition(", are ")[0]
 
 
-def figures_of(trial: Trial, short: Run) -> Figures:
-    """Figures of a trial and their bounds, by name; short: its run in short steps."""
-    case, long, tight = trial.case, trial.long, trial.tight
+def figures_of(trial: Trial) -> Figures:
+    """Figures of a trial and their bounds, by name."""
+    case, long, short, tight = trial.case, trial.long, trial.short, trial.tight
     result, energy = result_bound(case.accuracy, trial.sensitivity), energy_bound(case.accuracy)
     runs = ("", long), (", short steps", short)
     figures = {
@@ -268,17 +269,16 @@ def judge(trial: Trial) -> Verdict:
         return Verdict(case, BROKEN, long.broken)
     if long.refused:
         return Verdict(case, REFUSED, long.refused)
-    if short is None or short.refused:
-        return Verdict(case, BROKEN, "short steps: " + (short.refused if short else "not run"))
+    if short.refused:
+        return Verdict(case, BROKEN, f"short steps: {short.refused}")
     if not (long.finite and short.finite):
         return Verdict(case, BROKEN, "an output is not finite")
-    figures = figures_of(trial, short)
-    missed = {name: figure for name, figure in figures.items() if not figure.holds}
-    outcome = DEGRADED if missed else EXACT
-    if missed and trial.sensitivity > LARGEST_ERROR and set(missed) <= set(COMPARED):
+    figures = figures_of(trial)
+    reasons = missed(figures)
+    outcome = DEGRADED if reasons else EXACT
+    if reasons and trial.sensitivity > LARGEST_ERROR and reasons.keys() <= set(COMPARED):
         outcome = SENSITIVE
-    reasons = [f"{name} {figure.value:.0e}, bound {figure.bound:.0e}" for name, figure in missed.items()]
-    return Verdict(case, outcome, "; ".join(reasons), figures)
+    return Verdict(case, outcome, "; ".join(reasons.values()), figures)
 
 
 def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
@@ -290,18 +290,18 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
     Raises:
         ValueError: there is none of this name.
     """
-    if only is not None and only not in axes():
+    found = [case for axis, cases in axes().items() if only in (None, axis) for case in cases]
+    if not found:
         raise ValueError(f"axis must be one of the map, is {only} {did_you_mean(only, axes())}")
-    chosen = [only] if only else axes()
-    return [case for axis in chosen for case in axes()[axis] if not (quick and case.slow)]
+    return [case for case in found if not (quick and case.slow)]
 
 
 def run_study(chosen: Sequence[Case], report: Progress = lambda done: None) -> list[Verdict]:
     """Verdicts on these cases, in their order; report is told how much is done (0 to 1)."""
-    verdicts: list[Verdict] = []
-    for case in chosen:
+    verdicts = []
+    for number, case in enumerate(chosen, 1):
         verdicts.append(judge(try_case(case)))
-        report(len(verdicts) / len(chosen))
+        report(number / len(chosen))
     return verdicts
 
 
@@ -319,11 +319,11 @@ class Row(NamedTuple):
 
 def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
     """Rows of these verdicts, in their order."""
-    rows: dict[tuple[str, str, str], dict[str, Cell]] = {}
-    for verdict in verdicts:
-        case = verdict.case
-        rows.setdefault((case.axis, case.value, case.layout), {})[case.level.name] = verdict.cell
-    return [Row(*key, cells) for key, cells in rows.items()]
+    rows: dict[tuple[str, str, str], Row] = {}
+    for case, cell in ((verdict.case, verdict.cell) for verdict in verdicts):
+        key = case.axis, case.value, case.layout
+        rows.setdefault(key, Row(*key, {})).cells[case.level.name] = cell
+    return list(rows.values())
 
 
 def write_rows(path: Path, rows: Iterable[Row]) -> Path:
@@ -338,14 +338,6 @@ def read_rows(path: Path) -> list[Row]:
     for line in csv.DictReader(path.read_text().splitlines()):
         axis, value, layout = (line.pop(name) for name in HEADINGS[:3])
         found.append(Row(axis, value, layout, {name: Cell.of(text) for name, text in line.items() if text}))
-    return found
-
-
-def by_axis(rows: Iterable[Row]) -> dict[str, list[Row]]:
-    """Rows of each axis."""
-    found: dict[str, list[Row]] = {}
-    for row in rows:
-        found.setdefault(row.axis, []).append(row)
     return found
 
 
@@ -380,11 +372,12 @@ def summary(rows: Sequence[Row]) -> Picture:
     Args:
         rows: of rows_of or read_rows.
     """
-    names, levels = by_axis(rows), HEADINGS[3:]
+    names = dict.fromkeys(row.axis for row in rows)
+    levels = HEADINGS[3:]
     picture = Picture(figsize=(8.5, 1.0 + 0.24 * len(names)), dpi=120, layout="constrained")
     sheet = picture.subplots()
-    for y, here in enumerate(names.values()):
-        for level, (found, _) in counts(here).items():
+    for y, name in enumerate(names):
+        for level, (found, _) in counts([row for row in rows if row.axis == name]).items():
             x, width = levels.index(level), 0.94 / found.total()
             left = x + 0.03
             for outcome in OUTCOMES:

@@ -144,7 +144,6 @@ def test_failure_is_shrunk_to_what_it_needs():
     assert not examine(small, without_reference=True).failed
     (segment,) = small.segments
     assert segment.load < 0.0
-    assert segment.omega1 == segment.drive == segment.slope == 0.0
     assert len(small.parameters) < len(motion.parameters) / 3
 
 
@@ -190,14 +189,13 @@ def test_motion_that_takes_long_is_run_once_and_counted(monkeypatch):
     assert row[2:] == (1, 0, 0, 1, "", "", 7)
 
 
-def test_refusals_are_counted_by_their_sentence_and_are_no_failures(monkeypatch):
+def test_refusals_are_counted_by_their_sentence_and_are_no_failures():
     class Refusing(Module):
         def advance(self, step_size):
             if step_size > 1e-6:
                 raise Refused(f"communication step = {step_size} s is abandoned: too long")
             super().advance(step_size)
 
-    monkeypatch.setattr(campaign, "TRIES", 20)
     outcomes = [campaign.try_number(SEED, number, Refusing) for number in (1, 3)]
     kinds = campaign.findings(outcomes)
     assert sum(kind["count"] for kind in kinds) == 2
