@@ -19,6 +19,23 @@ def add_loss(x, cause, lost):
     x.step_lost += lost
 
 
+def begin_sums(x):
+    """Begin the sums over a communication step, or over a period of a steady motion."""
+    x.begin_q = x.q
+    x.begin_omega2 = x.omega2
+    x.begin_theta1 = x.theta1
+    x.begin_input_turns = x.input_turns
+    x.begin_drive_turns = x.drive_turns
+    x.input_impulse = 0.0
+    x.output_impulse = 0.0
+    x.housing_impulse = 0.0
+    x.output_square = 0.0
+    x.turned3 = 0.0
+    x.torque_peak = 0.0
+    x.step_switches = 0.0
+    x.step_evaluations = 0.0
+
+
 def lost_in_all(x):
     """Energy that all causes have taken since the start, J."""
     total = 0.0

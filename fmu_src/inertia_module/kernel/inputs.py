@@ -1,5 +1,6 @@
 """The inputs of a step: checked, extrapolated, taken over into the state."""
 
+from .accumulate import begin_sums
 from .codes import (
     BAD_DRIVE_TORQUE,
     BAD_DRIVE_TORQUE_RATE,
@@ -71,20 +72,8 @@ def begin(p, u, x, h):
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h
-    x.begin_q = x.q
-    x.begin_omega2 = x.omega2
     x.step_lost = 0.0
-    x.begin_theta1 = x.theta1
-    x.begin_input_turns = x.input_turns
-    x.begin_drive_turns = x.drive_turns
-    x.input_impulse = 0.0
-    x.output_impulse = 0.0
-    x.housing_impulse = 0.0
-    x.output_square = 0.0
-    x.turned3 = 0.0
     x.largest_square = 0.0
     x.seen = 0.0
-    x.torque_peak = 0.0
-    x.step_switches = 0.0
-    x.step_evaluations = 0.0
+    begin_sums(x)
     return jump
