@@ -40,13 +40,13 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7488,
+    "kernel": 7407,
     "compiling": 686,
     "harness": 2400,
     "fidelity": 810,
     "jobs": 2672,
     "export, page, cli, common": 1792,
-    "package": 23185,
+    "package": 23104,
     "studies": 6597,
     "tests": 16854,
 }
