@@ -80,7 +80,7 @@ STATE = (
 # averaged: a knot of the map over the speed ratio: curves of mean torque, mean speed of link 2 and the mean
 # energy or, under its torque, speed of link 1 (see averaged.table); while the map is built the error of the
 # interval that follows, the torque of link 1, and how the motion begins. Torques, speeds of link 2 and powers
-# lost by cause stand there for so many motions: the ideal one and with losses those of averaged.torque_map
+# lost by cause stand there for so many motions: the ideal one and with losses those of averaged.table
 MOTIONS = 9
 CURVES = 2 * MOTIONS + 1
 KNOT = (

@@ -68,6 +68,12 @@ def begin(d, u, x, h):
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h
+    begin_sums(x)
+    return jump
+
+
+def begin_sums(x):
+    """Begin the sums over a communication step, or over a period of a steady motion."""
     x.begin_q = x.q
     x.begin_omega2 = x.omega2
     x.begin_theta1 = x.theta1
@@ -75,4 +81,3 @@ def begin(d, u, x, h):
     x.begin_drive_turns = x.drive_turns
     for n in range(OF_MOTION, OF_MOTION + OF_SUMS):
         x.numbers[n] = 0.0
-    return jump

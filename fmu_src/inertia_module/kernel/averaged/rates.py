@@ -5,21 +5,14 @@ is given that of the energy J* v^2 / 2 of links 1 and 2 (see torque_map). The ou
 legs: it rests, is locked to link 1, coasts beyond the end of the map, or slips under the mean torque.
 """
 
-import math
-
 from ..equations.losses import FREEWHEEL, VISCOUS
-from .table import INPUT, MOTIONS, OMEGA2, TORQUE, interpolate
+from .table import INPUT, MOTIONS, OMEGA2, SLOWNESS, TORQUE, interpolate
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
-# slower than at the lowest speed of the map by this, the torque goes with the square of the speed once more
-SLOWEST = 1e12
 # to find the ratio of the accelerations from rest
 FROM_REST = 40
-# lowest speed with a motion of its own, and its logarithm
-LAST = 9.0
-LOG_LAST = math.log(LAST)
-# motion of links that crawl, the place of what stays of their speed in the shares
-CRAWLING, STAYS = 7, 9
+# motions of a knot about a slowness that it is interpolated from
+NEAR = 4
 
 
 def side_at(d, v, trend):
@@ -47,44 +40,24 @@ def last_knot(side):
     return side.knots[int(side.count) - 1]
 
 
-def shares(w):
-    """Shares that the motions of a knot have in that at the slowness w.
-
-    Up to 1/3 it is a parabola, up to 1 a cubic. Slower, what is left beside the friction of links that crawl
-    is a cubic of log w that goes on with the same slope, and then fades.
-
-    Returns:
-        Of the motion at 0, at 1/9, 1/3, 2/3, 1, 3, 9, two of what links that crawl have with w and its
-        square, one of what stays of links that crawl.
-    """
-    if w <= 1.0 / 3.0:
-        a, b = w * (13.5 - 40.5 * w), w * (13.5 * w - 1.5)
-        return 1.0 - a - b, a, b, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if w <= 1.0:
-        a = w * (9.0 + w * (13.5 * w - 22.5))
-        b = w * (w * (18.0 - 13.5 * w) - 4.5)
-        c = w * (1.0 + w * (4.5 * w - 4.5))
-        return 1.0 - a - b - c, 0.0, a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0
-    square = w * w
-    if w >= LAST:
-        e = LAST / w
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, e, w - LAST * e, square - LAST * LAST * e, 1.0 - e
-    # a cubic of s by the values at 1, 3 and 9 and the slope at 1
-    s = math.log(w) / LOG_LAST
-    c = 1.0 + s * s * (6.0 * s - 7.0)
-    slope = LOG_LAST * s * (1.0 + s * (2.0 * s - 3.0))
-    d = 8.0 * s * s * (1.0 - s)
-    e = s * s * (2.0 * s - 1.0)
-    crawl = w - c - slope - 3.0 * d - 9.0 * e
-    crawl2 = square - c - 2.0 * slope - 9.0 * d - 81.0 * e
-    return -slope, 0.0, 4.5 * slope, -9.0 * slope, c + 5.5 * slope, d, e, crawl, crawl2, 0.0
-
-
 def slowness(side, speed):
-    """Speed at which friction takes the stall torque over this one, at most SLOWEST."""
-    if side.slow == 0.0:
-        return 0.0
-    return side.slow / speed if SLOWEST * speed > side.slow else SLOWEST
+    """Share that the speed at which friction takes the stall torque has in the sum of both: 0 to 1."""
+    return side.slow / (speed + side.slow) if side.slow > 0.0 else 0.0
+
+
+def shares(z):
+    """First of NEAR motions of a knot about the slowness z, and the shares that they have in a cubic."""
+    n = 0
+    while n < MOTIONS - NEAR and z > SLOWNESS[n + 2]:
+        n += 1
+    za, zb, zc, zd = SLOWNESS[n], SLOWNESS[n + 1], SLOWNESS[n + 2], SLOWNESS[n + 3]
+    a, b, c, d = z - za, z - zb, z - zc, z - zd
+    return n, (
+        b * c * d / ((za - zb) * (za - zc) * (za - zd)),
+        a * c * d / ((zb - za) * (zb - zc) * (zb - zd)),
+        a * b * d / ((zc - za) * (zc - zb) * (zc - zd)),
+        a * b * c / ((zd - za) * (zd - zb) * (zd - zc)),
+    )
 
 
 def ratio(omega3, speed):
@@ -102,20 +75,21 @@ def curve_at(side, n, s, curve):
 
 
 def look_up(side, x, speed, s):
-    """Mean torque over v^2 and mean omega2 over |v| of the map.
+    """Mean torque, N m, and mean omega2 over |v| of the map.
 
     Args:
         side, x: the map, and the state that remembers its knot. speed: |v|. s: ratio of the output to it.
     """
     n = find_knot(side, x, s)
     if side.slow == 0.0:
-        return curve_at(side, n, s, TORQUE)[0], curve_at(side, n, s, OMEGA2)[0]
-    now = shares(slowness(side, speed))
+        return curve_at(side, n, s, TORQUE)[0] * speed * speed, curve_at(side, n, s, OMEGA2)[0]
+    first, now = shares(slowness(side, speed))
     torque = part = 0.0
-    for m in range(MOTIONS):
-        torque += now[m] * curve_at(side, n, s, TORQUE + m)[0]
-        part += now[STAYS if m == CRAWLING else m] * curve_at(side, n, s, OMEGA2 + m)[0]
-    return torque, part
+    for m in range(NEAR):
+        torque += now[m] * curve_at(side, n, s, TORQUE + first + m)[0]
+        part += now[m] * curve_at(side, n, s, OMEGA2 + first + m)[0]
+    scale = speed + side.slow
+    return torque * scale * scale, part
 
 
 def look_up_input(side, x, s):
@@ -125,35 +99,28 @@ def look_up_input(side, x, s):
 
 def torque_at_knot(side, knot, speed):
     """Mean output torque at a knot, N m."""
-    now = shares(slowness(side, speed))
+    first, now = shares(slowness(side, speed))
     torque = 0.0
-    for m in range(MOTIONS):
-        torque += now[m] * knot.value[TORQUE + m]
-    return torque * speed * speed
-
-
-def lost_at_knot(knot, cause, now):
-    """Mean power that a cause takes at a knot, over the cube of the speed; now: shares."""
-    lost = 0.0
-    for m in range(MOTIONS):
-        lost += now[m] * knot.lost[MOTIONS * cause + m]
-    return lost
+    for m in range(NEAR):
+        torque += now[m] * knot.value[TORQUE + first + m]
+    scale = speed + side.slow
+    return torque * scale * scale
 
 
 def write_losses(side, x, speed, s, lost):
     """Write the mean powers that the causes take by the map, over |v|, into lost, N m. Returns their sum."""
-    now = shares(slowness(side, speed))
+    first, now = shares(slowness(side, speed))
     n = find_knot(side, x, s)
-    here = side.knots[n]
-    t = 0.0
-    if n < int(side.count) - 1:
-        t = (s - here.ratio) / (side.knots[n + 1].ratio - here.ratio)
+    here, after = side.knots[n], side.knots[min(n + 1, int(side.count) - 1)]
+    t = (s - here.ratio) / (after.ratio - here.ratio) if after.ratio > here.ratio else 0.0
+    scale = speed + side.slow
     total = 0.0
     for cause in range(len(lost)):
-        power = lost_at_knot(here, cause, now)
-        if t > 0.0:
-            power += t * (lost_at_knot(side.knots[n + 1], cause, now) - power)
-        lost[cause] = speed * speed * max(power, 0.0)
+        power = 0.0
+        for m in range(NEAR):
+            place = MOTIONS * cause + first + m
+            power += now[m] * (here.lost[place] + t * (after.lost[place] - here.lost[place]))
+        lost[cause] = scale * scale * max(power, 0.0)
         total += lost[cause]
     return total
 
@@ -198,13 +165,10 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     elif leg == LOCKED:
         omega3 = together * forward
     x.step_evaluations += 1.0
-    # friction and drag resist at rest too
-    slow = max(speed, side.slow / SLOWEST)
     s = ratio(omega3, speed)
     if speed == 0.0 and omega3 == 0.0 and (leg == SLIPPING or leg == COASTING):
         s = ratio_from_rest(d, side, x)
-    factor, part = look_up(side, x, slow, max(s, side.end) if leg == COASTING else s)
-    torque = factor * slow * slow
+    torque, part = look_up(side, x, speed, max(s, side.end) if leg == COASTING else s)
     share, share1 = look_up_input(side, x, s)
     if leg != SLIPPING:
         share1 = 0.0
@@ -212,7 +176,7 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
         share = last_knot(side).value[INPUT]
     resisting = 0.0
     if d.lossy != 0.0:
-        resisting = write_losses(side, x, slow, s, rates.lost)
+        resisting = write_losses(side, x, speed, s, rates.lost)
     beyond = omega3 - side.end * forward  # of what the mechanism itself passes its torque to
     if leg == COASTING:
         # drag alone is left (between its motions the map may have a trace of torque here)

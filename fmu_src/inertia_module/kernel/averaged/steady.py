@@ -13,6 +13,7 @@ from ..equations.choice import choose_next_states, choose_states
 from ..events.advance import advance_general
 from ..events.step_size import AFRESH
 from ..inertia import reduced_inertia
+from ..inputs import begin_sums
 from ..links import inertia_of_link1, kinetic_energy
 
 # inertia that holds the output speed, over that of the mechanism
@@ -194,22 +195,8 @@ def find_largest(d, side, which):
 
 
 def angle_travelled(x):
-    """Angle of the drive since the sums were cleared, rad, without sign."""
-    return abs(x.q - x.begin_q + TWO_PI * x.drive_turns)
-
-
-def clear_sums(x):
-    """Clear the sums of the motion in x."""
-    x.begin_q = x.q
-    x.begin_theta1 = x.theta1
-    x.drive_turns = 0.0
-    x.input_turns = 0.0
-    x.output_impulse = 0.0
-    x.output_square = 0.0
-    x.torque_peak = 0.0
-    for cause in range(len(x.lost)):
-        x.lost[cause] = 0.0
-        x.lost_low[cause] = 0.0
+    """Angle of the drive since the sums were begun, rad, without sign."""
+    return abs(x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns))
 
 
 def follow(d, x, w, length):
@@ -286,14 +273,17 @@ def add_part(d, x, w, q, direction, length, before):
     choose_states(d, x, False)
     time = energy = start = 0.0
     for _ in range(2 if before else 1):
-        clear_sums(x)
+        begin_sums(x)
+        for cause in range(len(x.lost)):
+            x.lost[cause] = x.lost_low[cause] = 0.0
         start = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time, energy = follow(d, x, w, length)
+        d.map_evaluations += x.step_evaluations
         if time < 0.0:
-            d.map_evaluations += x.step_evaluations
             return False
-    d.map_evaluations += x.step_evaluations
-    turned = x.theta1 - x.begin_theta1 + TWO_PI * x.input_turns if d.by_torque != 0.0 else direction * time
+    turned = direction * time
+    if d.by_torque != 0.0:
+        turned = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
     w.sum_time += time
     w.sum_torque += x.output_impulse
     w.sum_square += x.output_square

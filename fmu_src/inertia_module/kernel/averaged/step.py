@@ -7,7 +7,7 @@ by differences: a light shaft follows the mean torque at once, and a transient m
 from ..equations.losses import FREEWHEEL, VISCOUS
 from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
-from ..events.stages import LOST, OMEGA3, weighed_rate
+from ..events.stages import LOST, OMEGA3, Q, weigh, weighed_four, weighed_rate
 from ..events.stages import OMEGA1 as V
 from ..events.step_size import SHORT_SAFETY, carry_size, first_size, next_factor
 from ..fields import CAUSES
@@ -117,26 +117,18 @@ def take_step(d, side, x, w, leg, h):
         row = (STAGES - 1) * stage
         rates, changes = w.rates[min(stage, 1)].numbers, w.stages[stage].numbers
         if stage > 0:
-            v, omega3 = x.omega1, x.omega3
-            for n in range(stage):
-                v += A[row + n] * w.stages[n].omega1
-                omega3 += A[row + n] * w.stages[n].omega3
-            write_mean_rates(d, side, x, leg, v, omega3, w.rates[1])
+            _, v, _, omega3 = weighed_four(w.stages, A, row, stage, Q)
+            write_mean_rates(d, side, x, leg, x.omega1 + v, x.omega3 + omega3, w.rates[1])
+        weigh(w.stages, C, row, stage, per_step, changes, followed)
         for n in range(followed):
-            change = 0.0
-            for before in range(stage):
-                change += C[row + before] * w.stages[before].numbers[n]
-            changes[n] = rates[n] + per_step * change
+            changes[n] += rates[n]
         v = (e * changes[V] - b * changes[OMEGA3]) / determinant
         omega3 = (a * changes[OMEGA3] - c * changes[V]) / determinant
         for n in range(followed):
             changes[n] = GAMMA * h * (changes[n] + by_v[n] * v + by_omega3[n] * omega3)
-    row = (STAGES - 1) * (STAGES - 1)
+    weigh(w.stages, A, (STAGES - 1) * (STAGES - 1), STAGES - 1, 1.0, w.change.numbers, followed)
     for n in range(followed):
-        change = w.stages[STAGES - 1].numbers[n]
-        for stage in range(STAGES - 1):
-            change += A[row + stage] * w.stages[stage].numbers[n]
-        w.change.numbers[n] = change
+        w.change.numbers[n] += w.stages[STAGES - 1].numbers[n]
     keep_to_leg(d, side, x, w, leg)
 
 

@@ -4,9 +4,12 @@ Slopes are those of Fritsch and Butland (1984), SIAM J. Sci. Stat. Comput. 5, 30
 PchipInterpolator: between knots no value leaves the range of its neighbours.
 """
 
-# motions of a knot that the input's curve is common to (torque_map.SLOWNESSES and more), and places of their
-# first curves: torques, speeds of link 2, input; powers lost stand by cause
-MOTIONS = 9
+# slownesses V0 / (|v| + V0) of the motions of a knot (see torque_map): the ideal one, those followed, those
+# of links that crawl; the input's curve is common to all. The table is refined for so many lower speeds
+SLOWNESS = (0.0, 0.1, 0.25, 0.4, 0.5, 0.75, 0.9, 0.99, 1.0)
+MOTIONS = len(SLOWNESS)
+SLOWER = 4
+# places of their first curves: torques, speeds of link 2, input; powers lost stand by cause
 TORQUE, OMEGA2, INPUT = 0, MOTIONS, 2 * MOTIONS
 # error of an interval that has not been looked at
 UNKNOWN_ERROR = 1e300
@@ -33,13 +36,11 @@ def end_slope(near, far, here, following, beyond):
     s0 = (following - here) / near
     if far == 0.0:
         return s0
+    if s0 == 0.0:
+        return 0.0
     s1 = (beyond - following) / far
     slope = ((2.0 * near + far) * s0 - near * s1) / (near + far)
-    if slope * s0 <= 0.0:
-        return 0.0
-    if s0 * s1 <= 0.0 and abs(slope) > 3.0 * abs(s0):
-        return 3.0 * s0
-    return slope
+    return s0 * max(0.0, min(slope / s0, 3.0))
 
 
 def set_slopes(side, n):
@@ -74,35 +75,22 @@ def interpolate(here, after, curve, ratio):
     return here.value[curve] + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
+def missed(side, n, knot, curve, scale):
+    """How far a curve is off at this knot, between knots n and n + 1, over a scale."""
+    value, _ = interpolate(side.knots[n], side.knots[n + 1], curve, knot.ratio)
+    return abs(value - knot.value[curve]) / scale if scale > 0.0 else 0.0
+
+
 def table_error(side, n, knot):
     """Error of the table at this knot, between knots n and n + 1, in units of the first knot's values."""
     set_slopes(side, n)
     set_slopes(side, n + 1)
-    worst = 0.0
-    for curve in (TORQUE, OMEGA2, INPUT):
-        value, _ = interpolate(side.knots[n], side.knots[n + 1], curve, knot.ratio)
-        first = side.knots[0].value[curve] if curve != OMEGA2 else 1.0
-        share = 1.0 if curve == TORQUE else OTHER_SHARE
-        error = share * abs(value - knot.value[curve]) / first if first > 0.0 else 0.0
-        worst = max(worst, error)
+    first = side.knots[0].value
+    error = missed(side, n, knot, INPUT, first[INPUT])
+    worst = OTHER_SHARE * max(error, missed(side, n, knot, OMEGA2, 1.0))
+    for curve in range(TORQUE, TORQUE + 1 + (SLOWER if side.slow > 0.0 else 0)):
+        worst = max(worst, missed(side, n, knot, curve, first[TORQUE]))
     return worst
-
-
-def error_at_speeds(side, n, speeds):
-    """Error that the table had where knot n has just been inserted, of the torque at the lower speeds.
-
-    The slopes of its neighbours are still those of that table.
-
-    Args:
-        speeds: how many of them count.
-    """
-    here = side.knots[n]
-    error = 0.0
-    for curve in range(TORQUE + 1, TORQUE + 1 + speeds):
-        foreseen, _ = interpolate(side.knots[n - 1], side.knots[n + 1], curve, here.ratio)
-        error = max(error, abs(foreseen - here.value[curve]))
-    stall = side.knots[0].value[TORQUE]
-    return error / stall if stall > 0.0 else 0.0
 
 
 def insert_knot(side, n, knot, error):

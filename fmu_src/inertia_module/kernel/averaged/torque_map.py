@@ -5,11 +5,11 @@ the mean output torque is v^2 F(s), s = omega3 / |v|, with one F for either sign
 swings within a pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of
 E = J* v^2 / 2, and the mean of omega1 is v g(s).
 
-To first order torque and losses, friction and drag scaled to the speed 1, are parabolas of 1 / |v|; here they
-are cubics through four speeds: without bound; that at which friction and drag would take the stall torque;
-3/2 of it and 3 times it. With less friction it is a parabola with one at 9 times it instead, for friction may
-end the driving. Down to a ninth of it what is left beside the friction of links that crawl is a cubic of
-log |v|. Friction of link 1 and of the output needs no map.
+What friction b and drag D take of a motion goes with b / |v| and D / v^2. So torques are over V^2 instead,
+V = |v| + V0, V0 the speed at which friction and drag would take the stall torque: to first order, and where
+links crawl and friction alone counts, they are parabolas of the slowness V0 / V, which goes from 0 without
+bound to 1 at rest. Between the slownesses of table.SLOWNESS they are cubics. Friction of link 1, its speed
+given, and of the output needs no map.
 
 With omega1 > 0 no torque is passed above ratio 1: the housing can only push forward, and its mean torque is
 Tc (1 - sigma).
@@ -39,9 +39,9 @@ from .table import (
     INPUT,
     MOTIONS,
     OMEGA2,
+    SLOWNESS,
     TORQUE,
     UNKNOWN_ERROR,
-    error_at_speeds,
     insert_knot,
     set_slopes,
     table_error,
@@ -66,10 +66,8 @@ FASTEST = 1.2
 SHORTEST = 1e-4
 # share of the ratio in which the torque goes to zero at least, where the pulses fail at once
 RAMP = 0.02
-# slownesses (see rates) with motions of their own
-SLOWNESSES = (1.0 / 9.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 3.0, 9.0)
-# motions of a knot after the ideal one and these: of links that crawl what goes with the slowness, its square
-LINEAR, SQUARE = 7, 8
+# the first motion of links that crawl
+CRAWLING = MOTIONS - 2
 # share of the largest torque that stands for a stall torque of nothing
 LEAST_STALL = 0.01
 
@@ -86,68 +84,55 @@ def slow_speed(p, d, stall):
     return (viscous + math.sqrt(viscous * viscous + 4.0 * stall * drag)) / (2.0 * stall)
 
 
-def crawl(p, d, side, knot):
-    """Write the motion of links so slow that friction alone counts into the knot: omega2 is constant then.
+def rub(d, knot, m, omega1, omega2):
+    """Write what friction and drag take from links that turn evenly as the losses of motion m of the knot.
 
-    Drags go with the square of the slowness, what is viscous goes with it.
+    Args:
+        d: constants with friction and drag as at the speed V0. omega1, omega2: speeds over v.
     """
+    slip = omega1 - omega2
+    over = knot.ratio - omega2
+    for place in range(m, len(knot.lost), MOTIONS):
+        knot.lost[place] = 0.0
+    z = SLOWNESS[m]
+    linear = z * (1.0 - z)
+    viscous = d.b1 * omega1 * omega1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
+    knot.lost[MOTIONS * VISCOUS + m] = linear * viscous
+    knot.lost[MOTIONS * MESH + m] = linear * d.mesh_loss * pulled(d) * slip * slip
+    drag = linear * (d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over)
+    drag += z * z * (d.housing_drag * omega2 + d.output_drag * over)
+    knot.lost[MOTIONS * FREEWHEEL + m] = drag
+
+
+def pulled(d):
+    """Torque of the mesh at links that crawl, over their slip, N m s."""
+    return d.k * d.k * d.bq / (1.0 - d.mesh_loss)
+
+
+def crawl(p, d, side, knot, m):
+    """Write motion m of the knot for links so slow that friction alone counts: omega2 is constant then."""
     set_losses(p, d, 1.0 / side.slow)
     ratio = knot.ratio
-    # of the mesh, over the slip
-    pulling = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
+    pulling = pulled(d)
     driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
     overrun = side.direction * pulling + d.output_drag_viscous * ratio
     ahead = d.output_drag - d.housing_drag
-    omega2 = linear = square = 0.0
+    omega2 = viscous = drag = 0.0
     if ratio == 0.0:
-        linear = max(overrun, 0.0)
+        viscous = max(overrun, 0.0)
     elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
         omega2 = ratio
-        linear = driving
-        square = -d.housing_drag
+        viscous = driving
+        drag = d.housing_drag
     else:
         if ahead == 0.0 and overrun > 0.0:
             omega2 = overrun / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
-        linear = -d.output_drag_viscous * (ratio - omega2)
-        square = -d.output_drag
-    knot.value[TORQUE + LINEAR], knot.value[TORQUE + SQUARE] = linear, square
-    knot.value[OMEGA2 + LINEAR], knot.value[OMEGA2 + SQUARE] = omega2, 0.0
-    slip = 1.0 - side.direction * omega2
-    over = ratio - omega2
-    clear_losses(knot, LINEAR)
-    viscous = d.b1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
-    knot.lost[MOTIONS * VISCOUS + LINEAR] = viscous
-    knot.lost[MOTIONS * MESH + LINEAR] = d.mesh_loss * pulling * slip * slip
-    drag = d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over
-    knot.lost[MOTIONS * FREEWHEEL + LINEAR] = drag
-    knot.lost[MOTIONS * FREEWHEEL + SQUARE] = d.housing_drag * omega2 + d.output_drag * over
-
-
-def clear_losses(knot, first):
-    """Clear the losses of a knot from one motion on."""
-    for n in range(len(knot.lost)):
-        if n % MOTIONS >= first:
-            knot.lost[n] = 0.0
-
-
-def lock_losses(p, d, side, knot):
-    """Write what losses leave where links 1 and 2 turn together with the output: friction and drag.
-
-    Args:
-        knot: with the torques of the one before, which go on.
-    """
-    set_losses(p, d, 1.0 / side.slow if side.slow != 0.0 else 0.0)
-    square = knot.ratio * knot.ratio
-    clear_losses(knot, 0)
-    for m in range(1, MOTIONS):
-        # of links that crawl what goes with the slowness, and with its square
-        slow, slow2 = (0.0, 1.0) if m == SQUARE else (1.0, 0.0)
-        if m < LINEAR:
-            slow, slow2 = SLOWNESSES[m - 1], SLOWNESSES[m - 1] * SLOWNESSES[m - 1]
-        knot.value[OMEGA2 + m] = knot.ratio if m < SQUARE else 0.0
-        knot.lost[MOTIONS * VISCOUS + m] = slow * (d.b1 + d.b2) * square
-        drag = slow * d.housing_drag_viscous * square + slow2 * d.housing_drag * knot.ratio
-        knot.lost[MOTIONS * FREEWHEEL + m] = drag
+        viscous = -d.output_drag_viscous * (ratio - omega2)
+        drag = d.output_drag
+    z = SLOWNESS[m]
+    knot.value[TORQUE + m] = z * ((1.0 - z) * viscous - z * drag)
+    knot.value[OMEGA2 + m] = omega2
+    rub(d, knot, m, side.direction, omega2)
 
 
 def find_end(d, side):
@@ -191,10 +176,6 @@ def add_knot(p, d, w, side, n, ratio):
         return False
     error = table_error(side, n - 1, knot) if n < count else UNKNOWN_ERROR
     insert_knot(side, n, knot, error)
-    if n < count and side.slow != 0.0:
-        error = 0.5 * error_at_speeds(side, n, len(SLOWNESSES) - 2)
-        side.knots[n].error = max(side.knots[n].error, error)
-        side.knots[n - 1].error = max(side.knots[n - 1].error, error)
     return True
 
 
@@ -213,10 +194,11 @@ def foresee(w, side, n, ratio):
 
 def write_means(w, knot, m, v):
     """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, as motion m."""
-    knot.value[TORQUE + m] = w.sum_torque / (w.sum_time * v * v)
+    share = (1.0 - SLOWNESS[m]) ** 2
+    knot.value[TORQUE + m] = share * w.sum_torque / (w.sum_time * v * v)
     knot.value[OMEGA2 + m] = max(0.0, w.sum_omega2 / (w.sum_time * v))
     for cause in range(len(w.sum_lost)):
-        knot.lost[MOTIONS * cause + m] = w.sum_lost[cause] / (w.sum_time * v**3)
+        knot.lost[MOTIONS * cause + m] = share * w.sum_lost[cause] / (w.sum_time * v**3)
 
 
 def write_steady(d, w, knot):
@@ -237,19 +219,11 @@ def write_steady(d, w, knot):
 
 def add_slower(p, d, w, side, knot, held):
     """Find what friction and drag leave at this knot. Returns whether there are all these steady motions."""
-    crawl(p, d, side, knot)
+    # under its torque links at the lowest speed crawl: rounding decides whether there is a motion
+    followed = CRAWLING - 1 if d.by_torque != 0.0 else CRAWLING
     before = growth = 0.0
-    for cause in range(len(w.sum_lost)):
-        growth += side.direction * knot.lost[MOTIONS * cause + LINEAR]
-    for m in range(1, LINEAR):
-        slow = SLOWNESSES[m - 1]
-        if m == LINEAR - 1 and d.by_torque != 0.0:
-            # under its torque links at the lowest speed crawl: rounding decides whether there is a motion
-            knot.value[TORQUE + m] = slow * (knot.value[TORQUE + LINEAR] + slow * knot.value[TORQUE + SQUARE])
-            knot.value[OMEGA2 + m] = knot.value[OMEGA2 + LINEAR]
-            for n in range(0, len(knot.lost), MOTIONS):
-                knot.lost[n + m] = slow * (knot.lost[n + LINEAR] + slow * knot.lost[n + SQUARE])
-            break
+    for m in range(1, followed):
+        slow = SLOWNESS[m] / (1.0 - SLOWNESS[m])
         given = w.drive
         w.drive += growth * (slow - before)
         if not settle(p, w, side, held, slow / side.slow):
@@ -258,6 +232,8 @@ def add_slower(p, d, w, side, knot, held):
         before = slow
         write_means(w, knot, m, speed_of_sums(d, w))
         knot.value[OMEGA2 + m] = min(knot.value[OMEGA2 + m], knot.ratio)
+    for m in range(followed, MOTIONS):
+        crawl(p, d, side, knot, m)
     return True
 
 
@@ -276,8 +252,11 @@ def end_map(p, d, w, side, end):
             ratio = max(last.value[INPUT], last.ratio * (1.0 + LAST_SLIP))
             knot = w.knot
             copy(knot.numbers, last.numbers)
-            knot.ratio = knot.value[INPUT] = knot.value[OMEGA2] = ratio
-            lock_losses(p, d, side, knot)
+            knot.ratio = knot.value[INPUT] = ratio
+            set_losses(p, d, 1.0 / side.slow if side.slow > 0.0 else 0.0)
+            for m in range(MOTIONS):
+                knot.value[OMEGA2 + m] = ratio
+                rub(d, knot, m, ratio, ratio)
             insert_knot(side, count, knot, 0.0)
     elif d.by_torque != 0.0 and last.value[TORQUE] > MAP_ERROR * side.knots[0].value[TORQUE]:
         knot = w.knot
@@ -285,8 +264,9 @@ def end_map(p, d, w, side, end):
         knot.ratio = max(end, last.ratio * (1.0 + RAMP))
         knot.value[TORQUE] = knot.ripple = knot.peak = 0.0
         if side.slow != 0.0:
-            crawl(p, d, side, knot)
-            for m in range(1, LINEAR):
+            for m in range(CRAWLING, MOTIONS):
+                crawl(p, d, side, knot, m)
+            for m in range(1, CRAWLING):
                 # drag alone is left
                 knot.value[TORQUE + m] = min(knot.value[TORQUE + m], 0.0)
         insert_knot(side, count, knot, 0.0)
@@ -295,7 +275,7 @@ def end_map(p, d, w, side, end):
         last.ripple = 0.0
         last.peak = 0.0
     elif side.direction < 0.0:
-        for m in range(LINEAR):
+        for m in range(MOTIONS):
             last.value[TORQUE + m] = min(last.value[TORQUE + m], 0.0)
 
 
