@@ -3,7 +3,7 @@
 from collections import Counter
 from pathlib import Path
 
-from inertia_module.kernel import limits
+from inertia_module.kernel.engine import MAX_EVALUATIONS
 from studies.stability import extremes, verdicts
 from studies.stability.motion import LEVELS
 from studies.stability.verdicts import BROKEN, OUTCOMES, REFUSED, counts, read_rows
@@ -66,5 +66,5 @@ def values():
         "phase_work": verdicts.PHASE_WORK,
         "order": verdicts.WORK_ORDER,
         "fixed_work": verdicts.FIXED_STEP_WORK,
-        "most": limits.MAX_EVALUATIONS,
+        "most": MAX_EVALUATIONS,
     }

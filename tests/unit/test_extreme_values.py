@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import DRIVEN, FREEWHEELS, advanced, parameters, started
 
 from inertia_module.kernel import engine
-from inertia_module.kernel.limits import SMALLEST_SPEED
+from inertia_module.kernel.inputs import SMALLEST_SPEED
 from inertia_module.memory import Refused
 
 INERTIAS = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9]

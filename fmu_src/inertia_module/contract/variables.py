@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ..common.errors import Refused, must_be
 from ..common.units import BOOLEANS, number_of, parse_unit
-from ..kernel import limits
+from ..kernel import inputs
 from ..kernel.codes import AVERAGED, KINEMATIC, RIGID
 from ..kernel.equations.losses import CAUSES
 
@@ -78,9 +78,9 @@ PHASE = Need((AVERAGED,), "has no drive angle, so it does not know where the imb
 TWIST = Need((AVERAGED, RIGID), "has no elastic shaft")
 
 # what the kernel takes for absurd
-LARGEST_SPEED: float = limits.LARGEST_SPEED
-LARGEST_TORQUE: float = limits.LARGEST_TORQUE
-LARGEST_STEP: float = limits.LARGEST_STEP
+LARGEST_SPEED: float = inputs.LARGEST_SPEED
+LARGEST_TORQUE: float = inputs.LARGEST_TORQUE
+LARGEST_STEP: float = inputs.LARGEST_STEP
 
 # units in the order of the description, by their exponents of kg, m, s, rad
 UNITS: dict[str, dict[str, int]] = {

@@ -10,11 +10,16 @@ from .equations.motion import evaluate, recall, take_state
 from .equations.states import GEARED
 from .events.advance import advance_general
 from .events.kinematic import advance_kinematic, keep_ratio, prescribe
-from .limits import MAX_EVALUATIONS, STALLS_ALLOWED, SWITCHES_ALLOWED, SWITCHES_PER_PULSE
 from .links import fastest_own_rate, prescribed_at_input
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
+# evaluations that one communication step may take before it is abandoned
+MAX_EVALUATIONS = 5e7
+# ... contact switches, besides those per turn of the highest harmonic: a pulse has about four
+SWITCHES_ALLOWED, SWITCHES_PER_PULSE = 1000.0, 64.0
+# ... events in a row that leave the mode as it was
+STALLS_ALLOWED = 100
 
 
 def solve_now(d, x):

@@ -2,8 +2,11 @@
 
 from .codes import BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
 from .fields import OF_MOTION, OF_SUMS
-from .limits import LARGEST_SPEED, LARGEST_STEP, LARGEST_TORQUE, SMALLEST_SPEED
 
+# limits of inputs and of a communication step: rad/s, N m, s
+LARGEST_SPEED, LARGEST_TORQUE, LARGEST_STEP = 1e6, 1e12, 1e6
+# a slower input counts as none: its square is no normal double
+SMALLEST_SPEED = 1e-150
 # largest magnitudes of the inputs, in their order: a speed, then torques
 LARGEST = (LARGEST_SPEED, LARGEST_TORQUE, LARGEST_TORQUE)
 

@@ -14,11 +14,12 @@ from ..equations.losses import FREEWHEEL, JOURNAL, MESH
 from ..equations.states import is_rough
 from ..impulse import settle
 from ..inertia import reduced_inertia
-from ..limits import MAX_STEPS
 from ..links import inertia_of_link1, inertia_of_link2
 from ..loads import sample_load
 from .motion import drive_mass, end_fall, find_friction, load_hub, mesh_impulse, move_links, turn_shaft, weigh
 
+# fixed steps that one communication step may take
+MAX_STEPS = 1e7
 # parts of a step that are too short to be told from none
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
