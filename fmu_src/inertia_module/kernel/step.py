@@ -87,6 +87,7 @@ def start(p, d, u, x, y, w):
     if d.fidelity == AVERAGED:
         x.omega1 = speed_at_start(d, x)
         end_step(d, x)
+        x.omega1 = x.held_input  # the map has it but for rounding
         x.step_switches = 0.0
     else:
         follow_parameters(d, x)
