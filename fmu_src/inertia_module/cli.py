@@ -449,37 +449,50 @@ def chart(
     speed: Annotated[
         Text,
         option(
-            "Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.", "SPEED"
+            "Torques at this speed, and converter tables for lookup blocks, CSV, MAT and VECTO: 3000 rpm.",
+            "SPEED",
         ),
     ] = None,
+    mapped: Annotated[
+        bool,
+        option(
+            "Maps over speed and ratio up to that speed, in its unit, CSV and MAT, and converter tables.",
+            None,
+            "--map",
+        ),
+    ] = False,
     keys: Keys = None,
 ) -> Answer:
     """Draw torque converter charts of mechanisms.
 
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
-    one input speed, and there is a map of the efficiency over speed ratio and input speed.
+    one input speed, and the efficiency over speed ratio and input speed is drawn.
     """
-    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, efficiency_map, save_converter
+    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, save_converter, steady_map
 
     folder = folder_for(output, "chart")
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
-    at = omega1 or NOMINAL_SPEED
+    at, unit = omega1 or NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
     mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
     charts = {name: inertia_module.torque_converter_chart(values, at) for name, values in mechanisms.items()}
     maps = {}
-    for name in (name for name, found in charts.items() if not found.lossless):
-        with progress_bar(f"efficiency of {name}") as progress:
-            maps[name] = efficiency_map(SteadyMachine(mechanisms[name]), at, progress)
+    lossy = [name for name, found in charts.items() if not found.lossless]
+    for name in charts if mapped else lossy:
+        with progress_bar(f"map of {name}") as progress:
+            maps[name] = steady_map(SteadyMachine(mechanisms[name]), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
-    files += [found.save(folder / f"{name}_efficiency.csv") for name, found in maps.items()]
-    if omega1 is not None:
+    for name, one in maps.items():
+        files.append(one.save(folder / f"{name}_map.csv", unit))
+        files += one.save_tables(folder / f"{name}_map", unit) if mapped else []
+    if mapped or omega1 is not None:
         for name, found in charts.items():
-            table = converter_table(SteadyMachine(mechanisms[name]), found, omega1)
-            files += save_converter(table, omega1, folder / f"{name}_converter")
-    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, maps)))
+            table = converter_table(SteadyMachine(mechanisms[name]), found, at)
+            files += save_converter(table, at, folder / f"{name}_converter")
+    drawn = {name: maps[name] for name in lossy}
+    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, drawn, unit)))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     listed = [str(file) for file in files]
@@ -487,9 +500,11 @@ def chart(
     shown: list[Shown] = []
     for name, numbers in summaries.items():
         rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+        title = f"{name}, losses at {speed_text(at)}" if name in lossy else name
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    if mapped:
+        shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
     told = {"omega1": omega1, "charts": summaries, "units": units, "files": listed}
     return Answer(told, [*shown, *listed])
 

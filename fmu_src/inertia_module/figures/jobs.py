@@ -13,7 +13,8 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from ..harness.chart import EfficiencyMap, TorqueConverterChart
+from ..common.units import factor_between
+from ..harness.chart import SteadyMap, TorqueConverterChart
 from ..jobs.axes import Axis
 from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
@@ -31,12 +32,14 @@ LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 
 
 def chart_figure(
-    charts: Mapping[str, TorqueConverterChart], maps: Mapping[str, EfficiencyMap] | None = None
+    charts: Mapping[str, TorqueConverterChart],
+    maps: Mapping[str, SteadyMap] | None = None,
+    speed_unit: str = "rad/s",
 ) -> Figure:
     """Draw torque ratio and efficiency, output and input torque, capacity and ripple over the speed ratio.
 
     Args:
-        charts: by the names for the legend. maps: of the efficiency of those with losses.
+        charts: by the names for the legend. maps: whose efficiency is drawn. speed_unit: of the input.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with maps higher by half.
@@ -49,16 +52,17 @@ def chart_figure(
         upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
         for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
             # lines of equal efficiency
-            speeds = np.abs(found.omega1)
-            end = max(np.flatnonzero(found.efficiency.any(axis=0)), default=0) + 1
-            curves = found.speed_ratio, speeds, found.efficiency, LEVELS
+            speeds = np.abs(found.omega1) * factor_between("rad/s", speed_unit)
+            efficiency = found.columns["efficiency"]
+            end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
+            curves = found.speed_ratio, speeds, efficiency, LEVELS
             filled = axes.contourf(*curves, cmap="viridis")
             axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
             axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
             axes.figure.colorbar(filled, ax=axes)
             axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
             axes.set_xlabel("speed ratio, output / input")
-            axes.set_ylabel("input speed [rad/s]")
+            axes.set_ylabel(f"input speed [{speed_unit}]")
     panels = upper.subplots(2, 2, sharex=True)
     ratio, output, taken, ripple = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
