@@ -520,8 +520,13 @@ def orders(
     signals: Annotated[Texts, option("Output to look at; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Highest order.", "ORDER")] = None,
     turns: Annotated[float | None, option("Turns of link 1 (or pulses) in a window: 1 / resolution.")] = None,
-    begin: Annotated[str, option("Begin of what is looked at: '2 s'.", "TIME", "--from")] = "0",
+    begin: Annotated[
+        Text, option("Begin of what is looked at: '2 s' (where it turns).", "TIME", "--from")
+    ] = None,
     end: Annotated[Text, option("Its end.", "TIME", "--to")] = None,
+    hz: Annotated[bool, option("Tell and draw Hz and rpm.", None, "--hz")] = False,
+    mat: Annotated[bool, option("Leave complex amplitudes as orders.mat.", None, "--mat")] = False,
+    uff: Annotated[bool, option("Leave them as orders.uff (data sets 58).", None, "--uff")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -530,10 +535,13 @@ def orders(
     Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
     (out/orders/SCENE without -o).
     """
+    from .common.extras import library
     from .figures.jobs import order_figure
     from .jobs.orders import BASES
 
     folder = folder_for(output, "orders", scene.stem)
+    if uff:
+        library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
     path = fmu or current_fmu()
@@ -545,22 +553,28 @@ def orders(
             signals=signals,
             highest=highest,
             turns=turns,
-            begin=first or 0.0,
+            begin=first,
             end=last,
             progress=progress,
         )
     files = found.write(folder)
-    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title))
+    files |= {"mat": found.write_mat(folder / "orders.mat")} if mat else {}
+    files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
+    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
 
     shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
+    rpm = factor_between("rad/s", "rpm")
     for name, lines in found.largest().items():
         unit, rows = found.units[name], dict[str, str]()
         for line in lines:
             several = f"{line.low:.4g} to {line.high:.4g}"
             order = f"{line.order:.4g}" if line.low == line.high else several
-            most = f"most at {line.speed:.4g} rad/s: {line.greatest:.4g} {unit}"
+            place = (
+                f"{line.speed * rpm:.4g} rpm, {line.frequency:.4g} Hz" if hz else f"{line.speed:.4g} rad/s"
+            )
+            most = f"most at {place}: {line.greatest:.4g} {unit}"
             rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
-        shown.append((name.replace("_", " "), rows or {"no order": "it does not swing"}))
+        shown.append((name.replace("_", " "), rows or {"no order": f"0 {unit}, it does not swing"}))
     if found.bends:
         shown.append("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)

@@ -309,40 +309,47 @@ DECADES = 3
 SIGNAL_HEIGHT = 2.6
 
 
-def order_figure(found: Orders, title: str) -> Figure:
+def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
     """Draw left the spectrum of each signal, right its waterfall: over the speed in a run-up, else over time.
+
+    Args:
+        in_hz: whether the waterfall has Hz and rpm, in place of orders and rad/s.
 
     Returns:
         A matplotlib Figure, higher the more signals there are.
     """
-    names = [name for name, amplitude in found.amplitude.items() if amplitude.any()]
+    names = list(found.amplitude)
     figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))
-    panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
+    panels = figure.subplots(len(names), 2, sharex="col" if in_hz else "all", squeeze=False)
     lines = found.largest(NAMED)
     over, label = found.time, "time [s]"
     if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
-        over, label = found.speed, "speed of link 1 [rad/s]"
+        over, label = found.rpm if in_hz else found.speed, f"speed of link 1 [{'rpm' if in_hz else 'rad/s'}]"
+    across = found.frequency if in_hz else np.broadcast_to(found.order, (over.size, found.order.size))
     for (left, right), name in zip(panels, names, strict=True):
         amplitude, unit = found.amplitude[name], found.units[name]
         left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
         for line in lines[name]:
             place = (line.order, float(np.interp(line.order, found.order, amplitude)))
             left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
-        left.set_ylim(0.0, 1.15 * float(amplitude.max()))
+        left.set_ylim(0.0, 1.15 * float(amplitude.max()) or 1.0)
         dress(left, titled(name, unit))
         right.set_ylabel(label)
-        if over.size < 2:
-            right.text(0.5, 0.5, "one window", ha="center", transform=right.transAxes)
+        if over.size < 2 or not amplitude.any():
+            told = "one window" if amplitude.any() else "does not swing"
+            right.text(0.5, 0.5, told, ha="center", transform=right.transAxes)
             continue
         largest = float(found.waterfall[name].max())
         norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
         colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
-        drawn = right.pcolormesh(found.order, over, found.waterfall[name], **colours)
+        rows = np.broadcast_to(over[:, None], across.shape)
+        drawn = right.pcolormesh(across, rows, found.waterfall[name], **colours)
         figure.colorbar(drawn, ax=right, label=unit)
     # a little above the order up to which SHOWN of all that swings is found, of every signal
-    shares = (np.cumsum(found.amplitude[name] ** 2) / np.sum(found.amplitude[name] ** 2) for name in names)
-    last = max(int(np.searchsorted(share, SHOWN)) for share in shares)
-    panels[0, 0].set_xlim(0.0, min(1.1 * float(found.order[last]), float(found.order[-1])))
-    for axes in panels[-1]:
-        axes.set_xlabel(f"order, cycles a {BASES[found.of]}")
+    sums = [np.cumsum(amplitude**2) for amplitude in found.amplitude.values() if amplitude.any()]
+    last = max((int(np.searchsorted(total, SHOWN * total[-1])) for total in sums), default=-1)
+    highest = min(1.1 * float(found.order[last]), float(found.order[-1]))
+    for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
+        axes.set_xlim(0.0, highest if in_order else highest * float(found.rate.max()))
+        axes.set_xlabel(f"order, cycles a {BASES[found.of]}" if in_order else "frequency [Hz]")
     return figure
