@@ -325,7 +325,7 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
     over, label = found.time, "time [s]"
     if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
         over, label = found.rpm if in_hz else found.speed, f"speed of link 1 [{'rpm' if in_hz else 'rad/s'}]"
-    across = found.frequency if in_hz else np.broadcast_to(found.order, (over.size, found.order.size))
+    across = found.frequency if in_hz else found.order
     for (left, right), name in zip(panels, names, strict=True):
         amplitude, unit = found.amplitude[name], found.units[name]
         left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
@@ -342,8 +342,7 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
         largest = float(found.waterfall[name].max())
         norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
         colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
-        rows = np.broadcast_to(over[:, None], across.shape)
-        drawn = right.pcolormesh(across, rows, found.waterfall[name], **colours)
+        drawn = right.pcolormesh(across, over, found.waterfall[name], **colours)
         figure.colorbar(drawn, ax=right, label=unit)
     # a little above the order up to which SHOWN of all that swings is found, of every signal
     sums = [np.cumsum(amplitude**2) for amplitude in found.amplitude.values() if amplitude.any()]

@@ -352,13 +352,17 @@ def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> Ste
     Args:
         machine: of the mechanism. omega1: rad/s, not 0. progress: told the share done.
     """
-    speeds = omega1 * MAP_SPEEDS
-    found = []
-    for row, speed in enumerate(speeds):
-        found.append([machine.at(speed, ratio) for ratio in RATIOS])
-        progress((row + 1) / speeds.size)
-    columns = dict(zip(SteadyPulses._fields, np.moveaxis(np.array(found), -1, 0), strict=True))
-    return SteadyMap(speeds, RATIOS, {name: columns[name] for name in MAP_UNITS})
+    speeds, rows = omega1 * MAP_SPEEDS, []
+    for speed in speeds:
+        rows.append(_over_ratios(machine, speed))
+        progress(len(rows) / speeds.size)
+    return SteadyMap(speeds, RATIOS, {name: np.array([row[name] for row in rows]) for name in MAP_UNITS})
+
+
+def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
+    """Steady pulses at a speed, rad/s, and RATIOS: fields of SteadyPulses by name, shape (n,)."""
+    found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
+    return dict(zip(SteadyPulses._fields, found.T, strict=True))
 
 
 def torque_converter_chart(
@@ -379,14 +383,13 @@ def torque_converter_chart(
     if machine.ideal:
         return _chart_of_map(parameters, omega1 < 0.0, kernel)
     # with losses, up to the last ratio at which the load gets a torque
-    found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
-    number = max(np.flatnonzero(found[:, 0] > 0.0), default=0) + 1
-    torque, taken, efficiency, link2, ripple, peak, *_ = found[:number].T
-    square, one = omega1 * omega1, np.ones(number)
+    found = _over_ratios(machine, omega1)
+    number = max(np.flatnonzero(found["output_torque"] > 0.0), default=0) + 1
     locks = omega1 > 0.0 and number == RATIOS.size
-    lock = machine.lock_up_torque(omega1) / square if locks else 0.0
-    torques = (torque / square, taken / square), (ripple / square, peak / square, lock * one)
-    return TorqueConverterChart(RATIOS[:number], *torques[0], efficiency, link2, *torques[1])
+    found["lock_up_torque"] = np.full(RATIOS.size, machine.lock_up_torque(omega1) if locks else 0.0)
+    columns = {name: found[name][:number] / omega1**2 for name in _TORQUES}
+    columns |= {name: found[name][:number] for name in ("efficiency", "link2_ratio")}
+    return TorqueConverterChart(RATIOS[:number], **columns)
 
 
 def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel: str) -> TorqueConverterChart:
