@@ -449,37 +449,50 @@ def chart(
     speed: Annotated[
         Text,
         option(
-            "Torques at this speed, and converter tables for lookup blocks, CSV and MAT: 3000 rpm.", "SPEED"
+            "Torques at this speed, and converter tables for lookup blocks, CSV, MAT and VECTO: 3000 rpm.",
+            "SPEED",
         ),
     ] = None,
+    mapped: Annotated[
+        bool,
+        option(
+            "Maps over speed and ratio up to that speed, in its unit, CSV and MAT, and converter tables.",
+            None,
+            "--map",
+        ),
+    ] = False,
     keys: Keys = None,
 ) -> Answer:
     """Draw torque converter charts of mechanisms.
 
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
-    one input speed, and there is a map of the efficiency over speed ratio and input speed.
+    one input speed, and the efficiency over speed ratio and input speed is drawn.
     """
-    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, efficiency_map, save_converter
+    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, save_converter, steady_map
 
     folder = folder_for(output, "chart")
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
-    at = omega1 or NOMINAL_SPEED
+    at, unit = omega1 or NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
     mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
     charts = {name: inertia_module.torque_converter_chart(values, at) for name, values in mechanisms.items()}
     maps = {}
-    for name in (name for name, found in charts.items() if not found.lossless):
-        with progress_bar(f"efficiency of {name}") as progress:
-            maps[name] = efficiency_map(SteadyMachine(mechanisms[name]), at, progress)
+    lossy = [name for name, found in charts.items() if not found.lossless]
+    for name in charts if mapped else lossy:
+        with progress_bar(f"map of {name}") as progress:
+            maps[name] = steady_map(SteadyMachine(mechanisms[name]), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
-    files += [found.save(folder / f"{name}_efficiency.csv") for name, found in maps.items()]
-    if omega1 is not None:
+    for name, one in maps.items():
+        files.append(one.save(folder / f"{name}_map.csv", unit))
+        files += one.save_tables(folder / f"{name}_map", unit) if mapped else []
+    if mapped or omega1 is not None:
         for name, found in charts.items():
-            table = converter_table(SteadyMachine(mechanisms[name]), found, omega1)
-            files += save_converter(table, omega1, folder / f"{name}_converter")
-    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, maps)))
+            table = converter_table(SteadyMachine(mechanisms[name]), found, at)
+            files += save_converter(table, at, folder / f"{name}_converter")
+    drawn = {name: maps[name] for name in lossy}
+    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, drawn, unit)))
     summaries = {name: found.summary(omega1) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     listed = [str(file) for file in files]
@@ -487,9 +500,11 @@ def chart(
     shown: list[Shown] = []
     for name, numbers in summaries.items():
         rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
-        title = f"{name}, losses at {speed_text(at)}" if name in maps else name
+        title = f"{name}, losses at {speed_text(at)}" if name in lossy else name
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    if mapped:
+        shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
     told = {"omega1": omega1, "charts": summaries, "units": units, "files": listed}
     return Answer(told, [*shown, *listed])
 
@@ -505,8 +520,13 @@ def orders(
     signals: Annotated[Texts, option("Output to look at; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Highest order.", "ORDER")] = None,
     turns: Annotated[float | None, option("Turns of link 1 (or pulses) in a window: 1 / resolution.")] = None,
-    begin: Annotated[str, option("Begin of what is looked at: '2 s'.", "TIME", "--from")] = "0",
+    begin: Annotated[
+        Text, option("Begin of what is looked at: '2 s' (where it turns).", "TIME", "--from")
+    ] = None,
     end: Annotated[Text, option("Its end.", "TIME", "--to")] = None,
+    hz: Annotated[bool, option("Tell and draw Hz and rpm.", None, "--hz")] = False,
+    mat: Annotated[bool, option("Leave complex amplitudes as orders.mat.", None, "--mat")] = False,
+    uff: Annotated[bool, option("Leave them as orders.uff (data sets 58).", None, "--uff")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -515,10 +535,13 @@ def orders(
     Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
     (out/orders/SCENE without -o).
     """
+    from .common.extras import library
     from .figures.jobs import order_figure
     from .jobs.orders import BASES
 
     folder = folder_for(output, "orders", scene.stem)
+    if uff:
+        library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
     path = fmu or current_fmu()
@@ -530,22 +553,28 @@ def orders(
             signals=signals,
             highest=highest,
             turns=turns,
-            begin=first or 0.0,
+            begin=first,
             end=last,
             progress=progress,
         )
     files = found.write(folder)
-    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title))
+    files |= {"mat": found.write_mat(folder / "orders.mat")} if mat else {}
+    files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
+    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
 
     shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
+    rpm = factor_between("rad/s", "rpm")
     for name, lines in found.largest().items():
         unit, rows = found.units[name], dict[str, str]()
         for line in lines:
             several = f"{line.low:.4g} to {line.high:.4g}"
             order = f"{line.order:.4g}" if line.low == line.high else several
-            most = f"most at {line.speed:.4g} rad/s: {line.greatest:.4g} {unit}"
+            place = (
+                f"{line.speed * rpm:.4g} rpm, {line.frequency:.4g} Hz" if hz else f"{line.speed:.4g} rad/s"
+            )
+            most = f"most at {place}: {line.greatest:.4g} {unit}"
             rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
-        shown.append((name.replace("_", " "), rows or {"no order": "it does not swing"}))
+        shown.append((name.replace("_", " "), rows or {"no order": f"0 {unit}, it does not swing"}))
     if found.bends:
         shown.append("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)

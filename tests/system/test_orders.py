@@ -3,10 +3,12 @@
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
 
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
@@ -72,9 +74,13 @@ def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
     edges = 0.5 * found.turns * np.arange(found.time.size + 2)
     speed = np.sqrt(20.0**2 + 36.0 * math.tau * edges)
     assert found.speed == pytest.approx(0.5 * (speed[:-2] + speed[2:]), rel=1e-3)
-    # at every speed they are the same
-    at = int(np.argmin(np.abs(found.order - 2.5)))
-    assert found.waterfall["x"][:, at] == pytest.approx(3.0, rel=5e-3)
+    # at every speed they are the same, a cosine and a sine of the angle
+    for line, expected in ((first, 3.0), (second, -0.5j)):
+        at = int(np.argmin(np.abs(found.order - line.order)))
+        assert np.abs(found.spectrum["x"][:, at] - expected).max() < 0.015
+        assert found.waterfall["x"][:, at] == pytest.approx(abs(expected), rel=5e-3)
+        assert line.phase == pytest.approx(np.angle(expected), abs=5e-3)
+        assert line.frequency == pytest.approx(line.order * line.speed / math.tau, rel=1e-3)
 
 
 def test_a_waterfall_tells_the_speed_of_each_window_whatever_the_signals_are(tmp_path):
@@ -82,7 +88,49 @@ def test_a_waterfall_tells_the_speed_of_each_window_whatever_the_signals_are(tmp
     rows, units = read_columns(found.write(tmp_path)["waterfall"])
     assert sorted(set(rows["speed"])) == found.speed.tolist()
     assert max(rows["input_speed"]) < 20.0  # an amplitude
-    assert (units["speed"], units["x"], units["time"]) == ("rad/s", "N.m", "s")
+    told = {"speed": "rad/s", "x": "N.m", "time": "s", "rpm": "rpm", "frequency": "Hz", "x_phase": "rad"}
+    assert units == told | {"input_speed_phase": "rad"}
+    speed, order, x = (np.array(rows[name]) for name in ("speed", "order", "x"))
+    assert rows["rpm"] == pytest.approx(speed * 30.0 / math.pi, rel=1e-12)
+    assert rows["frequency"] == pytest.approx(order * speed / math.tau, rel=1e-3)
+    complex_rows = x * np.exp(1j * np.array(rows["x_phase"]))
+    assert complex_rows.reshape(speed.size // len(set(order)), -1) == pytest.approx(
+        found.spectrum["x"][:, ::4]
+    )
+
+
+def test_complex_amplitudes_come_for_matlab_and_as_uff(tmp_path):
+    found = known(highest=8.0, names=("x", "input_speed"))
+    read = loadmat(found.write_mat(tmp_path / "x.mat"), simplify_cells=True)["orders"]
+    assert read["x"].tolist() == found.spectrum["x"].tolist()
+    assert read["frequency"].tolist() == found.frequency.tolist()
+    assert read["rpm"].tolist() == found.rpm.tolist()
+    assert [read["units"][name] for name in ("order", "rpm", "frequency", "x")] == ["1", "rpm", "Hz", "N.m"]
+    pyuff = pytest.importorskip("pyuff")
+    units, *sets = pyuff.UFF(str(found.write_uff(tmp_path / "x.uff"))).read_sets()
+    assert (units["type"], units["units_description"].strip()) == (164, "SI")
+    assert len(sets) == 2 * found.time.size
+    for n, one in enumerate(sets[: found.time.size]):
+        assert (one["id1"], one["ordinate_axis_units_lab"], one["abscissa_spec_data_type"]) == (
+            "x",
+            "N.m",
+            20,
+        )
+        assert one["x"] == pytest.approx(found.order, rel=1e-5)
+        assert one["z_axis_value"] == pytest.approx(found.rpm[n], rel=1e-5)
+        assert (one["rsp_node"], one["rsp_dir"]) == (1, 0)
+        assert one["data"] == pytest.approx(found.spectrum["x"][n], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    "name, direction", [("shaking_moment_y", 5), ("satellite_force_z", 3), ("torque_x", 0)]
+)
+def test_in_uff_forces_and_moments_have_their_directions(tmp_path, name, direction):
+    pyuff = pytest.importorskip("pyuff")
+    found = known(highest=8.0)
+    named = replace(found, spectrum={name: found.spectrum["x"]}, units={name: "N"})
+    sets = pyuff.UFF(str(named.write_uff(tmp_path / "x.uff"))).read_sets()
+    assert {one["rsp_dir"] for one in sets[1:]} == {direction}
 
 
 def test_all_that_swings_is_in_the_spectrum():
@@ -176,11 +224,61 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
 
 def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path):
     scene = held(1.0, **PLANAR)
-    assert set(jobs.orders(scene, fmu).amplitude) == {"input_torque", "output_torque"}
-    found = jobs.orders(scene, fmu, signals=["input_torque", "shaking_force_x", "omega1"])
-    assert set(found.amplitude) == {"input_torque", "shaking_force_x", "omega1"}
-    assert found.largest()["omega1"] == []
-    order_figure(found, "title").savefig(tmp_path / "orders.png")
+    swing = {"input_torque", "output_torque", "satellite_force_y", "satellite_force_z"}
+    assert set(jobs.orders(scene, fmu).amplitude) == swing
+    for names in (["input_torque", "shaking_force_x", "omega1"], ["omega1"]):
+        found = jobs.orders(scene, fmu, signals=names)
+        assert list(found.amplitude) == names
+        assert found.largest()["omega1"] == []
+        for in_hz in (False, True):
+            figure = order_figure(found, "title", in_hz)
+            figure.savefig(tmp_path / "orders.png")
+            drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+            assert len(drawn) == 2 * len(names)
+            assert drawn[-1].get_xlabel() == ("frequency [Hz]" if in_hz else "order, cycles a turn of link 1")
+        assert read_columns(found.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * found.order.size
+
+
+def test_a_run_up_from_rest_begins_where_it_turns(fmu):
+    ramp = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 100.0, "start": 0.5, "duration": 2.0}
+    scene = held(2.5, **PLANAR).replaced(drive=ramp)
+    found = jobs.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
+    # 2 turns are the middle of the first window, and so on
+    middle = 0.5 + np.sqrt(2.0 * math.tau * 2.0 * np.arange(1, found.time.size + 1) / 50.0)
+    assert found.time == pytest.approx(middle, abs=0.01)
+    assert found.largest(1)["mesh_torque"][0].order == pytest.approx(5.0 / 3.0, abs=0.1)
+    torque = held(1.0, input_inertia=0.1, **PLANAR).replaced(
+        drive={
+            "kind": "torque_table",
+            "omega1": None,
+            "time": [0.0, 0.1, 0.11, 1.0],
+            "drive_torque": [0.0, 0.0, 20.0, 20.0],
+        }
+    )
+    assert jobs.orders(torque, fmu, signals=["mesh_torque"], turns=4.0).time[0] > 0.1
+
+
+@pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
+def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
+    """Planar, link 2 held: the satellite goes round at omega1 and turns at (1 + R0 / r) omega1."""
+    scene = held(2.0, omega1, **PLANAR)
+    found = jobs.orders(
+        scene, fmu, signals=["satellite_force_x", "satellite_force_y", "satellite_force_z"], turns=15.0
+    )
+    k, mass = PLANAR["sun_radius"] / PLANAR["satellite_radius"], scene.parameters().get("imbalance_mass", 1.0)
+    expected = {1.0: mass * OMEGA1**2 * 0.16, 1.0 + k: mass * ((1.0 + k) * OMEGA1) ** 2 * 0.04}
+    assert found.largest()["satellite_force_x"] == []
+    phases = []
+    for axis in "yz":
+        lines = found.largest(2)[f"satellite_force_{axis}"]
+        for line in lines:
+            order = min(expected, key=lambda one: abs(one - line.order))
+            assert line.order == pytest.approx(order, abs=0.02)
+            assert line.amplitude == pytest.approx(expected[order], rel=5e-3)
+        phases.append(next(line.phase for line in lines if line.order < 1.5))
+        assert found.units[f"satellite_force_{axis}"] == "N"
+    # it goes round: a quarter of a turn between the components
+    assert abs(math.sin(phases[0] - phases[1])) == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +292,11 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
         ({}, {"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
         ({}, {"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
         ({}, {"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
-        ({"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0}, {}, "not at 0 s"),
+        (
+            {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0},
+            {"begin": 0.0},
+            "not at 0 s",
+        ),
         ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
     ],
 )
@@ -212,9 +314,10 @@ def test_what_is_sure_to_be_refused_is_refused_before_the_run(fmu, monkeypatch, 
     assert sum(steps) <= order_run.TRIED
 
 
-def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu):
+def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeypatch):
+    monkeypatch.setattr(order_run, "SIGNALS", ("omega2", "input_speed"))
     with pytest.raises(Refused, match="signals must swing, of omega2, input_speed none does"):
-        jobs.orders(held(stop=1.0), fmu, signals=["omega2", "input_speed"])
+        jobs.orders(held(stop=1.0), fmu)
     with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
         jobs.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
@@ -241,6 +344,10 @@ def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
     assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
     told_machines = json.loads(left("orders", scene, *options, "--to", "600 ms", "--json"))
     assert told_machines["signals"] == told["signals"]
+    more = left("orders", scene, *options, "--to", "600 ms", "--mat", "--hz", "--signal", "shaking_force_x")
+    assert "0 N, it does not swing" in more
+    assert "orders.mat" in more
+    assert (tmp_path / "orders.mat").exists()
     refused = command("orders", scene, *options, "--to", "2 m")
     assert refused.exit_code == 1
     assert "error: --to must be a number in s" in refused.output

@@ -17,11 +17,13 @@ from inertia_module.figures.jobs import chart_figure
 from inertia_module.harness.chart import (
     LARGEST_TORQUE_RATIO,
     MAP_SPEEDS,
+    MAP_UNITS,
     RATIOS,
     SteadyMachine,
     TorqueConverterChart,
     converter_table,
-    efficiency_map,
+    save_converter,
+    steady_map,
     torque_converter_chart,
 )
 from inertia_module.harness.results import read_columns
@@ -155,6 +157,25 @@ def test_on_the_coast_side_an_ideal_freewheel_passes_nothing_and_losses_brake(co
     assert lossy.input_torque[coast] == pytest.approx(LOSSES["input_friction"] * 100.0 - drag, abs=0.02)
 
 
+@pytest.mark.parametrize(
+    "parameters, omega1", [(PLANAR, 100.0), (LOSSY, 100.0), ({**PLANAR, "output_drag": 1.0}, 60.0)]
+)
+def test_in_vecto_torques_are_those_of_the_table_and_the_shaft_drives_link_1(
+    compiled, tmp_path, parameters, omega1
+):
+    table = vars(table_of(parameters, omega1, compiled))
+    rows = list(csv.reader(save_converter(table, omega1, tmp_path / "x")[2].open()))
+    assert rows.pop(0) == ["Speed Ratio", "Torque Ratio", "Input Torque at reference rpm"]
+    ratio, torque_ratio, reference = np.array(rows, dtype=float).T
+    assert ratio.tolist() == table["speed_ratio"].tolist()
+    assert torque_ratio * reference == pytest.approx(table["output_torque"], rel=1e-12, abs=1e-12)
+    assert np.abs(torque_ratio).max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
+    limited = np.abs(torque_ratio) > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    floor = 1.01e-4 * table["input_torque"].max()
+    assert reference[~limited] == pytest.approx(table["input_torque"][~limited], rel=1e-9, abs=floor)
+    assert (reference[-1] < 0.0) == ("output_drag" in parameters)
+
+
 def test_a_mechanism_that_passes_nothing_is_refused(compiled):
     chart = torque_converter_chart({}, kernel=compiled)
     none = TorqueConverterChart(*(0.0 * values for values in vars(chart).values()))
@@ -202,11 +223,12 @@ def few_speeds(monkeypatch):
 def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_with_the_chart(compiled):
     told = []
     parameters = {**PLANAR, "input_friction": 0.01}
-    found = efficiency_map(SteadyMachine(parameters, compiled), 200.0, told.append)
-    assert found.efficiency.shape == (found.omega1.size, RATIOS.size)
+    found = steady_map(SteadyMachine(parameters, compiled), 200.0, told.append)
+    efficiency = found.columns["efficiency"]
+    assert efficiency.shape == (found.omega1.size, RATIOS.size)
     assert found.omega1[[0, -1]] == pytest.approx([20.0, 200.0])
     assert told[-1] == 1.0
-    middle = found.efficiency[:, 14]
+    middle = efficiency[:, 14]
     assert (np.diff(middle) > 0.0).all()
     # torques go with the square of the speed, so the loss is b1 over a torque times the speed
     assert 1.0 / middle - 1.0 == pytest.approx(
@@ -214,11 +236,45 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_w
     )
     chart = torque_converter_chart(parameters, kernel=compiled, omega1=200.0)
     assert chart.speed_ratio == pytest.approx(found.speed_ratio)
-    assert chart.efficiency == pytest.approx(found.efficiency[-1], abs=1e-6)
+    assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
     assert len(chart_figure({"rubbed": chart}).axes) == 4
-    titles = [axes.get_title(loc="left") for axes in chart_figure({"rubbed": chart}, {"map": found}).axes]
-    assert "efficiency of map" in titles
+    axes = chart_figure({"rubbed": chart}, {"map": found}, "rpm").axes
+    drawn = next(one for one in axes if one.get_title(loc="left") == "efficiency of map")
+    assert drawn.get_ylabel() == "input speed [rpm]"
+    assert drawn.get_ylim()[1] == pytest.approx(200.0 * 30.0 / math.pi)
+
+
+@pytest.mark.usefixtures("few_speeds")
+def test_a_row_of_the_map_is_what_a_run_of_the_rigid_module_takes_gives_and_loses(compiled, tmp_path):
+    """The shaft's flywheel tells the torque, the energies input torque and loss, samples the ripple."""
+    found = steady_map(SteadyMachine(LOSSY, compiled), 200.0, lambda _: None)
+    rows = read_columns(found.save(tmp_path / "map.csv", "rpm"))[0]
+    omega1, inertia, step = 200.0, 1e5, 1e-4
+    names = ("output_torque", "drive_angle", "drive_turns", "omega_out", "energy_in", "energy_lost")
+    for ratio in RATIOS[[8, 14, 20]]:
+        at = {"omega1": omega1, "omega_out_start": ratio * omega1, "output_inertia": inertia}
+        module = started(compiled, LOSSY, **at)
+        module.advance(0.5)
+        samples = []
+        for _ in range(10_000):
+            module.advance(step)
+            samples.append(module.read(names))
+        torque, angle, turns, *sums = np.array(samples).T
+        # over whole turns of the drive, after which the imbalances are as fast again
+        turned = angle / math.tau + turns - turns[0] - angle[0] / math.tau
+        end = int(np.argmin(np.abs(turned - np.floor(turned[-1]))))
+        faster, taken, lost = ((values[end] - values[0]) / (end * step) for values in sums)
+        row = int(np.flatnonzero(np.isclose(rows["speed_ratio"], ratio))[-1])
+        told = {name: values[row] for name, values in rows.items()}
+        assert told["omega1"] == pytest.approx(omega1 * 30.0 / math.pi)
+        assert told["output_torque"] == pytest.approx(inertia * faster, rel=5e-3)
+        assert told["input_torque"] == pytest.approx(taken / omega1, rel=5e-3)
+        assert told["loss"] == pytest.approx(lost, rel=5e-3)
+        assert told["ripple"] == pytest.approx(np.std(torque[:end]), rel=5e-3)
+        power_out = ratio * omega1 * told["output_torque"]
+        assert told["loss"] == pytest.approx(told["input_torque"] * omega1 - power_out, rel=1e-3)
+        assert told["efficiency"] == pytest.approx(power_out / (omega1 * told["input_torque"]), abs=1e-5)
 
 
 def test_a_long_period_is_cut_off(compiled):
@@ -294,7 +350,32 @@ def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(c
     for name, numbers in told.items():
         columns, _ = read_columns(tmp_path / "out" / f"{name}.csv")
         assert columns["output_torque"][0] == numbers["stall_torque"] > 0.0
-    columns, units = read_columns(tmp_path / "out" / "rubbed_efficiency.csv")
-    assert (list(columns), units) == (["omega1", "speed_ratio", "efficiency"], {"omega1": "rad/s"})
-    assert not (tmp_path / "out" / "planar_efficiency.csv").exists()
+    columns, units = read_columns(tmp_path / "out" / "rubbed_map.csv")
+    assert list(columns) == ["omega1", "speed_ratio", *MAP_UNITS]
+    assert units == {"omega1": "rad/s", **{name: unit for name, unit in MAP_UNITS.items() if unit}}
+    assert not list((tmp_path / "out").glob("*map_*"))
+    assert not (tmp_path / "out" / "planar_map.csv").exists()
     assert (tmp_path / "out" / "chart.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.usefixtures("few_speeds")
+def test_command_leaves_the_same_map_long_wide_and_for_matlab_in_the_unit_of_the_speed(compiled, tmp_path):
+    assert compiled
+    done = invoke("examples/planar.toml", "--map", "--speed", "1500 rpm", "-o", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert "1500 rpm), the reference speed of the converter tables" in done.output
+    long, units = read_columns(tmp_path / "planar_map.csv")
+    read = loadmat(tmp_path / "planar_map.mat", simplify_cells=True)["map"]
+    assert units["omega1"] == read["units"]["omega1"] == "rpm"
+    assert read["omega1"] == pytest.approx(1500.0 * MAP_SPEEDS[[0, 3, 7]], rel=1e-12)
+    assert set(long["efficiency"]) == {1.0}
+    assert not any(long["loss"])
+    for name, unit in MAP_UNITS.items():
+        wide, units = read_columns(tmp_path / f"planar_map_{name}.csv")
+        assert set(units.values()) == ({unit} if unit else set())
+        assert list(wide)[1:] == [f"{name} at {speed:.6g} rpm" for speed in read["omega1"]]
+        assert wide.pop("speed_ratio") == read["speed_ratio"].tolist() == long["speed_ratio"][: RATIOS.size]
+        assert list(wide.values()) == read[name].tolist()
+        assert read[name].ravel().tolist() == long[name]
+        assert read["units"][name] == (unit or "1")
+    assert (tmp_path / "planar_converter.vtcc").exists()

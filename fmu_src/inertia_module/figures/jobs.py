@@ -13,7 +13,8 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from ..harness.chart import EfficiencyMap, TorqueConverterChart
+from ..common.units import factor_between
+from ..harness.chart import SteadyMap, TorqueConverterChart
 from ..jobs.axes import Axis
 from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
@@ -31,12 +32,14 @@ LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 
 
 def chart_figure(
-    charts: Mapping[str, TorqueConverterChart], maps: Mapping[str, EfficiencyMap] | None = None
+    charts: Mapping[str, TorqueConverterChart],
+    maps: Mapping[str, SteadyMap] | None = None,
+    speed_unit: str = "rad/s",
 ) -> Figure:
     """Draw torque ratio and efficiency, output and input torque, capacity and ripple over the speed ratio.
 
     Args:
-        charts: by the names for the legend. maps: of the efficiency of those with losses.
+        charts: by the names for the legend. maps: whose efficiency is drawn. speed_unit: of the input.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with maps higher by half.
@@ -49,16 +52,17 @@ def chart_figure(
         upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
         for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
             # lines of equal efficiency
-            speeds = np.abs(found.omega1)
-            end = max(np.flatnonzero(found.efficiency.any(axis=0)), default=0) + 1
-            curves = found.speed_ratio, speeds, found.efficiency, LEVELS
+            speeds = np.abs(found.omega1) * factor_between("rad/s", speed_unit)
+            efficiency = found.columns["efficiency"]
+            end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
+            curves = found.speed_ratio, speeds, efficiency, LEVELS
             filled = axes.contourf(*curves, cmap="viridis")
             axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
             axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
             axes.figure.colorbar(filled, ax=axes)
             axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
             axes.set_xlabel("speed ratio, output / input")
-            axes.set_ylabel("input speed [rad/s]")
+            axes.set_ylabel(f"input speed [{speed_unit}]")
     panels = upper.subplots(2, 2, sharex=True)
     ratio, output, taken, ripple = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
@@ -305,40 +309,46 @@ DECADES = 3
 SIGNAL_HEIGHT = 2.6
 
 
-def order_figure(found: Orders, title: str) -> Figure:
+def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
     """Draw left the spectrum of each signal, right its waterfall: over the speed in a run-up, else over time.
+
+    Args:
+        in_hz: whether the waterfall has Hz and rpm, in place of orders and rad/s.
 
     Returns:
         A matplotlib Figure, higher the more signals there are.
     """
-    names = [name for name, amplitude in found.amplitude.items() if amplitude.any()]
+    names = list(found.amplitude)
     figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))
-    panels = figure.subplots(len(names), 2, sharex=True, squeeze=False)
+    panels = figure.subplots(len(names), 2, sharex="col" if in_hz else "all", squeeze=False)
     lines = found.largest(NAMED)
     over, label = found.time, "time [s]"
     if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
-        over, label = found.speed, "speed of link 1 [rad/s]"
+        over, label = found.rpm if in_hz else found.speed, f"speed of link 1 [{'rpm' if in_hz else 'rad/s'}]"
+    across = found.frequency if in_hz else found.order
     for (left, right), name in zip(panels, names, strict=True):
         amplitude, unit = found.amplitude[name], found.units[name]
         left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
         for line in lines[name]:
             place = (line.order, float(np.interp(line.order, found.order, amplitude)))
             left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
-        left.set_ylim(0.0, 1.15 * float(amplitude.max()))
+        left.set_ylim(0.0, 1.15 * float(amplitude.max()) or 1.0)
         dress(left, titled(name, unit))
         right.set_ylabel(label)
-        if over.size < 2:
-            right.text(0.5, 0.5, "one window", ha="center", transform=right.transAxes)
+        if over.size < 2 or not amplitude.any():
+            told = "one window" if amplitude.any() else "does not swing"
+            right.text(0.5, 0.5, told, ha="center", transform=right.transAxes)
             continue
         largest = float(found.waterfall[name].max())
         norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
         colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
-        drawn = right.pcolormesh(found.order, over, found.waterfall[name], **colours)
+        drawn = right.pcolormesh(across, over, found.waterfall[name], **colours)
         figure.colorbar(drawn, ax=right, label=unit)
     # a little above the order up to which SHOWN of all that swings is found, of every signal
-    shares = (np.cumsum(found.amplitude[name] ** 2) / np.sum(found.amplitude[name] ** 2) for name in names)
-    last = max(int(np.searchsorted(share, SHOWN)) for share in shares)
-    panels[0, 0].set_xlim(0.0, min(1.1 * float(found.order[last]), float(found.order[-1])))
-    for axes in panels[-1]:
-        axes.set_xlabel(f"order, cycles a {BASES[found.of]}")
+    sums = [np.cumsum(amplitude**2) for amplitude in found.amplitude.values() if amplitude.any()]
+    last = max((int(np.searchsorted(total, SHOWN * total[-1])) for total in sums), default=-1)
+    highest = min(1.1 * float(found.order[last]), float(found.order[-1]))
+    for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
+        axes.set_xlim(0.0, highest if in_order else highest * float(found.rate.max()))
+        axes.set_xlabel(f"order, cycles a {BASES[found.of]}" if in_order else "frequency [Hz]")
     return figure

@@ -4,7 +4,7 @@ The chart of a hydrodynamic converter plots torque ratio, efficiency and capacit
 (SAE J643). In a mechanism without losses everything goes with the square of the input speed as well, so
 one chart holds for all speeds. Its efficiency is 1 and its torque ratio one over the speed ratio; at
 stall it passes torque and takes no power. Mechanisms differ in the torque they pass. With losses the chart is
-that of one input speed, and a map tells the efficiency over speed ratio and input speed.
+that of one input speed, and a map tells torques, loss and efficiency over speed ratio and input speed.
 
 It is made of steady pulses at a speed ratio: of the rigid module, its output shaft held by a large inertia.
 Whatever is lost is in it: mean torques, and what is lost of the energy put in, over whole periods of the
@@ -18,7 +18,6 @@ that limit; the output torque is right everywhere.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,13 +29,13 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ..common.errors import Refused
-from ..common.files import write_atomically
+from ..common.units import factor_between
 from ..contract.variables import BY_NAME
 from ..kernel import codes
 from ..kernel.averaged import rates as average_rates
 from ..kernel.inertia import reduced_inertia
 from ..memory import Module
-from .results import write_columns
+from .results import write_columns, write_mat, write_rows
 from .simulate import Progress
 
 # --- steady pulses ---
@@ -67,7 +66,7 @@ class SteadyPulses(NamedTuple):
         efficiency: power to the load over power in; 0 where nothing comes out.
         link2_ratio: mean speed of link 2 over that of link 1, magnitudes.
         ripple: RMS of the torque in the output freewheel about its mean, N m. peak: its largest, N m.
-        bearing_force: the largest on the bearing of a satellite, N.
+        bearing_force: the largest on the bearing of a satellite, N. loss: power lost, W.
     """
 
     output_torque: float
@@ -77,6 +76,7 @@ class SteadyPulses(NamedTuple):
     ripple: float
     peak: float
     bearing_force: float
+    loss: float
 
 
 class SteadyMachine:
@@ -168,6 +168,7 @@ class SteadyMachine:
             module["torque_ripple"],
             module["torque_peak"],
             module["satellite_force_peak"],
+            lost / time,
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
@@ -229,8 +230,11 @@ LARGEST_TORQUE_RATIO, LEAST_SHARE = 50.0, 1e-4
 COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 
 _TORQUES = ("output_torque", "input_torque", "ripple", "peak", "lock_up_torque")
+# columns of a map, as of SteadyPulses
+MAP_UNITS = {"input_torque": "N.m", "output_torque": "N.m", "loss": "W", "efficiency": "", "ripple": "N.m"}
 # of a converter table; its other columns are pure numbers
 CONVERTER_UNITS = {"capacity_factor": "rad/s/(N.m)^0.5", "output_torque": "N.m", "input_torque": "N.m"}
+VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
 @dataclass(frozen=True)
@@ -306,36 +310,59 @@ def _is_torque(number: str) -> bool:
 
 
 @dataclass(frozen=True)
-class EfficiencyMap:
-    """Efficiency over input speed and speed ratio.
+class SteadyMap:
+    """Steady pulses over input speed and speed ratio.
 
     Attributes:
-        omega1: rad/s, shape (m,). speed_ratio: shape (n,). efficiency: shape (m, n).
+        omega1: rad/s, shape (m,). speed_ratio: shape (n,).
+        columns: of MAP_UNITS by name, in these units, shape (m, n); the efficiency is 0 and the output torque
+            below 0 where the shaft would have to be driven.
     """
 
     omega1: Array
     speed_ratio: Array
-    efficiency: Array
+    columns: dict[str, Array]
 
-    def save(self, path: Path) -> Path:
-        """Write as CSV, a row for each speed and ratio, whole or not at all."""
-        speeds, ratios = (part.ravel() for part in np.meshgrid(self.omega1, self.speed_ratio, indexing="ij"))
-        columns = {"omega1": speeds, "speed_ratio": ratios, "efficiency": self.efficiency.ravel()}
-        return write_columns(path, columns, {"omega1": "rad/s"})
+    def save(self, path: Path, unit: str = "rad/s") -> Path:
+        """Write as CSV, a row for each speed, in this unit, and ratio, whole or not at all."""
+        speeds = self.omega1 * factor_between("rad/s", unit)
+        grid = [part.ravel() for part in np.meshgrid(speeds, self.speed_ratio, indexing="ij")]
+        columns = {"omega1": grid[0], "speed_ratio": grid[1]}
+        columns |= {name: values.ravel() for name, values in self.columns.items()}
+        return write_columns(path, columns, {"omega1": unit, **MAP_UNITS})
+
+    def save_tables(self, stem: Path, unit: str = "rad/s") -> list[Path]:
+        """Write stem_COLUMN.csv, a row for each ratio, a column for each speed, and stem.mat, a struct map.
+
+        Each is whole or not at all; speeds are in this unit.
+        """
+        speeds, files = self.omega1 * factor_between("rad/s", unit), []
+        for name, values in self.columns.items():
+            table = {f"{name} at {speed:.6g} {unit}": row for speed, row in zip(speeds, values, strict=True)}
+            units = dict.fromkeys(table, MAP_UNITS[name])
+            path = Path(f"{stem}_{name}.csv")
+            files.append(write_columns(path, {"speed_ratio": self.speed_ratio, **table}, units))
+        fields = {"omega1": speeds, "speed_ratio": self.speed_ratio, **self.columns}
+        return [*files, write_mat(Path(f"{stem}.mat"), "map", fields, {"omega1": unit, **MAP_UNITS})]
 
 
-def efficiency_map(machine: SteadyMachine, omega1: float, progress: Progress) -> EfficiencyMap:
-    """Efficiency of a mechanism from a tenth of an input speed up to that.
+def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> SteadyMap:
+    """Map of a mechanism from a tenth of an input speed up to that.
 
     Args:
         machine: of the mechanism. omega1: rad/s, not 0. progress: told the share done.
     """
-    speeds = omega1 * MAP_SPEEDS
-    found = np.empty((speeds.size, RATIOS.size))
-    for row, speed in enumerate(speeds):
-        found[row] = [machine.at(speed, ratio).efficiency for ratio in RATIOS]
-        progress((row + 1) / speeds.size)
-    return EfficiencyMap(speeds, RATIOS, found)
+    speeds, rows = omega1 * MAP_SPEEDS, []
+    for speed in speeds:
+        rows.append(_over_ratios(machine, speed))
+        progress(len(rows) / speeds.size)
+    return SteadyMap(speeds, RATIOS, {name: np.array([row[name] for row in rows]) for name in MAP_UNITS})
+
+
+def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
+    """Steady pulses at a speed, rad/s, and RATIOS: fields of SteadyPulses by name, shape (n,)."""
+    found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
+    return dict(zip(SteadyPulses._fields, found.T, strict=True))
 
 
 def torque_converter_chart(
@@ -356,14 +383,13 @@ def torque_converter_chart(
     if machine.ideal:
         return _chart_of_map(parameters, omega1 < 0.0, kernel)
     # with losses, up to the last ratio at which the load gets a torque
-    found = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
-    number = max(np.flatnonzero(found[:, 0] > 0.0), default=0) + 1
-    torque, taken, efficiency, link2, ripple, peak, _ = found[:number].T
-    square, one = omega1 * omega1, np.ones(number)
+    found = _over_ratios(machine, omega1)
+    number = max(np.flatnonzero(found["output_torque"] > 0.0), default=0) + 1
     locks = omega1 > 0.0 and number == RATIOS.size
-    lock = machine.lock_up_torque(omega1) / square if locks else 0.0
-    torques = (torque / square, taken / square), (ripple / square, peak / square, lock * one)
-    return TorqueConverterChart(RATIOS[:number], *torques[0], efficiency, link2, *torques[1])
+    found["lock_up_torque"] = np.full(RATIOS.size, machine.lock_up_torque(omega1) if locks else 0.0)
+    columns = {name: found[name][:number] / omega1**2 for name in _TORQUES}
+    columns |= {name: found[name][:number] for name in ("efficiency", "link2_ratio")}
+    return TorqueConverterChart(RATIOS[:number], **columns)
 
 
 def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel: str) -> TorqueConverterChart:
@@ -422,15 +448,18 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
 
 
 def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> list[Path]:
-    """Write a converter table at omega1, rad/s, to stem.csv and stem.mat, each whole or not at all.
+    """Write a converter table at omega1, rad/s, to stem.csv, .mat and .vtcc, each whole or not at all.
 
-    The MAT file, of version 5, holds a struct converter with units.
+    The MAT file holds a struct converter with units. The .vtcc is that of VECTO, whose input torque at the
+    reference speed, omega1, has a sign: it is below 0 where the shaft drives link 1.
     """
-    from scipy.io import savemat  # takes half a second
-
-    units = {"omega1": "rad/s", **dict.fromkeys(table, "1"), **CONVERTER_UNITS}
-    stream = io.BytesIO()
-    savemat(stream, {"converter": {"omega1": omega1, **table, "units": units}}, oned_as="column")
-    files = [write_columns(Path(f"{stem}.csv"), table, CONVERTER_UNITS), Path(f"{stem}.mat")]
-    write_atomically(files[1], stream.getvalue())
-    return files
+    passed, taken = table["output_torque"], table["input_torque"]
+    least = np.maximum(np.abs(passed) / LARGEST_TORQUE_RATIO, LEAST_SHARE * taken.max())
+    given = np.copysign(np.maximum(np.abs(taken), least), taken)
+    rows = zip(*(part.tolist() for part in (table["speed_ratio"], passed / given, given)), strict=True)
+    units = {"omega1": "rad/s", **CONVERTER_UNITS}
+    return [
+        write_columns(Path(f"{stem}.csv"), table, CONVERTER_UNITS),
+        write_mat(Path(f"{stem}.mat"), "converter", {"omega1": omega1, **table}, units),
+        write_rows(Path(f"{stem}.vtcc"), VECTO_HEADINGS, rows),
+    ]

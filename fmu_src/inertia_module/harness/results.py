@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
-from ..common.files import write_figure, write_text
+from ..common.files import write_atomically, write_figure, write_text
 from ..common.units import factor_between
 
 if TYPE_CHECKING:
@@ -282,3 +282,18 @@ def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]
     writer.writerow(headings)
     writer.writerows(rows)
     return write_text(path, stream.getvalue())
+
+
+def write_mat(path: Path, name: str, values: Mapping[str, Any], units: Mapping[str, str]) -> Path:
+    """Write a struct of numbers and arrays with their units as MAT of version 5, whole or not at all.
+
+    Args:
+        name: of the struct. values: its fields. units: by field, of those that are no pure numbers.
+    """
+    from scipy.io import savemat  # takes half a second
+
+    stream = io.BytesIO()
+    struct = {**values, "units": {field: units.get(field) or "1" for field in values}}
+    savemat(stream, {name: struct}, oned_as="column", long_field_names=True)
+    write_atomically(path, stream.getvalue())
+    return path

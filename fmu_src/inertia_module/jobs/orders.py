@@ -10,8 +10,11 @@ from __future__ import annotations
 
 import json
 import math
+import re
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,10 +25,12 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from ..common.errors import Refused, must_be
-from ..common.files import write_text
+from ..common.extras import library
+from ..common.files import write_atomically, write_text
 from ..common.terminal import Progress
+from ..common.units import factor_between
 from ..contract.variables import BY_NAME
-from ..harness.results import write_columns
+from ..harness.results import write_columns, write_mat
 from ..harness.simulate import Result, communication_points
 from ..kernel.codes import AVERAGED
 from ..kernel.inertia import reduced_inertia
@@ -44,10 +49,12 @@ DRIVE = "drive"
 ANGLES = ("input_angle", "input_turns", "drive_angle", "drive_turns")
 # steps that are tried before the run
 TRIED = 20
+# components, in the fixed frame, of the force of imbalance 0 on its bearing, which is that mass times
+BEARING = {f"satellite_force_{axis}": f"imbalance_acceleration_{axis}" for axis in "xyz"}
 # what is looked at where nothing is asked for
 SIGNALS = (
     *("input_torque", "output_torque", "input_speed", "omega_out"),
-    *("shaking_force_x", "shaking_force_y", "shaking_force_z"),
+    *("shaking_force_x", "shaking_force_y", "shaking_force_z", *BEARING),
 )
 # points a cycle of the highest order, where 2 would just do
 RECORDED = 2.56
@@ -69,6 +76,14 @@ BENDING = 1.1
 TURNS, LEAST_TURNS = 32.0, 4.0
 # below this share of its largest or its nominal value a signal is rounding, and what is beyond a limit
 ROUNDING = 1e-8
+# units of a UFF file, and what all its amplitudes have in common: over orders, speed on the z axis
+UFF_UNITS: dict[str, Any] = {"type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1}
+UFF_UNITS |= {"length": 1.0, "force": 1.0, "temp": 1.0, "temp_offset": 273.15}
+UFF_LINES: dict[str, Any] = {"type": 58, "func_type": 0, "ref_node": 0, "ref_dir": 0}
+UFF_LINES |= {"abscissa_spec_data_type": 20, "abscissa_spacing": 1, "orddenom_spec_data_type": 0}
+UFF_LINES |= {"z_axis_spec_data_type": 19, "z_axis_axis_lab": "speed", "z_axis_axis_units_lab": "rpm"}
+# of the axes in files
+UNITS = {"time": "s", "speed": "rad/s", "rpm": "rpm", "frequency": "Hz"}
 
 
 class Line(NamedTuple):
@@ -78,6 +93,7 @@ class Line(NamedTuple):
         order: cycles a turn (a pulse). amplitude: RMS average over the windows, in the unit of the signal.
         greatest: amplitude in the window where it is greatest. speed: of link 1 there, rad/s.
         low, high: orders between which it bends with the speed ratio; of a straight line, order.
+        frequency, phase: Hz, and rad as of Orders, where it is greatest.
     """
 
     order: float
@@ -86,6 +102,8 @@ class Line(NamedTuple):
     speed: float
     low: float
     high: float
+    frequency: float
+    phase: float
 
 
 @dataclass(frozen=True)
@@ -95,23 +113,45 @@ class Orders:
     Attributes:
         of: what an order is counted over, LINK1 or PULSES. turns: of that in a window.
         order: cycles a turn (a pulse), shape (n,).
-        amplitude: of each signal in its unit, RMS average over the windows, shape (n,); mean, trend apart.
         time, speed: at the middle of each window, s, and mean speed of link 1 in it, rad/s, shape (m,).
+        rate: turns (pulses) a second in each window, Hz: of order 1, shape (m,).
         ratio: turns of the drive a turn (a pulse) in each window, shape (m,): with it lines bend.
-        waterfall: amplitude in each window, shape (m, n). units: of the signals.
+        spectrum: complex amplitude of each signal in each window, in its unit, shape (m, n); mean and trend
+            apart. Phases are those of cosines, 0 with a maximum where the angle of link 1 (the drive) is 0.
+        units: of the signals.
     """
 
     of: str
     turns: float
     order: Array
-    amplitude: dict[str, Array]
     time: Array
     speed: Array
+    rate: Array
     ratio: Array
-    waterfall: dict[str, Array]
+    spectrum: dict[str, NDArray[np.complex128]]
     units: dict[str, str]
     # lines that were looked for, by how many of each signal: picture, table and files ask for the same
     _known: dict[int, dict[str, list[Line]]] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def waterfall(self) -> dict[str, Array]:
+        """Amplitude of each signal in each window, shape (m, n)."""
+        return {name: np.abs(rows) for name, rows in self.spectrum.items()}
+
+    @cached_property
+    def amplitude(self) -> dict[str, Array]:
+        """Amplitude of each signal, RMS average over the windows, shape (n,)."""
+        return {name: np.sqrt(np.mean(rows**2, axis=0)) for name, rows in self.waterfall.items()}
+
+    @property
+    def rpm(self) -> Array:
+        """Mean speed of link 1 in each window, rpm, shape (m,)."""
+        return self.speed * factor_between("rad/s", "rpm")
+
+    @property
+    def frequency(self) -> Array:
+        """Frequency of each order in each window, Hz, shape (m, n)."""
+        return self.rate[:, None] * self.order
 
     def rms(self, name: str) -> float:
         """RMS of all that swings up to the highest order, in the unit of the signal (Parseval's theorem)."""
@@ -184,13 +224,14 @@ class Orders:
         most = BENDING * _rms(self._along(name, track, 0.5 / self.turns)[0])
         for turning in (0.0, 1.0, -1.0):
             bent = (there - turning) * share + turning
-            found, _ = self._along(name, bent, 0.5 / self.turns)
+            found, near = self._along(name, bent, 0.5 / self.turns)
             bends = np.ptp(bent) > HALF_LOBE / self.turns and bent.min() > HALF_LOBE / self.turns
             if bends and _rms(found) > most:
-                track, heights, amplitude, most = bent, found, _rms(found), _rms(found)
+                track, heights, orders, amplitude, most = bent, found, near, _rms(found), _rms(found)
         at = int(np.argmax(heights))
-        low, high, greatest = float(track.min()), float(track.max()), float(heights[at])
-        return Line(float(track[at]), amplitude, greatest, float(self.speed[at]), low, high), track, at
+        largest = self.spectrum[name][at, np.searchsorted(self.order, orders[at])]
+        values = (track[at], amplitude, heights[at], self.speed[at], track.min(), track.max())
+        return Line(*map(float, (*values, self.rate[at] * track[at], np.angle(largest)))), track, at
 
     def as_dict(self) -> dict[str, Any]:
         """The largest orders of each signal, for machines."""
@@ -213,17 +254,47 @@ class Orders:
         """Write orders.csv, waterfall.csv (a row for each window and order) and summary.json to a folder."""
         coarse = slice(None, None, PADDING)
         orders = self.order[coarse]
-        windows = {"time": self.time, "speed": self.speed}
+        windows = {"time": self.time, "speed": self.speed, "rpm": self.rpm}
         rows = {name: np.repeat(values, orders.size) for name, values in windows.items()}
         rows["order"] = np.tile(orders, self.time.size)
-        rows |= {name: values[:, coarse].ravel() for name, values in self.waterfall.items()}
-        units = {**self.units, "time": "s", "speed": "rad/s"}
+        rows["frequency"] = self.frequency[:, coarse].ravel()
+        units = {**self.units, **UNITS}
+        for name, values in self.spectrum.items():
+            rows[name] = self.waterfall[name][:, coarse].ravel()
+            rows[f"{name}_phase"] = np.angle(values[:, coarse]).ravel()
+            units[f"{name}_phase"] = "rad"
         text = json.dumps(self.as_dict(), indent=2) + "\n"
         return {
             "orders": write_columns(folder / "orders.csv", {"order": self.order, **self.amplitude}, units),
             "waterfall": write_columns(folder / "waterfall.csv", rows, units),
             "summary": write_text(folder / "summary.json", text),
         }
+
+    def write_mat(self, path: Path) -> Path:
+        """Write a struct orders: its axes, and complex amplitudes by name, shape (m, n); MAT of version 5."""
+        axes = {name: getattr(self, name) for name in ("order", *UNITS)}
+        return write_mat(path, "orders", {**axes, **self.spectrum}, {**self.units, **UNITS})
+
+    def write_uff(self, path: Path) -> Path:
+        """Write as UFF: for each signal and window a data set 58, complex over the orders, rpm on its z axis.
+
+        Raises:
+            NotInstalled: there is no pyuff here.
+        """
+        sets, common = [UFF_UNITS], {**UFF_LINES, "x": self.order, "id2": f"cycles a {BASES[self.of]}"}
+        for node, (name, rows) in enumerate(self.spectrum.items(), 1):
+            # directions of forces are 1 to 3, of moments 4 to 6
+            component = re.search("_(force|moment)_([xyz])$", name)
+            side = "xyz".index(component[2]) + (1 if component[1] == "force" else 4) if component else 0
+            one = {**common, "id1": name, "rsp_node": node, "rsp_dir": side}
+            one |= {"ordinate_axis_lab": name[:20], "ordinate_axis_units_lab": self.units[name] or "NONE"}
+            for row, time, rpm in zip(rows, self.time, self.rpm, strict=True):
+                sets.append({**one, "id3": f"at {time:g} s", "data": row, "z_axis_value": rpm})
+        with tempfile.TemporaryDirectory() as folder:
+            whole = Path(folder) / "orders.uff"
+            library("pyuff", "jobs").UFF(str(whole)).write_sets(sets, "overwrite")
+            write_atomically(path, whole.read_bytes())
+        return path
 
 
 def _rms(values: Array) -> float:
@@ -258,14 +329,17 @@ def spectra(
     angle = np.arange(math.floor((turned[-1] - turned[0]) * samples) + 1) / samples
     options: dict[str, Any] = {"fs": samples, "window": WINDOW, "nperseg": size, "noverlap": size // 2}
     options |= {"nfft": PADDING * size, "detrend": "linear", "scaling": "spectrum"}
-    waterfall = {}
+    spectrum = {}
     for name in names:
         values = CubicSpline(turned - turned[0], table[name])(angle)
-        order, middle, power = signal.spectrogram(values, **options)
-        amplitude = np.sqrt(2.0 * power.T[:, order <= highest])
-        amplitude[amplitude < rounding(table, name)] = 0.0
-        waterfall[name] = amplitude
-    edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
+        order, middle, half = signal.spectrogram(values, mode="complex", **options)
+        order = order[order <= highest]
+        edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
+        # half a line is at its negative order; phases from where the angle is 0, not from the window's begin
+        whole = np.where(order > 0.0, 2.0, math.sqrt(2.0)) * half.T[:, : order.size]
+        whole *= np.exp(-2j * math.pi * (turned[0] + edges[:, :1]) * order)
+        whole[np.abs(whole) < rounding(table, name)] = 0.0
+        spectrum[name] = whole
     begin, time, end = np.interp(edges, turned - turned[0], table.time).T
     turned1 = cumulative_trapezoid(table["input_speed"], table.time, initial=0.0)
     angles = np.interp([begin, end], table.time, turned1)
@@ -273,12 +347,12 @@ def spectra(
     return Orders(
         of,
         per_window,
-        order[order <= highest],
-        {name: np.sqrt(np.mean(rows**2, axis=0)) for name, rows in waterfall.items()},
+        order,
         time,
         (angles[1] - angles[0]) / (end - begin),
+        np.ptp(edges[:, ::2], axis=1) / (end - begin),
         (driven[1] - driven[0]) / np.ptp(edges[:, ::2], axis=1),
-        waterfall,
+        spectrum,
         {name: table.units.get(name, "") for name in names},
     )
 
@@ -323,13 +397,19 @@ def pulses_a_turn(parameters: Mapping[str, float]) -> float:
     Args:
         parameters: of the module, those that differ from the defaults.
     """
-    module = Module("plain")
-    module.check(**parameters)
+    module = _module(parameters)
     turns = int(module.derived.period_turns)
     angles = np.linspace(0.0, math.tau * turns, 720 * turns, endpoint=False)
     slopes = [reduced_inertia(module.derived, float(q))[1] for q in angles]  # type: ignore[no-untyped-call]
     rising = np.array(slopes) > 0.0
     return float(np.sum(rising & ~np.roll(rising, 1))) / turns
+
+
+def _module(parameters: Mapping[str, float]) -> Module:
+    """The module with these parameters, by which its constants are read."""
+    module = Module("plain")
+    module.check(**parameters)
+    return module
 
 
 def orders(
@@ -340,7 +420,7 @@ def orders(
     signals: Sequence[str] | None = None,
     highest: float | None = None,
     turns: float | None = None,
-    begin: float = 0.0,
+    begin: float | None = None,
     end: float | None = None,
     progress: Progress | None = None,
 ) -> Orders:
@@ -350,9 +430,10 @@ def orders(
         scene: a scene or its file.
         fmu_path: the FMU of the module; None for that of the package.
         of: "link1" or "pulses".
-        signals: names of outputs, locals or signals of the loop; without them those of SIGNALS that swing.
+        signals: names of outputs, locals or signals of the loop, or of BEARING; without them those of SIGNALS
+            that swing.
         highest, turns: as of spectra.
-        begin, end: of the part of the run that is looked at, s.
+        begin, end: of the part of the run that is looked at, s; by default from where it turns to the end.
         progress: told how much of the run is done (0 to 1).
 
     Raises:
@@ -367,35 +448,46 @@ def orders(
             "fidelity must be kinematic, rigid or elastic for orders, is averaged: it has no pulses"
         )
     last = scene.run.stop_time if end is None else end
-    if not 0.0 <= begin < last <= scene.run.stop_time:
+    first = begin or 0.0
+    if not 0.0 <= first < last <= scene.run.stop_time:
         limits = f"in order and within 0 to {scene.run.stop_time:g} s"
-        raise Refused(must_be("times", limits, f"{begin:g} to {last:g} s"))
+        raise Refused(must_be("times", limits, f"{first:g} to {last:g} s"))
     looked = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
-    wanted = list(dict.fromkeys([*looked, "input_speed", *ANGLES]))
-    scene = scene.replaced(run={"outputs": wanted})
+    wanted = dict.fromkeys([*(BEARING.get(name, name) for name in looked), "input_speed", *ANGLES])
+    scene = scene.replaced(run={"outputs": list(wanted)})
 
-    def within(time: Array) -> NDArray[np.bool_]:
-        return (time >= begin - 1e-9) & (time <= last + 1e-9)
+    def within(time: Array, turned: Array) -> slice:
+        """Rows that are looked at: without the rest that they begin with, if no begin is given."""
+        low, high = np.searchsorted(time, (first - 1e-9, last + 1e-9))
+        turning = np.diff(turned[low:high]) != 0.0
+        return slice(low + (int(np.argmax(turning)) if begin is None else 0), high)
 
     # what is sure to be refused after the run is refused now: by the speed that is given, else by first steps
     step, given = scene.run.communication_step, scene.drive.prescribed().get("omega1")
     if of == LINK1 and given is not None and not scene.parameters().get("input_hold"):
         times = communication_points(scene.run.stop_time, step)
-        times = times[within(times)]
         turned = np.cumsum([evaluate(given, at) for at in times]) * step / math.tau
         turned = np.append(0.0, turned[:-1])  # the speed is held over a step
-        turned *= math.copysign(1.0, turned[-1])
-        highest_order(times, turned, highest)
+        part = within(times, turned)
+        turned = turned[part] * math.copysign(1.0, turned[part][-1] - turned[part][0])
+        highest_order(times[part], turned, highest)
         turns_of_window(turned, of, turns)
-    elif begin == 0.0 and TRIED * step < last:
+    elif first == 0.0 and TRIED * step < last:
         table = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
-        highest_order(table.time, _turned(table, of, scene), highest)
+        turned = _turned(table, of, scene)
+        part = within(table.time, turned)
+        if begin is not None or np.ptp(turned) > 0.0:
+            highest_order(table.time[part], turned[part], highest)
     record = run_scene(scene, fmu_path, progress).record
-    part = within(record.time)
-    table = Result({name: values[part] for name, values in record.columns.items()}, record.units)
+    part = within(record.time, _turned(record, of, scene))
+    columns, units = {name: values[part] for name, values in record.columns.items()}, dict(record.units)
+    for name in set(looked) & set(BEARING):
+        columns[name] = -_module(scene.parameters())["imbalance_mass"] * columns[BEARING[name]]
+        units[name] = "N"
+    table = Result(columns, units)
     turned = _turned(table, of, scene)
     swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
-    if not swinging:
+    if not swinging and signals is None:
         raise Refused(f"signals must swing, of {', '.join(looked)} none does")
     drive = _turned(table, DRIVE, scene)
     names = swinging if signals is None else looked
