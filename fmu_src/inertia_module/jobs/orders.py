@@ -125,6 +125,18 @@ class Orders:
             self._known[number] = {name: self._lines(name, number) for name in self.amplitude}
         return self._known[number]
 
+    def lines(self, number: int = 5) -> dict[str, dict[str, str]]:
+        """The largest lines as text, by signal and order."""
+        found: dict[str, dict[str, str]] = {}
+        for name, lines in self.largest(number).items():
+            unit, rows = self.units[name], found.setdefault(name, {})
+            for line in lines:
+                several = f"{line.low:.4g} to {line.high:.4g}"
+                order = f"{line.order:.4g}" if line.low == line.high else several
+                most = f"most at {line.speed:.4g} rad/s: {line.greatest:.4g} {unit}"
+                rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
+        return found
+
     @property
     def bends(self) -> bool:
         """Tell whether lines bend that are straight over pulses."""
@@ -343,6 +355,7 @@ def orders(
     begin: float = 0.0,
     end: float | None = None,
     progress: Progress | None = None,
+    record: Result | None = None,
 ) -> Orders:
     """Run a scene and find the orders of its signals.
 
@@ -354,6 +367,7 @@ def orders(
         highest, turns: as of spectra.
         begin, end: of the part of the run that is looked at, s.
         progress: told how much of the run is done (0 to 1).
+        record: of a run of the scene, with these signals, input_speed and ANGLES, if there is one already.
 
     Raises:
         SceneError: the scene cannot be, or has no such signal.
@@ -387,10 +401,10 @@ def orders(
         turned *= math.copysign(1.0, turned[-1])
         highest_order(times, turned, highest)
         turns_of_window(turned, of, turns)
-    elif begin == 0.0 and TRIED * step < last:
+    elif record is None and begin == 0.0 and TRIED * step < last:
         table = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
         highest_order(table.time, _turned(table, of, scene), highest)
-    record = run_scene(scene, fmu_path, progress).record
+    record = run_scene(scene, fmu_path, progress).record if record is None else record
     part = within(record.time)
     table = Result({name: values[part] for name, values in record.columns.items()}, record.units)
     turned = _turned(table, of, scene)
