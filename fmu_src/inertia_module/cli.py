@@ -438,7 +438,8 @@ def report(
     asked = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
     words = [word for name, values in asked.items() for value in values for word in (name, value)]
     line = shlex.join(["inertia-module", "report", str(scene), *words])
-    content = report_file(scene, keys or [], result, used, line, chosen)
+    with progress_bar(f"report of {scene.name}") as progress:
+        content = report_file(scene, keys or [], result, used, line, chosen, progress)
     write_atomically(path, content)
 
     shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]

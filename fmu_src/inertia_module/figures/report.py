@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from .. import __version__
 from ..common.errors import Refused
 from ..common.files import picture_of
+from ..common.terminal import Progress
 from ..contract.variables import BY_NAME, ENUMERATIONS, LOST_TO, PARAMETER, Group, with_causality
 from ..fmu.archive import filled_xml
 from ..harness.chart import torque_converter_chart
@@ -61,14 +62,20 @@ class Part(NamedTuple):
 
 
 def report_file(
-    file: Path, keys: Sequence[str], result: SceneResult, fmu: Path, command: str, chosen: Sequence[str] = ()
+    file: Path,
+    keys: Sequence[str],
+    result: SceneResult,
+    fmu: Path,
+    command: str,
+    chosen: Sequence[str] = (),
+    progress: Progress = lambda done: None,
 ) -> bytes:
     """Make the report of a run.
 
     Args:
         file: of the scene. keys: given instead of its own, KEY=VALUE each.
         result: of the run, of a module with RECORDED. fmu: the file that was run.
-        command: that repeats it. chosen: lines on how the fidelity was chosen.
+        command: that repeats it. chosen: lines on how the fidelity was chosen. progress: told the share done.
     """
     text = file.read_text(encoding="utf-8")
     remarks = [f"warning: {warning}" for warning in result.warnings]
@@ -89,7 +96,8 @@ def report_file(
         "What was found": _found(result),
     }
     sections["What was asked"] = asked.pop("")
-    for title, make in parts.items():
+    for number, (title, make) in enumerate(parts.items()):
+        progress(number / len(parts))
         try:
             sections[title] = make(result)
         except Refused as reason:
