@@ -12,6 +12,7 @@ import inspect
 import json
 import os
 import re
+import shlex
 import signal
 import sys
 import tomllib
@@ -40,7 +41,7 @@ from .common.units import factor_between, split_quantity, to_si
 if TYPE_CHECKING:
     from .fidelity.trials import Choice
     from .fmu.native_fmu import NativeFmu
-    from .scene import Scene
+    from .scene import Scene, SceneResult, ShaftScene
 
 # what options hold, where one that is not given is None
 Text = str | None
@@ -192,8 +193,8 @@ def speed_text(omega1: float) -> str:
 
 # range of an error that is allowed
 ERROR = {"maximum": 1.0, "above": 0.0}
-# name of the page of a scene
-PAGE = "page.html"
+# names of the page and of the report of a scene
+PAGE, REPORT = "page.html", "report.html"
 
 # --- FMU files ---
 
@@ -314,9 +315,8 @@ def run(
     """
     from .contract.variables import COMPUTED
     from .figures.scenes import shaft_figure
-    from .fmu.builder import SHAFT_FMU
     from .page.html import html_file, template
-    from .scene import ShaftScene, load_any_scene, run_shaft_scene
+    from .scene import ShaftScene, load_any_scene
 
     choice, page = None, None
     folder = folder_for(output, scene.stem)
@@ -324,17 +324,13 @@ def run(
     if isinstance(read, ShaftScene):
         if fidelity is not None or error is not None or view:
             raise ValueError("--fidelity, --error and --view must come with a scene of the module")
-        path = fmu or current_fmu(SHAFT_FMU)
-        with progress_bar(read.title) as progress:
-            result = run_shaft_scene(read, path, progress)
+        result, _ = _ran(read, fmu)
         figure = shaft_figure(result)
     else:
         if view:
             template()
         read, choice = _at_fidelity(read, fidelity, error)
-        path = fmu or current_fmu()
-        with progress_bar(read.title) as progress:
-            result = inertia_module.run_scene(read, path, progress, COMPUTED if view else ())
+        result, _ = _ran(read, fmu, COMPUTED if view else ())
         figure = inertia_module.scene_figure(result)
         page = html_file(read, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
@@ -351,6 +347,18 @@ def run(
     shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
     shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
     return Answer({**told, "warnings": list(result.warnings)}, shown, files)
+
+
+def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
+    """Run a scene of either kind; its result and the FMU. also: to be recorded of a module."""
+    from .fmu.builder import MODULE_FMU, SHAFT_FMU
+    from .scene import ShaftScene, run_shaft_scene
+
+    path = fmu or current_fmu(SHAFT_FMU if isinstance(read, ShaftScene) else MODULE_FMU)
+    with progress_bar(read.title) as progress:
+        if isinstance(read, ShaftScene):
+            return run_shaft_scene(read, path, progress), path
+        return inertia_module.run_scene(read, path, progress, also), path
 
 
 def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
@@ -393,8 +401,7 @@ def view(
     read, _ = _at_fidelity(found, None, None)
     outcome = None
     if not is_exact(read):
-        with progress_bar(read.title) as progress:
-            outcome = inertia_module.run_scene(read, fmu or current_fmu(), progress, COMPUTED)
+        outcome, _ = _ran(read, fmu, COMPUTED)
     content = html_file(read, outcome)
     write_atomically(path, content)
     if show:
@@ -402,6 +409,47 @@ def view(
     warnings = [] if outcome is None else list(outcome.warnings)
     told = {"scene": str(scene), "page": str(path), "bytes": len(content), "warnings": warnings}
     return Answer(told, [f"page: {path} ({len(content) / 1e6:.1f} MB)"])
+
+
+@command
+def report(
+    scene: SceneFile,
+    output: Annotated[
+        File, option("The report (out/SCENE/report.html).", "FILE.html", "--output", "-o")
+    ] = None,
+    fmu: FmuToRun = None,
+    keys: Keys = None,
+) -> Answer:
+    """Run a scene and write its report, to send or to print.
+
+    It is one HTML file: what was asked, the mechanism, its parameters and their sources, curves, chart,
+    orders, loads, losses, duty of the freewheels, all warnings, and how to repeat it.
+    """
+    from .figures.report import RECORDED, report_file
+    from .page.html import checked_path
+    from .scene import Scene, load_any_scene
+
+    path, chosen = checked_path(output or OUTPUT_FOLDER / scene.stem / REPORT), list[str]()
+    read = load_any_scene(scene, keys)
+    if isinstance(read, Scene):
+        read, choice = _at_fidelity(read, None, None)
+        chosen = choice.lines() if choice else chosen
+    result, used = _ran(read, fmu, RECORDED)
+    asked = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
+    words = [word for name, values in asked.items() for value in values for word in (name, value)]
+    line = shlex.join(["inertia-module", "report", str(scene), *words])
+    with progress_bar(f"report of {scene.name}") as progress:
+        content = report_file(scene, keys or [], result, used, line, chosen, progress)
+    write_atomically(path, content)
+
+    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
+    told = {
+        "scene": str(scene),
+        "report": str(path),
+        "bytes": len(content),
+        "warnings": list(result.warnings),
+    }
+    return Answer(told, [*shown, f"report: {path} ({len(content) / 1e6:.1f} MB)"])
 
 
 @command
@@ -563,18 +611,9 @@ def orders(
     files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
 
     shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
-    rpm = factor_between("rad/s", "rpm")
-    for name, lines in found.largest().items():
-        unit, rows = found.units[name], dict[str, str]()
-        for line in lines:
-            several = f"{line.low:.4g} to {line.high:.4g}"
-            order = f"{line.order:.4g}" if line.low == line.high else several
-            place = (
-                f"{line.speed * rpm:.4g} rpm, {line.frequency:.4g} Hz" if hz else f"{line.speed:.4g} rad/s"
-            )
-            most = f"most at {place}: {line.greatest:.4g} {unit}"
-            rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
-        shown.append((name.replace("_", " "), rows or {"no order": f"0 {unit}, it does not swing"}))
+    for name, lines in found.lines(hz=hz).items():
+        still = {"no order": f"0 {found.units[name]}, it does not swing"}
+        shown.append((name.replace("_", " "), lines or still))
     if found.bends:
         shown.append("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
@@ -711,7 +750,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
     pretty_exceptions_enable=False,
 )
-for one in (build, check, export, orders, fit, new, run, tradeoff, chart, sweep, design, view):
+for one in (build, check, export, orders, fit, new, run, tradeoff, chart, sweep, design, view, report):
     app.command()(one)
 
 

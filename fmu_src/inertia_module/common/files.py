@@ -112,8 +112,8 @@ def write_text(path: Path, text: str) -> Path:
     return path
 
 
-def write_figure(path: Path, figure: Any) -> Path:
-    """Write a matplotlib Figure in the format of the file's ending, whole or not at all.
+def picture_of(figure: Any, ending: str) -> bytes:
+    """Draw a matplotlib Figure in the format of a file's ending.
 
     The same figure gives the same bytes: no date, and names within an SVG that follow from what they name.
     """
@@ -121,8 +121,13 @@ def write_figure(path: Path, figure: Any) -> Path:
 
     stream = io.BytesIO()
     with rc_context({"svg.hashsalt": "inertia-module"}):
-        figure.savefig(stream, format=path.suffix.lstrip("."), metadata={"Date": None})
-    write_atomically(path, stream.getvalue())
+        figure.savefig(stream, format=ending.lstrip("."), metadata={"Date": None})
+    return stream.getvalue()
+
+
+def write_figure(path: Path, figure: Any) -> Path:
+    """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
+    write_atomically(path, picture_of(figure, path.suffix))
     return path
 
 

@@ -78,7 +78,8 @@ def chart_figure(
             output.plot([1.0, 1.0], [0.0, chart.lock_up_torque[0]], color=colour, linewidth=3.0, alpha=0.5)
         taken.plot(speed, chart.input_torque, color=colour, label=name)
         ripple.plot(speed[passing], chart.ripple[passing] / torque[passing], color=colour, label=name)
-    first = "torque ratio, and efficiency (broken line)" if maps else "torque ratio (no losses: efficiency 1)"
+    lossless = all(chart.lossless for chart in charts.values())
+    first = "torque ratio" + (" (no losses: efficiency 1)" if lossless else ", and efficiency (broken line)")
     for axes, title, unit in (
         (ratio, first, ""),
         (output, "mean output torque / ω1²; bar: lock-up holds up to", "N·m·s²"),

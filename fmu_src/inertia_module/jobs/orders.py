@@ -165,6 +165,22 @@ class Orders:
             self._known[number] = {name: self._lines(name, number) for name in self.amplitude}
         return self._known[number]
 
+    def lines(self, number: int = 5, hz: bool = False) -> dict[str, dict[str, str]]:
+        """The largest lines as text, by signal and order; hz: speeds in rpm, with the frequency."""
+        rpm = factor_between("rad/s", "rpm")
+        found: dict[str, dict[str, str]] = {}
+        for name, lines in self.largest(number).items():
+            unit, rows = self.units[name], found.setdefault(name, {})
+            for line in lines:
+                several = f"{line.low:.4g} to {line.high:.4g}"
+                order = f"{line.order:.4g}" if line.low == line.high else several
+                place = f"{line.speed:.4g} rad/s"
+                if hz:
+                    place = f"{line.speed * rpm:.4g} rpm, {line.frequency:.4g} Hz"
+                most = f"most at {place}: {line.greatest:.4g} {unit}"
+                rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
+        return found
+
     @property
     def bends(self) -> bool:
         """Tell whether lines bend that are straight over pulses."""
@@ -423,6 +439,7 @@ def orders(
     begin: float | None = None,
     end: float | None = None,
     progress: Progress | None = None,
+    record: Result | None = None,
 ) -> Orders:
     """Run a scene and find the orders of its signals.
 
@@ -435,6 +452,7 @@ def orders(
         highest, turns: as of spectra.
         begin, end: of the part of the run that is looked at, s; by default from where it turns to the end.
         progress: told how much of the run is done (0 to 1).
+        record: of a run of the scene, with these signals, input_speed and ANGLES, if there is one already.
 
     Raises:
         SceneError: the scene cannot be, or has no such signal.
@@ -472,13 +490,13 @@ def orders(
         turned = turned[part] * math.copysign(1.0, turned[part][-1] - turned[part][0])
         highest_order(times[part], turned, highest)
         turns_of_window(turned, of, turns)
-    elif first == 0.0 and TRIED * step < last:
+    elif record is None and first == 0.0 and TRIED * step < last:
         table = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
         turned = _turned(table, of, scene)
         part = within(table.time, turned)
         if begin is not None or np.ptp(turned) > 0.0:
             highest_order(table.time[part], turned[part], highest)
-    record = run_scene(scene, fmu_path, progress).record
+    record = run_scene(scene, fmu_path, progress).record if record is None else record
     part = within(record.time, _turned(record, of, scene))
     columns, units = {name: values[part] for name, values in record.columns.items()}, dict(record.units)
     for name in set(looked) & set(BEARING):

@@ -1,0 +1,37 @@
+"""Draws report.png: the first pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
+
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+HERE = Path(__file__).parent
+SCENE = HERE.parent / "examples" / "real_machine.toml"
+# pages that are shown, dots per inch, and between pages
+SHOWN, DPI, GAP = (1, 2, 3, 6), 54, 8
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        page_file, printed = Path(folder) / "report.html", Path(folder) / "report.pdf"
+        subprocess.run(["inertia-module", "report", SCENE, "-o", page_file], check=True)
+        with sync_playwright() as driver:
+            browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+            page = browser.new_page()
+            page.goto(page_file.as_uri())
+            page.pdf(path=printed, prefer_css_page_size=True)
+        subprocess.run(["pdftoppm", "-r", str(DPI), "-png", printed, Path(folder) / "page"], check=True)
+        found = sorted(Path(folder).glob("page-*.png"))
+        pages = [Image.open(found[number - 1]) for number in SHOWN]
+        width, height = pages[0].size
+        picture = Image.new("RGB", (len(pages) * (width + GAP) + GAP, height + 2 * GAP), "#b0b0b0")
+        for n, one in enumerate(pages):
+            picture.paste(one, (GAP + n * (width + GAP), GAP))
+        picture.quantize(128).save(HERE / "report.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()

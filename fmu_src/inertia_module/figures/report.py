@@ -1,0 +1,326 @@
+"""Report of a scene as one HTML file, to send or to print: its question, what was found, how to repeat it.
+
+All of it is what the commands run, chart and orders tell. A part that the scene cannot have says why.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+import platform
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import date
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .. import __version__
+from ..common.errors import Refused
+from ..common.files import picture_of
+from ..common.terminal import Progress
+from ..contract.variables import BY_NAME, ENUMERATIONS, LOST_TO, PARAMETER, Group, with_causality
+from ..fmu.archive import filled_xml
+from ..harness.chart import torque_converter_chart
+from ..harness.fmu import read_description
+from ..jobs.orders import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
+from ..kernel.codes import DRIVING, HELD, HELD_DRIVING, RIGID
+from ..scene import Scene, SceneResult
+from ..scene.keys import keys_of
+from ..scene.run import input_speed, start_of
+from .jobs import NAMED, chart_figure, order_figure
+from .mechanism import mechanism_figure
+from .scenes import is_coarse, scene_figure, shaft_figure
+
+TEMPLATE = Path(__file__).parent / "templates" / "report.html"
+# what a run for a report records besides what the scene wants
+RECORDED = (
+    *(BEARING.get(name, name) for name in SIGNALS),
+    *ANGLES,
+    *("satellite_force", "satellite_force_peak", "shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
+    *("torque_peak", "housing_torque", "contact_mode", "omega_hub"),
+)
+# of pictures, and their size over that on the screen: letters are to be read on paper
+DPI, SMALLER = 190, 0.8
+TOLERANCE = "accuracy.tolerance"
+# a list of more values is shown by its ends
+LISTED = 16
+
+
+class Part(NamedTuple):
+    """Content of a section: sentences, a table with its columns, and the data URI of a picture."""
+
+    texts: Sequence[str] = ()
+    columns: Sequence[str] = ()
+    rows: Sequence[Sequence[str]] = ()
+    picture: str = ""
+
+
+def report_file(
+    file: Path,
+    keys: Sequence[str],
+    result: SceneResult,
+    fmu: Path,
+    command: str,
+    chosen: Sequence[str] = (),
+    progress: Progress = lambda done: None,
+) -> bytes:
+    """Make the report of a run.
+
+    Args:
+        file: of the scene. keys: given instead of its own, KEY=VALUE each.
+        result: of the run, of a module with RECORDED. fmu: the file that was run.
+        command: that repeats it. chosen: lines on how the fidelity was chosen. progress: told the share done.
+    """
+    text = file.read_text(encoding="utf-8")
+    remarks = [f"warning: {warning}" for warning in result.warnings]
+    remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
+    remarks += chosen
+    parts: dict[str, Callable[[SceneResult], Part]] = {
+        "Mechanism": _mechanism,
+        "Curves": _curves,
+        "Torque converter chart": _chart,
+        "Orders": _orders,
+        "Loads": _loads,
+        "Energy and losses": _energy,
+        "Duty of the freewheels": _duty,
+    }
+    asked = _asked(result.scene, text, keys)
+    sections = {
+        "Warnings and remarks": Part(remarks or ["There are none."]),
+        "What was found": _found(result),
+    }
+    sections["What was asked"] = asked.pop("")
+    for number, (title, make) in enumerate(parts.items()):
+        progress(number / len(parts))
+        try:
+            sections[title] = make(result)
+        except Refused as reason:
+            sections[title] = Part([f"Left out: {reason}."])
+    origin = {
+        "scene file": f"{file.name}, SHA-256 {hashlib.sha256(text.encode()).hexdigest()}",
+        "FMU": f"{fmu.name} {read_description(fmu, validate=False).guid}",
+        "version": f"inertia-module {__version__}, Python {platform.python_version()}, {platform.platform()}",
+        "made": f"{date.today()}",
+        "command": command,
+    }
+    values = {"scene": result.scene, "sections": {**sections, **asked}, "origin": origin, "text": text}
+    return filled_xml(TEMPLATE, values)
+
+
+def _picture(figure: Figure, ending: str = "png", size: float = SMALLER) -> str:
+    """A figure as the text of a data URI; its title stands above it on the page."""
+    figure.suptitle("")
+    figure.set_size_inches(*(size * figure.get_size_inches()))
+    figure.set_dpi(DPI)
+    kind = {"svg": "svg+xml"}.get(ending, ending)
+    return f"data:image/{kind};base64,{base64.b64encode(picture_of(figure, ending)).decode()}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+# --- what was asked, and what was given ---
+
+
+def _flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Values of tables, by keys with dots."""
+    for name, value in tables.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", value
+
+
+def _shown(value: Any) -> str:
+    """A value of a scene as text: numbers to six digits, of a long list the ends."""
+    if isinstance(value, list):
+        texts = [_shown(one) for one in value]
+        ends = [*texts[:3], f"… ({len(texts)} in all)", texts[-1]]
+        return ", ".join(texts if len(texts) <= LISTED else ends)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return re.sub(r"\d+\.\d{6,}", lambda digits: f"{float(digits[0]):.6g}", str(value))
+
+
+def _values(scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """All values of a scene as written to a file, and the defaults of the parameters of its model, by key."""
+    tables = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "description"})
+    defaults = {one.name: one.start for one in with_causality(PARAMETER, table=scene.VARIABLES.values())}
+    table = "mechanism" if isinstance(scene, Scene) else "shaft"
+    values = start_of(scene)[0] if isinstance(scene, Scene) else scene.parameters()
+    model = type(getattr(scene, table))
+    usual, now = (
+        model.model_construct(**given).model_dump(mode="json", exclude_none=True)
+        for given in (defaults, {**defaults, **tables[table], **values})
+    )
+    known, found = dict(_flat({table: usual})), dict(_flat({**tables, table: now}))
+    if isinstance(scene, Scene):
+        known[TOLERANCE] = defaults["tolerance"]
+        found[TOLERANCE] = values.get("tolerance", defaults["tolerance"])
+    return found, known
+
+
+def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
+    """Keys of a scene with their values and sources: by group those of its model, the others by ""."""
+    found, usual = _values(scene)
+    sources = {key: ("scene file", written) for key, written in _flat(tomllib.loads(text))}
+    sources |= {key: ("--set", written) for key, written in _flat(keys_of(keys))}
+    idle = {Group.BEVEL if found.get("mechanism.layout") == "planar" else Group.PLANAR}
+    idle |= {Group.ELASTIC} if found.get("mechanism.fidelity", "elastic") != "elastic" else set()
+    rows: dict[str, list[Sequence[str]]] = {"": [], **{group: [] for group in Group}}
+    for key, value in found.items():
+        table, _, name = key.rpartition(".")
+        source, written = sources.get(key) or sources.get(f"{table}.file") or ("default", value)
+        shown = _shown(value)
+        source = source if _shown(written) == shown else f"{source}: {_shown(written)}"
+        if key in usual:
+            one = scene.VARIABLES[name]
+            source = "other keys" if source == "default" and value != usual[key] else source
+            if source != "default" or one.group not in idle:
+                rows[one.group].append((name, shown, source, one.description))
+        elif name != "file":
+            rows[""].append((key, shown, source))
+    columns = ("parameter", "value", "source", "meaning")
+    parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
+    added = "A value other than that of its source has in it what other keys add, as the inertia of a load."
+    return {"": Part([added], ("key", "value", "source"), rows[""]), **parts}
+
+
+# --- what was found ---
+
+
+def _found(result: SceneResult) -> Part:
+    """The summary, in two columns."""
+    lines = list(result.lines().items())
+    half = -(-len(lines) // 2)
+    pairs = zip_longest(lines[:half], lines[half:], fillvalue=("", ""))
+    return Part([], ("number", "value") * 2, [(*one, *other) for one, other in pairs])
+
+
+def _module(result: SceneResult) -> Scene:
+    """The scene of a run, which must be one of the module."""
+    if isinstance(result.scene, Scene):
+        return result.scene
+    raise Refused("the scene is one of a driven shaft alone, without satellites and freewheels")
+
+
+def _refuse_lacking(scene: Scene, name: str) -> None:
+    """Refuse an output that the fidelity of a scene does not have."""
+    fidelity = scene.parameters().get("fidelity", RIGID)
+    reasons = [need.reason for need in BY_NAME[name].needs if fidelity in need.lacking]
+    if reasons:
+        raise Refused(f"fidelity {ENUMERATIONS['Fidelity'][int(fidelity)][0]} {' and '.join(reasons)}")
+
+
+def _mechanism(result: SceneResult) -> Part:
+    """Sketch of one module."""
+    text = "One module, to scale: pitch circles or pitch cones. No parameter gives the size of anything else."
+    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters()), "svg"))
+
+
+def _curves(result: SceneResult) -> Part:
+    """Speeds, torques, forces and energies over time."""
+    draw = scene_figure if isinstance(result.scene, Scene) else shaft_figure
+    return Part(picture=_picture(draw(result), size=1.0))
+
+
+def _chart(result: SceneResult) -> Part:
+    """Chart at the largest speed of link 1 in the run."""
+    scene, speeds = _module(result), input_speed(result.record)
+    omega1 = float(speeds[np.abs(speeds).argmax()])
+    if omega1 == 0.0:
+        raise Refused("link 1 does not turn")
+    chart = torque_converter_chart(scene.parameters(), omega1)
+    numbers, units = chart.summary(omega1).items(), chart.units(omega1)
+    rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
+    text = (
+        f"Steady means over the speed ratio, at the largest speed of link 1 in the run, {omega1:.5g} rad/s."
+    )
+    return Part([text], ("number", "value"), rows, _picture(chart_figure({"mechanism": chart})))
+
+
+def _orders(result: SceneResult) -> Part:
+    """The largest orders from the first to the last turn of link 1."""
+    scene, record = _module(result), result.record
+    turning = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
+    if not turning.size:
+        raise Refused("link 1 does not turn")
+    begin, end = record.time[turning[0]], record.time[turning[-1] + 1]
+    found = orders(scene, record=record, begin=begin, end=end)
+    rows = [(_words(name), *line) for name, lines in found.lines(NAMED).items() for line in lines.items()]
+    text = f"Cycles a {BASES[LINK1]}, from {begin:g} s to {end:g} s."
+    if is_coarse(record):
+        text += (
+            " The communication step is long for the pulses: what is above the highest order is folded down."
+        )
+    return Part([text], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
+
+
+def _loads(result: SceneResult) -> Part:
+    """Peaks and RMS of forces, moments, torques and twist."""
+    if isinstance(result.scene, Scene):
+        _refuse_lacking(result.scene, "shaking_force_x")
+    rows = [line for line in result.lines().items() if line[0].endswith((" peak", " rms"))]
+    rows += [
+        (f"{_words(name)}, largest", f"{np.abs(result[name]).max():.6g} N.m")
+        for name in ("input_torque", "housing_torque", "torque_peak")
+        if name in result and result[name].any()
+    ]
+    if not rows:
+        raise Refused("nothing is loaded")
+    text = (
+        "Taken at the communication points, the peaks of a satellite's force and of the output torque between"
+        " them too. What balances is not listed."
+    )
+    return Part([text], ("load", "value"), rows)
+
+
+def _energy(result: SceneResult) -> Part:
+    """Energies, their mean power, and the causes of what is lost with their shares."""
+    time, lost = (result.quantities[name].value for name in ("simulated_time", "energy_lost"))
+    rows = []
+    for name, (value, unit) in result.quantities.items():
+        if name.startswith("energy_") or name == "efficiency":
+            power = f"{value / time:.4g} W" if unit == "J" else ""
+            share = f"{100.0 * value / lost:.3g} %" if name.startswith(LOST_TO) else ""
+            rows.append((_words(name), f"{value:.6g} {unit}", power, share))
+    texts = [] if lost else ["The mechanism is ideal: it loses nothing."]
+    return Part(texts, ("energy", "value", "mean power", "share of what is lost"), rows)
+
+
+def _duty(result: SceneResult) -> Part:
+    """How often the contact mode changes, and what each freewheel carries and overruns with."""
+    parameters, record = _module(result).parameters(), result.record
+    _refuse_lacking(_module(result), "contact_mode")
+    time, switches = (result.summary[name] for name in ("simulated_time", "contact_switches"))
+    coarse, rows = is_coarse(record), []
+    for name, carrying, torque, slip in (
+        ("housing", (HELD, HELD_DRIVING), "housing_torque", record["omega2"]),
+        ("output", (DRIVING, HELD_DRIVING), "torque_peak", record["omega_hub"] - record["omega2"]),
+    ):
+        carries = np.isin(record["contact_mode"], carrying)
+        engaged = f"{np.count_nonzero(~carries[:-1] & carries[1:]) / time:.4g}"
+        numbers = (
+            f"{100.0 * carries.mean():.3g} %",
+            f"{record[torque].max():.5g} N.m",
+            f"{slip.max():.5g} rad/s",
+        )
+        absent = not parameters.get(f"{name}_freewheel", 1.0)
+        seen = ("unknown: the step is long for the pulses" if coarse else engaged, *numbers)
+        rows.append((name, "there is none", "", "", "") if absent else (name, *seen))
+    text = (
+        f"The contact mode changes {switches:.0f} times in {time:g} s, {switches / time:.4g} times a second:"
+        " a freewheel engages or releases, or both do at once. The table is of the communication points; the"
+        " output torque is its peak between them too."
+    )
+    columns = ("freewheel", "engagements a second", "carries", "largest torque", "fastest overrunning")
+    return Part([text], columns, rows)

@@ -1,0 +1,221 @@
+"""Reports of scenes: whole in one file, with all that the run told, and why parts are left out."""
+
+import json
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from inertia_module.figures.mechanism import mechanism_figure
+from inertia_module.figures.report import RECORDED
+from inertia_module.kernel import layout
+from inertia_module.memory import Module
+from inertia_module.scene import Scene, load_any_scene, run_scene, run_shaft_scene
+from tests.system.chromium import REFERENCE, set_font
+from tests.system.programs import command, left
+
+EXAMPLES = REFERENCE.parent
+SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
+# overlapping satellites and an imbalance outside its own; it follows no speed, whence a remark
+CROWDED = ("satellites=6", "a=1.5", "mesh_efficiency=98 %", "run.stop_time=0.1 s")
+STALLED = ("load.torque=500 N.m", "run.stop_time=0.2 s", "omega_out_start=0")
+SECTIONS = [
+    *("Warnings and remarks", "What was found", "What was asked", "Mechanism", "Curves"),
+    *("Torque converter chart", "Orders", "Loads", "Energy and losses", "Duty of the freewheels"),
+]
+# times of this machine, which differ from run to run
+TIMES = {"wall time", "real time factor"}
+
+
+@pytest.fixture
+def reported(built, tmp_path):
+    """A function from a scene file and what is set to its report: the root of its HTML, and its result."""
+
+    def report(scene, *keys):
+        shaft = "[shaft]" in scene.read_text(encoding="utf-8")
+        fmu, path = built / f"{'DrivenShaft' if shaft else 'InertiaModule'}.fmu", tmp_path / "report.html"
+        told = left("report", scene, *(f"--set={key}" for key in keys), "--fmu", fmu, "--json", "-o", path)
+        assert json.loads(told)["bytes"] == path.stat().st_size
+        read = load_any_scene(scene, keys)
+        module = isinstance(read, Scene)
+        return ElementTree.parse(path).getroot(), (
+            run_scene(read, fmu, also=RECORDED) if module else run_shaft_scene(read, fmu)
+        )
+
+    return report
+
+
+def sections(root):
+    """Sections by title."""
+    return {section.find("h2").text: section for section in root.iter("section")}
+
+
+def texts(section):
+    return [paragraph.text for paragraph in section.findall("p")]
+
+
+def rows(section):
+    """Rows of all tables of a section, cell by cell."""
+    return [[cell.text or "" for cell in row.findall("td")] for row in section.iter("tr")]
+
+
+@pytest.mark.parametrize("scene, keys", [(REFERENCE, CROWDED), (REFERENCE, STALLED), (SHAFT, ())])
+def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(reported, scene, keys):
+    root, result = reported(scene, *keys)
+    found = sections(root)
+    titles = list(found)
+    assert titles[: len(SECTIONS)] == SECTIONS
+    assert {title.partition(": ")[0] for title in titles[len(SECTIONS) : -1]} == {"Parameters"}
+    assert titles[-1] == "How to repeat it"
+    assert (root.find("head/title").text, root.find("body/h1").text) == (result.scene.title,) * 2
+    cells = [cell for row in rows(found["What was found"]) for cell in row]
+    numbers = dict(zip(cells[::2], cells[1::2], strict=True))
+    expected = result.lines()
+    assert {name for name in numbers if name} == set(expected)
+    assert {name: numbers[name] for name in expected if name not in TIMES} == {
+        name: text for name, text in expected.items() if name not in TIMES
+    }
+    remarks = [f"warning: {one}" for one in result.warnings]
+    remarks += [f"{name.replace('_', ' ')} {one}" for name, one in result.remarks.items()]
+    assert texts(found["Warnings and remarks"]) == (remarks or ["There are none."])
+    assert len(remarks) == {CROWDED: 2, STALLED: 1, (): 0}[keys]
+    assert found["How to repeat it"].find("pre").text == scene.read_text(encoding="utf-8")
+
+
+def test_report_asks_for_nothing_and_a_title_cannot_break_out_of_it(reported, tmp_path):
+    title = '</title></h1><script>alert(1)</script><!-- & <b> \\"x'
+    scene = tmp_path / "hostile.toml"
+    scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
+    root, _ = reported(scene)
+    assert root.find("head/title").text == root.find("body/h1").text == title.replace("\\", "")
+    assert {one.tag for one in root.iter()}.isdisjoint({"script", "a", "link", "iframe", "object"})
+    links = [one.get(name) for one in root.iter() for name in ("src", "href", "style") if one.get(name)]
+    assert len(links) == 4
+    assert all(link.startswith("data:image/") for link in links)
+    assert "url(" not in root.find("head/style").text
+
+
+def test_parameters_say_where_they_are_from(reported, tmp_path):
+    (tmp_path / "speed.csv").write_text("time,omega1 [rpm]\n0,900\n1,900\n")
+    scene = tmp_path / "scene.toml"
+    text = (EXAMPLES / "planar.toml").read_text().replace('kind = "constant"\nomega1 = "120 rad/s"', "")
+    text = text.replace("[drive]", '[drive]\nkind = "table"\nfile = "speed.csv"')
+    scene.write_text(text.replace('kind = "torque"', 'kind = "shaft"\ninertia = 2.0'))
+    root, result = reported(scene, "imbalance_mass=900 g", "run.stop_time=0.1 s")
+    found = sections(root)
+    asked = {key: (value, source) for key, value, source in rows(found["What was asked"])[1:]}
+    assert asked["drive.omega1"] == ("94.2478 rad/s, 94.2478 rad/s", "scene file: speed.csv")
+    assert asked["run.stop_time"] == ("0.1 s", "--set")
+    assert asked["accuracy.window"] == ("1 s", "default")
+    given = {
+        name: (value, source)
+        for title, section in found.items()
+        if title.startswith("Parameters: ")
+        for name, value, source, _ in rows(section)[1:]
+    }
+    assert given["sun_radius"] == ("0.05 m", "scene file: 50 mm")
+    assert given["imbalance_mass"] == ("0.9 kg", "--set: 900 g")
+    assert given["output_inertia"] == ("2.4 kg.m2", "scene file: 0.4 kg.m2")
+    assert given["tolerance"] == ("1e-09", "scene file")
+    assert given["layout"] == ("planar", "scene file")
+    assert given["gravity"] == ("0 m/s2", "default")
+    assert "z17" not in given
+    assert "shaft_stiffness" not in given
+    assert result.scene.parameters()["output_inertia"] == pytest.approx(2.4)
+
+
+LEFT_OUT = [
+    ((REFERENCE, "output_freewheel=false"), {"Torque converter chart": "must both be 1"}),
+    (
+        (REFERENCE, "fidelity=averaged"),
+        {"Orders": "it has no pulses", "Loads": "has no drive angle", "Duty of the freewheels": "no pulses"},
+    ),
+    (
+        (REFERENCE, "drive.omega1=0", "load.torque=0"),
+        {"Orders": "does not turn", "Torque converter chart": "does not turn", "Loads": "nothing is loaded"},
+    ),
+    ((SHAFT,), dict.fromkeys(("Mechanism", "Torque converter chart", "Orders"), "a driven shaft alone")),
+]
+
+
+@pytest.mark.parametrize("given, expected", LEFT_OUT, ids=lambda given: "-".join(map(str, given)))
+def test_what_a_scene_cannot_have_is_left_out_with_the_sentence_why(reported, given, expected):
+    scene, *keys = given
+    found = sections(reported(scene, *keys)[0])
+    for title, words in expected.items():
+        (text,) = texts(found[title])
+        assert text.startswith("Left out: ")
+        assert words in text
+        assert not rows(found[title])
+        assert found[title].find("img") is None
+
+
+def test_duty_counts_what_the_run_counts(reported):
+    root, result = reported(REFERENCE)
+    duty = sections(root)["Duty of the freewheels"]
+    assert "changes 125 times in 1 s, 125 times a second" in texts(duty)[0]
+    housing, output = rows(duty)[1:]
+    assert float(output[3].split()[0]) == pytest.approx(result["torque_peak"].max(), rel=1e-4)
+    # each engages once a pulse, which is four changes; the shortest of them fall between the points
+    for row in (housing, output):
+        assert float(row[1]) == pytest.approx(125 / 4, abs=3.0)
+
+
+def test_report_that_cannot_be_written_costs_no_run(tmp_path, monkeypatch):
+    monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
+    (tmp_path / "file").write_text("a file")
+    for place, words in (("report.pdf", "with the ending .html"), ("file/report.html", "can be written to")):
+        done = command("report", REFERENCE, "-o", tmp_path / place)
+        assert done.exit_code == 1
+        assert words in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize("font", ["narrow", "wide"])
+def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path, font):
+    reported(EXAMPLES / "real_machine.toml", "run.stop_time=0.5 s")
+    with browser.new_page(viewport={"width": 680, "height": 1000}) as page:  # 180 mm
+        page.emulate_media(media="print")
+        page.goto((tmp_path / "report.html").as_uri())
+        set_font(page, font)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 680
+
+
+# --- sketch ---
+
+
+def test_planar_sketch_is_to_scale():
+    values = {
+        "layout": 1,
+        "sun_radius": 0.05,
+        "satellite_radius": 0.03,
+        "eccentricity": 0.02,
+        "satellites": 3,
+    }
+    (along,) = mechanism_figure(values).axes
+    sun, arm, satellite, path, imbalance = (np.array(line.get_data()) for line in along.lines[:5])
+    assert np.hypot(*sun) == pytest.approx(50.0)
+    assert arm[:, 1] == pytest.approx([0.0, 80.0])
+    assert np.hypot(*(satellite - arm[:, 1:])) == pytest.approx(30.0)
+    assert np.hypot(*(path - arm[:, 1:])) == pytest.approx(20.0)
+    assert imbalance[:, 0] == pytest.approx([0.0, 60.0])  # towards the sun
+    assert along.get_aspect() == 1.0
+
+
+def test_bevel_sketch_is_to_scale():
+    module = Module("plain")
+    module.check(satellites=2)
+    section, _ = mechanism_figure({"satellites": 2.0}).axes
+    lines = [np.array(line.get_data()) for line in section.lines if len(line.get_xdata()) > 2]
+    wheel, _, satellite = lines[:3]
+    apex = 80.0 / 1.7  # OQ of scene R1, where c = 1 puts the base of wheel 17 on the central axis
+    assert (wheel[0].min(), wheel[0].max()) == pytest.approx((-80.0, 80.0))
+    assert wheel[1] == pytest.approx(0.0, abs=1e-9)
+    # its base is across, and touches that of the wheel
+    assert satellite[0] == pytest.approx(80.0)
+    assert (satellite[1].min(), satellite[1].max()) == pytest.approx((0.0, 2.0 * apex))
+    path = next(line for line in lines if line.shape[1] > 1000)
+    for n in (0, 500):
+        x, _, z = layout.imbalance(module.derived, n * math.tau * 10 / (181 * 10 - 1), 0.0)[:3]
+        assert path[:, n] == pytest.approx([1e3 * x, 1e3 * z])
