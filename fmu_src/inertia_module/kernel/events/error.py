@@ -140,10 +140,11 @@ def counts(d, x, w, n):
 
 def stiff_error(w, n):
     """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
-    errors, by_twist = w.stages[STIFF_ERROR].numbers, w.slopes[TWIST_MOVES].numbers
+    errors, by_twist = w.stages[STIFF_ERROR], w.slopes[TWIST_MOVES].numbers
+    own = w.inside.numbers[n] if n in HELD_SUMS else errors.numbers[n]
     if n == RELATIVE or n == TWIST or by_twist[RELATIVE] == 0.0:
-        return errors[n]
-    return errors[n] - by_twist[n] / by_twist[RELATIVE] * errors[RELATIVE]
+        return own
+    return own - by_twist[n] / by_twist[RELATIVE] * errors.relative
 
 
 def momentum_passed(d):
