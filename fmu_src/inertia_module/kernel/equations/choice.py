@@ -7,17 +7,7 @@ import math
 
 from ..links import prescribed_at_input, torque_scale
 from .motion import evaluate, recall, take_state
-from .states import (
-    GEARED,
-    LOCKED,
-    OPEN,
-    WOUND,
-    contact_mode,
-    is_rough,
-    may_be_housing,
-    may_be_output,
-    may_slip,
-)
+from .states import GEARED, LOCKED, OPEN, WOUND, are_allowed, contact_mode, is_rough
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -103,11 +93,7 @@ def try_combination(d, x, number):
     x.housing_state = float((number // 3 + 1) % 3)
     x.output_state = float(number % 3 if x.housing_state == OPEN else (number + 1) % 3)
     x.slip_sign = float(number // 9 - 1)
-    return (
-        may_be_housing(d, x, x.housing_state)
-        and may_be_output(d, x, x.output_state)
-        and may_slip(d, x, x.slip_sign)
-    )
+    return are_allowed(d, x)
 
 
 def step_ahead(d, x):

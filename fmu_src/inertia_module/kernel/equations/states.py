@@ -31,18 +31,18 @@ def is_rough(d):
     return d.mesh_loss + d.satellite_loss + d.journal_friction > 0.0
 
 
-def may_be_housing(d, x, state):
-    """Tell whether the housing freewheel may be in this state with these speeds."""
+def may_be_housing(d, x):
+    """Tell whether the housing freewheel may be in its state with these speeds."""
     if d.housing == 0.0:
-        return state == OPEN
-    return may_be(x.omega2, d.housing_stiffness, x.wound_housing, state)
+        return x.housing_state == OPEN
+    return may_be(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
 
 
-def may_be_output(d, x, state):
-    """Tell whether the output freewheel may be in this state; without one link 2 is locked to the output."""
+def may_be_output(d, x):
+    """Tell whether the output freewheel may be in its state; without one link 2 is locked to the output."""
     if d.output == 0.0:
-        return state == LOCKED
-    return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, state)
+        return x.output_state == LOCKED
+    return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
 
 
 def may_be(speed, stiffness, wound, state):
@@ -56,9 +56,14 @@ def may_be(speed, stiffness, wound, state):
     return (stiffness != 0.0) == (state == WOUND)
 
 
-def may_slip(d, x, sign):
-    """Tell whether the slip may have this sign, 0 for links that stick together."""
+def may_slip(d, x):
+    """Tell whether the slip may have its sign, 0 for links that stick together."""
     if not is_rough(d):
-        return sign > 0.0
+        return x.slip_sign > 0.0
     slip = x.omega1 - x.omega2
-    return slip == 0.0 or sign * slip > 0.0
+    return slip == 0.0 or x.slip_sign * slip > 0.0
+
+
+def are_allowed(d, x):
+    """Tell whether freewheels and slip may be in their states with these speeds and wind-up."""
+    return may_be_housing(d, x) and may_be_output(d, x) and may_slip(d, x)

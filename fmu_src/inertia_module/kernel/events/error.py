@@ -40,8 +40,9 @@ FROM_REST = 0.01
 OF_LOSSES = 0.1
 # share of its largest inertia below which a link has a cusp: errors grow there as its speed does
 CUSP = 1e-2
-# share of the tolerance where an output swings without losses: nothing damps an error of its phase
-SWINGING = 0.15
+# share of the tolerance where an output swings and nothing brings link 2 to rest, so that errors of phase add
+# up; it flies from pulse to pulse before an output that has this share of the speed of links 1 and 2
+SWINGING, FLYING = 0.15, 0.33
 # share of a scale that is rounding
 ROUNDING = 1e-13
 
@@ -140,10 +141,11 @@ def counts(d, x, w, n):
 
 def stiff_error(w, n):
     """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
-    errors, by_twist = w.stages[STIFF_ERROR].numbers, w.slopes[TWIST_MOVES].numbers
+    errors, by_twist = w.stages[STIFF_ERROR], w.slopes[TWIST_MOVES].numbers
+    own = w.inside.numbers[n] if n in HELD_SUMS else errors.numbers[n]
     if n == RELATIVE or n == TWIST or by_twist[RELATIVE] == 0.0:
-        return errors[n]
-    return errors[n] - by_twist[n] / by_twist[RELATIVE] * errors[RELATIVE]
+        return own
+    return own - by_twist[n] / by_twist[RELATIVE] * errors.relative
 
 
 def momentum_passed(d):
@@ -163,7 +165,8 @@ def step_error(d, x, w, fastest):
     if not max(fastest, fastest_behind(d, x, w)) < 1e300:
         return 1e300
     tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
-    if d.elastic != 0.0 and d.losses == 0.0 and w.pair != THIRDS:
+    flies = x.housing_state == x.output_state == OPEN and x.omega3 > FLYING * fastest
+    if (flies or d.housing == 0.0) and d.elastic != 0.0 and d.losses == 0.0 and w.pair != THIRDS:
         tolerance *= SWINGING
     sum5 = 0.0
     sum3 = 0.0

@@ -6,7 +6,8 @@ Numerical Mathematics 63 (2023) 27. Each stage U_i of the change over the step h
     (1 / (GAMMA h) - J) U_i = f(y + sum_j A_ij U_j) + sum_j C_ij U_j / h
 
 with J the derivatives of all rates by the motion at the beginning. The step changes y by the last stage's
-argument and U_8, which is the error as well.
+argument and U_8, which is the error as well. What moves alone is solved for: of sums, on which nothing
+depends, change and error are weighed sums of f + J U over the stages.
 """
 
 from ..equations.losses import SHAFT
@@ -21,8 +22,6 @@ GAMMA = 0.21193756319429014
 PLACES = (0, 2, 3, 4, 5, 6, 7, 8, 1)
 MOVING = 9
 MOVE_Q, MOVE_1, MOVE_2, MOVE_3, MOVE_TWIST, MOVE_RELATIVE, MOVE_HOUSING, MOVE_OUTPUT, MOVE_THETA = range(9)
-# place of the rates that no one needs any more; of those at the even parts of the step that are looked at
-SCRATCH = 15
 # share of its scale by which a speed, an angle or a torque is changed for a difference
 APART = 1e-7
 # fmt: off
@@ -60,12 +59,16 @@ DENSE = (
     *(11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643,
       -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722),
 )
+# weights of the rates in change and error of a sum, by A, C and GAMMA: of stage n they are kept at PARTS + n,
+# those that no one needs any more behind them
+KEPT = PARTS + STAGES
+SUMS = (
+    *(0.12236007991300805, 0.0, 0.0, 0.0, 0.050238881884186654, 1.3238392208663683, 1.2643883758622312,
+      -0.7904031855871827, -0.9680932754194287, -0.21426766071346695, 0.21193756319429014),
+    *(0.12584733011227395, 0.0, 0.0, 0.0, 0.18020585308983128, -0.2021025399399098, 0.11477428094984221,
+      -0.08606747399894103, 0.0816102105003744, -0.4262052239077571, 0.21193756319429014),
+)
 # fmt: on
-
-
-def how_many_solved(d):
-    """How many of PLACES a step solves for."""
-    return MOVING if d.weight != 0.0 else how_many_move(d)
 
 
 def differentiate_by(d, x, w, n, apart):
@@ -78,10 +81,11 @@ def differentiate_by(d, x, w, n, apart):
     if x.output_state == LOCKED:
         m.omega3 = m.omega2
     solve_motion(d, x, w)
-    keep_rates(d, x, w, SCRATCH)
-    slopes, rates, start = w.slopes[n].numbers, w.rates[SCRATCH].numbers, w.rates[0].numbers
+    keep_rates(d, x, w, KEPT)
+    slopes, rates, start = w.slopes[n].numbers, w.rates[KEPT].numbers, w.rates[0].numbers
+    per_apart = 1.0 / apart
     for which in range(len(start)):
-        slopes[which] = (rates[which] - start[which]) / apart
+        slopes[which] = (rates[which] - start[which]) * per_apart
     # where friction pins the driven mass a difference of squares is far too coarse
     shaft, rates = w.slopes[n], w.rates[0]
     by_driven = shaft.turned3
@@ -168,63 +172,68 @@ def solve(w, count):
             b[n] -= a[MOVING * n + i] * known
 
 
-def solve_stage(d, w, stage, rates_at, count):
-    """The changes of all that is followed at a stage, from the rates kept."""
-    per_step = 1.0 / w.step
-    row = (STAGES - 1) * stage
-    rates, changes = w.rates[rates_at].numbers, w.stages[stage].numbers
-    b = w.right_side
-    weigh(w.stages, C, row, stage, per_step, changes, len(changes))
-    for which in range(len(rates)):
-        changes[which] += rates[which]
+def weigh_motion(d, w, weights, begin, count, factor, sums):
+    """Write weighed sums of what moves (see weigh) at so many stages, times a factor, into sums."""
+    weigh(w.stages, weights, begin, count, factor, sums, 0, MOVE_TWIST)
+    weigh(w.stages, weights, begin, count, factor, sums, MOTION[MOVE_TWIST], len(sums))
+    if d.weight != 0.0:
+        sums[MOTION[MOVE_THETA]] = 0.0
+        for n in range(count):
+            sums[MOTION[MOVE_THETA]] += factor * weights[begin + n] * w.stages[n].theta1
+
+
+def solve_stage(d, w, stage, kept, count):
+    """Changes of what moves at a stage, from the rates kept."""
+    rates, changes, b = w.rates[kept].numbers, w.stages[stage].numbers, w.right_side
+    weigh_motion(d, w, C, (STAGES - 1) * stage, stage, 1.0 / w.step, changes)
     for i in range(count):
-        b[i] = changes[MOTION[i]]
+        b[i] = changes[MOTION[i]] + rates[MOTION[i]]
     solve(w, count)
-    for i in range(count):
-        slopes, known = w.slopes[i].numbers, b[i]
-        for which in range(len(rates)):
-            changes[which] += slopes[which] * known
-    own = GAMMA * w.step
-    for which in range(len(rates)):
-        changes[which] *= own
     for i in range(count):
         changes[MOTION[i]] = b[i]
 
 
+def weigh_sums(w, begin, sums, count):
+    """Write changes over the step of all but what moves, or their errors, into sums (what moves: in vain)."""
+    weigh(w.rates, SUMS, begin, KEPT, w.step, sums, 0, len(sums))
+    for i in range(count):
+        slopes, known = w.slopes[i].numbers, SUMS[begin] * w.stages[0].numbers[MOTION[i]]
+        for n in range(1, STAGES):
+            known += SUMS[begin + PARTS + n] * w.stages[n].numbers[MOTION[i]]
+        for which in range(len(sums)):
+            sums[which] += w.step * known * slopes[which]
+
+
 def make_stiff_step(d, x, w, h):
-    """All stages of the step h, and the changes of all that is followed."""
+    """All stages of the step h, and the changes of all that is followed; errors of sums are in w.inside."""
     w.step = h
     w.pair = THIRDS
-    count = how_many_solved(d)
+    count = MOVING if d.weight != 0.0 else how_many_move(d)
     factorise(d, w, count)
     solve_stage(d, w, 0, 0, count)
     for stage in range(1, STAGES):
-        weigh(w.stages, A, (STAGES - 1) * stage, stage, 1.0, w.change.numbers, len(w.change.numbers))
+        weigh_motion(d, w, A, (STAGES - 1) * stage, stage, 1.0, w.change.numbers)
         solve_changed(d, x, w, w.change)
-        keep_rates(d, x, w, SCRATCH)
-        solve_stage(d, w, stage, SCRATCH, count)
+        keep_rates(d, x, w, PARTS + stage)
+        solve_stage(d, w, stage, PARTS + stage, count)
+    weigh_sums(w, 0, w.change.numbers, count)
+    if d.losses != 0.0 or w.prescribed != 0.0:
+        weigh_sums(w, KEPT, w.inside.numbers, count)
     set_part(d, x, w, 1.0)
 
 
-def write_part_weights(w, sigma):
-    """Write the weights of the stages in the changes up to the part sigma of the step into w.weights."""
-    rest = 1.0 - sigma
+def set_part(d, x, w, sigma):
+    """Changes of what moves over the part sigma of the step in hand (order 4 within it)."""
     for n in range(STAGES):
         whole = A[(STAGES - 1) * (STAGES - 1) + n] if n < STAGES - 1 else 1.0
         inside = DENSE[n] + sigma * (DENSE[STAGES + n] + sigma * DENSE[2 * STAGES + n])
-        w.weights[n] = sigma * (whole + rest * inside)
-
-
-def set_part(d, x, w, sigma):
-    """Changes of all that is followed over the part sigma of the step in hand (order 4 within it)."""
-    write_part_weights(w, sigma)
-    weigh(w.stages, w.weights, 0, STAGES, 1.0, w.change.numbers, len(w.change.numbers))
+        w.weights[n] = sigma * (whole + (1.0 - sigma) * inside)
+    weigh_motion(d, w, w.weights, 0, STAGES, 1.0, w.change.numbers)
     prescribe_link1(d, x, w, w.change, sigma * w.step)
 
 
 def look_inside(d, x, w, part):
     """Keep the rates at one of the thirds of the step in hand."""
-    write_part_weights(w, part / PARTS)
-    weigh(w.stages, w.weights, 0, STAGES, 1.0, w.change.numbers, len(w.change.numbers))
+    set_part(d, x, w, part / PARTS)
     solve_changed(d, x, w, w.change)
     keep_rates(d, x, w, part)

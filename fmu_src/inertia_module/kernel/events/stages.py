@@ -95,19 +95,15 @@ def weighed_four(stages, weights, begin, count, first):
     return a, b, c, d
 
 
-def weigh(stages, weights, begin, count, factor, sums, followed):
-    """Write such sums of the first so many quantities that are followed, times a factor, into sums."""
-    for first in range(0, followed - 3, 4):
-        one, two, three, four = weighed_four(stages, weights, begin, count, first)
-        sums[first] = factor * one
-        sums[first + 1] = factor * two
-        sums[first + 2] = factor * three
-        sums[first + 3] = factor * four
-    for which in range(followed - followed % 4, followed):
-        total = 0.0
-        for n in range(count):
-            total += weights[begin + n] * stages[n].numbers[which]
-        sums[which] = factor * total
+def weigh(stages, weights, begin, count, factor, sums, first, end):
+    """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
+    for begins in range(first, end, 4):
+        which = min(begins, end - 4)
+        one, two, three, four = weighed_four(stages, weights, begin, count, which)
+        sums[which] = factor * one
+        sums[which + 1] = factor * two
+        sums[which + 2] = factor * three
+        sums[which + 3] = factor * four
 
 
 def evaluate_stages(d, x, w, first, last):
@@ -150,7 +146,7 @@ def set_changes(d, x, w, changes, h, count, fewest):
         fewest: how many of them a rigid module without losses wants.
     """
     followed = fewest if d.elastic + d.losses == 0.0 else len(changes.numbers)
-    weigh(w.rates, w.weights, 0, count, w.step, changes.numbers, followed)
+    weigh(w.rates, w.weights, 0, count, w.step, changes.numbers, 0, followed)
     prescribe_link1(d, x, w, changes, h)
 
 

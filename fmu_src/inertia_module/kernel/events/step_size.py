@@ -14,11 +14,11 @@ from .stages import make_step
 STEP_PHASE = 4.0
 # ... where a link is far lighter at an angle than at others, so that its speed has a spike there, and where
 # the output can swing, which errors of long steps are estimated too low for
-SHORT_PHASE = 1.0
+SHORT_PHASE, SWING_PHASE = 1.0, 1.25
 # ... up to which the few stages of a short step tell what a guard does
 QUIET_PHASE = 2.0
-# phase of shaft and springs within a step from which on it is a stiff one, and its share of STEP_PHASE
-STIFF, STIFF_SHARE = 4.0, 0.5
+# phase of shaft and springs within a step from which on it is a stiff one, and its share of the longest step
+STIFF, STIFF_SHARE = 4.0, 0.8
 # a swing of at most so many tolerances of the output's speed is let go of, by a stiff step of this phase,
 # where stiff ones may then grow to so much
 LET_GO, LET_GO_PHASE, WORTH = 5.0, 8.0, 100.0
@@ -45,7 +45,8 @@ def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
-    phase = SHORT_PHASE if d.lightest < CUSP or d.elastic != 0.0 else STEP_PHASE
+    swinging = SWING_PHASE if d.elastic != 0.0 else STEP_PHASE
+    phase = SHORT_PHASE if d.lightest < CUSP else swinging
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
     if scale * slip * step > phase:
