@@ -24,7 +24,7 @@ from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
 from ..common.units import to_si
-from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
+from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..harness.chart import (
     NOMINAL_SPEED,
     RATIOS,
@@ -290,6 +290,11 @@ def absent(name: str, row: Row) -> str:
     return "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
 
 
+def shown(value: float | str, unit: str = "") -> str:
+    """Write a value with its unit, a name as it is."""
+    return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
+
+
 class Limit(NamedTuple):
     """A limit of a figure.
 
@@ -316,9 +321,9 @@ class Limit(NamedTuple):
     def text(self, row: Row, unit: str) -> str:
         """Compare what a row has with the limit, in a line."""
         value = row.figures.get(self.figure)
-        has = absent(self.figure, row) if value is None else f"{value:.4g} {unit}".strip()
-        allowed = f"{'at most' if self.side > 0.0 else 'at least'} {self.bound:.4g} {unit}".strip()
-        return f"{self.figure} is {has}, must be {allowed}"
+        has = shown(absent(self.figure, row) if value is None else value, unit)
+        side = "at most" if self.side > 0.0 else "at least"
+        return f"{self.figure} is {has}, must be {side} {shown(self.bound, unit)}"
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
@@ -502,17 +507,14 @@ class DesignResult:
 
     def lines(self, one: Finalist) -> dict[str, str]:
         """The values of a finalist and its figures, searched and checked, as text by name."""
-
-        def text(value: float | str, unit: str = "") -> str:
-            return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
-
-        keys = {name: text(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
+        keys = {name: shown(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
+        keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
         figures = {}
         for name in self.spec.figures:
             searched, checked = (
                 row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
             )
-            figures[name] = f"{text(searched)} → {text(checked, self.judge.unit(name))}"
+            figures[name] = f"{shown(searched)} → {shown(checked, self.judge.unit(name))}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         limits = f"missed by {', '.join(missed)}" if missed else "met"
         return {**keys, **figures, "limits": limits, **{f"but: {n}": said for n, said in one.doubts.items()}}
