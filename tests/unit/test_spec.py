@@ -248,10 +248,10 @@ def test_load_that_stays_at_rest_and_a_missing_freewheel_are_told():
 def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
-    def verdict(checked, front, improving, doubts):
+    def verdict(checked, front, cut, doubts):
         finalists = [Finalist(good, one, spec, tmp_path, doubts) for one in checked]
         judge = Judge(spec, UNITS)
-        return DesignResult(spec, judge, [good, short], front, finalists, 2, {}, improving)
+        return DesignResult(spec, judge, [good, short], front, finalists, 2, {}, cut)
 
     found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
     assert found.verdict().endswith("; but no lock-up in 2 of them")
@@ -261,10 +261,10 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     assert lost.startswith(
         "no checked design of 1 meets all limits, 1 of 2 designs do at 'averaged'; the nearest"
     )
-    assert "none came nearer in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert (
-        "still came nearer when search.longest = 600 s was over" in verdict([short], [], True, {}).verdict()
+        "none came nearer in the last 8 generations of 3 starts" in verdict([short], [], False, {}).verdict()
     )
+    assert "not at its end when search.longest = 600 s was over" in verdict([short], [], True, {}).verdict()
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---

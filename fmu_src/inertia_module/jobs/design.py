@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -207,8 +207,10 @@ class Search(Strict):
     """Settings of the search for designs.
 
     Attributes:
-        population, generations: of NSGA-II; more generations where no design meets all limits yet, until
-            the nearest has come no nearer over stall of them, or longest, s, is over.
+        population, generations: of NSGA-II. starts: how many there are, each with another population, as
+            long as no design meets all limits; each gets more generations until the nearest has come no
+            nearer over stall of them, and those asked for again once one meets them.
+        longest: s, after which there are no more starts or generations.
         seed: same seed, same result, unless longest ends it. fidelity: of the search.
         check: fidelity at which the finalists are run. finalists: how many of them.
         margin: by which limits of what the scene gives are narrower in the search, for what the cheap
@@ -217,6 +219,7 @@ class Search(Strict):
 
     population: int = Field(default=40, ge=4, le=10_000)
     generations: int = Field(default=20, ge=1, le=10_000)
+    starts: int = Field(default=3, ge=1, le=1000)
     stall: int = Field(default=8, ge=1, le=10_000)
     longest: Duration = 600.0
     seed: int = Field(default=1, ge=0)
@@ -350,6 +353,11 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
     return found
 
 
+def excess(violations: Iterable[float]) -> float:
+    """Sum of violations, those left out that are none."""
+    return sum(max(violation, 0.0) for violation in violations)
+
+
 class Judge:
     """Judges rows by a specification.
 
@@ -381,9 +389,9 @@ class Judge:
         """Tell whether a row meets all limits."""
         return max(self.violations(row, margin)) <= 0.0
 
-    def beyond(self, row: Row, margin: float = 0.0) -> float:
-        """Sum of all violations: 0 where all limits are met."""
-        return sum(max(violation, 0.0) for violation in self.violations(row, margin))
+    def beyond(self, row: Row) -> float:
+        """Sum of what a row is beyond its limits: 0 where all are met."""
+        return excess(self.violations(row))
 
     def tightest(self, row: Row) -> Limit | None:
         """The limit that a row is the furthest beyond, or nearest to; None without limits."""
@@ -488,7 +496,7 @@ class DesignResult:
         spec: the specification. judge: its limits. rows: all designs of the search, in order.
         front: those of them that meet all limits and that no other is better than.
         finalists: those that were checked. new: how many rows were not there before. files: by kind.
-        improving: whether no design meets all limits, but they still came nearer when the search ended.
+        cut: whether time ended the search before it had made its starts.
     """
 
     spec: Spec
@@ -498,7 +506,7 @@ class DesignResult:
     finalists: list[Finalist]
     new: int
     files: dict[str, Path]
-    improving: bool
+    cut: bool
 
     @property
     def chosen(self) -> list[Finalist]:
@@ -540,9 +548,9 @@ class DesignResult:
             return (
                 f"no checked design of {len(finalists)} meets all limits, {number}; the nearest one: {where}"
             )
-        ended = f"none came nearer in the last {search.stall} generations"
-        if self.improving:
-            ended = f"but they still came nearer when search.longest = {search.longest:g} s was over"
+        ended = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
+        if self.cut:
+            ended = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
         return f"no design of {len(self.rows)} meets all limits, {ended}; the nearest one: {where}"
 
 
@@ -583,8 +591,7 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
-        rows = evaluate(of_shares(read.axes, start))
+        rows = evaluate(of_shares(read.axes, _population(read, read.search.seed)))
         keys = {axis.name: axis.unit for axis in read.axes}
         units = keys | evaluator.units
         known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
@@ -594,7 +601,7 @@ def design(
             if figure not in known and not figure.startswith(TIME_TO):
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
-        rows, improving = _search(read, judge, start, evaluate, progress)
+        rows, cut = _search(read, judge, evaluate, progress)
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
         picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
@@ -609,7 +616,7 @@ def design(
     front = fronts[0] if fronts else []
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files, improving)
+    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files, cut)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
@@ -623,24 +630,27 @@ def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
     return [first[place] for place in sorted(places)]
 
 
+def _population(spec: Spec, seed: int) -> NDArray[np.float64]:
+    """Shares of the ranges that a start of a search begins at, shape (population, axes)."""
+    return shares_sampled(len(spec.axes), f"latin:{spec.search.population}", seed)
+
+
 def _search(
     spec: Spec,
     judge: Judge,
-    start: NDArray[np.float64],
     evaluate: Callable[[Sequence[Point]], list[Row]],
     progress: Progress | None,
 ) -> tuple[list[Row], bool]:
-    """Search by NSGA-II; all designs, each once, in the order asked for, and whether they still improve.
+    """Search by NSGA-II; all designs, each once, in the order asked for, and whether time ended it.
 
     The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits. It begins at shares of shape (population,
-    axes).
+    searched alike. A design that is refused is beyond its limits.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.core.termination import NoTermination
 
-    settings, found = spec.search, dict[str, Row]()
+    settings, found, begun = spec.search, dict[str, Row](), time.monotonic()
 
     class Designs(Problem):  # type: ignore[misc]
         """Designs by shares of the ranges of their keys."""
@@ -653,17 +663,37 @@ def _search(
 
     keys, limits = len(spec.axes), len(judge.limits) + 1
     problem = Designs(n_var=keys, n_obj=len(spec.goals), n_ieq_constr=limits, xl=0.0, xu=1.0)
-    algorithm = NSGA2(pop_size=settings.population, sampling=start)
-    algorithm.setup(problem, termination=NoTermination(), seed=settings.seed)
-    nearest, begun = list[float](), time.monotonic()
-    while True:
+    for seed in range(settings.seed, settings.seed + settings.starts):
+
+        def over(generation: int, first: bool = seed == settings.seed) -> bool:
+            """Tell whether time is over: for what is added, not for the generations asked for."""
+            added = not first or generation >= settings.generations
+            return added and time.monotonic() - begun > settings.longest
+
+        algorithm = NSGA2(pop_size=settings.population, sampling=_population(spec, seed))
+        algorithm.setup(problem, termination=NoTermination(), seed=seed)
+        if _evolve(algorithm, settings, over, progress):
+            return list(found.values()), False
+        if over(settings.generations):
+            return list(found.values()), True
+    return list(found.values()), False
+
+
+def _evolve(algorithm: Any, settings: Search, over: Callable[[int], bool], progress: Progress | None) -> bool:
+    """Run a start of a search to its end; whether a design meets all limits.
+
+    Args:
+        algorithm: of pymoo, set up. over: whether time is, by the number of generations there were.
+    """
+    nearest, wanted, improving = list[float](), settings.generations, False
+    while (len(nearest) < wanted or improving) and not over(len(nearest)):
         algorithm.next()
-        nearest.append(min(judge.beyond(row, settings.margin) for row in found.values()))
-        if progress is not None:
-            progress(min(len(nearest) / settings.generations, 1.0))
-        if len(nearest) < settings.generations:
-            continue
+        nearest.append(min(map(excess, algorithm.pop.get("G").tolist())))
         before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
-        improving = nearest[-1] > 0.0 and nearest[-1] < (1.0 - NEARER) * before
-        if not improving or time.monotonic() - begun > settings.longest:
-            return list(found.values()), improving
+        improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
+        if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
+            # the goals get as many as if the search had begun here
+            wanted += len(nearest)
+        if progress is not None:
+            progress(min(len(nearest) / wanted, 1.0))
+    return nearest[-1:] == [0.0]
