@@ -15,6 +15,7 @@ from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import design_figure
 from inertia_module.jobs.axes import axes_of, grid
+from inertia_module.jobs.design import read_spec
 from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import SceneError, load_scene, run_scene
@@ -281,8 +282,49 @@ def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu
     assert 0 < stopped.new < len(stopped.rows)
     assert stopped.chosen == []
     assert "no design of" in stopped.verdict()
+    assert "none came nearer in the last 8 generations of 3 starts" in stopped.verdict()
     assert "stall_torque is" in stopped.verdict()
     assert "must be at least 2000 N.m" in stopped.verdict()
+
+
+def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec, fmu, cluster, tmp_path):
+    """Whatever the seed: after one generation no design meets all limits, and there are some."""
+    far = spec.with_name("far.toml")
+    # far from what the first generation has, within what the ranges allow
+    far.write_text(
+        SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "300 N.m"').replace(
+            "generations = 4", "generations = 1"
+        )
+    )
+    for seed in (1, 2, 3):
+        keys = [f"search.seed={seed}"]
+        found = jobs.design(read_spec(far, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        assert found.chosen, seed
+        assert len(found.rows) > 12
+        assert not found.cut
+    short = read_spec(far, ["search.seed=1", "search.longest=0.001 ms"])
+    cut = jobs.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+    assert cut.cut
+    assert len(cut.rows) == 12
+    assert "not at its end when search.longest = 1e-06 s was over" in cut.verdict()
+
+
+def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
+    """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
+    lone = spec.with_name("lone.toml")
+    lone.write_text(
+        SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "250 N.m"').replace(
+            "population = 12\ngenerations = 4", "population = 4\ngenerations = 1\nstall = 1"
+        )
+    )
+    found = [
+        jobs.design(
+            read_spec(lone, [f"search.starts={n}"]), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
+        for n in (1, 50)
+    ]
+    assert not found[0].chosen
+    assert found[1].chosen
 
 
 def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):

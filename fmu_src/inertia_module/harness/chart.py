@@ -54,7 +54,7 @@ STEADY = 1e-5
 TRIES = 5
 # drive angles at which lock-up is looked at
 ANGLES = 3000
-# of the load on the mount in the time that the drive takes for a turn where link 2 is held
+# of mount and input torque in the time that the drive takes for a turn where link 2 is held
 SAMPLES = 60
 
 
@@ -123,6 +123,10 @@ class SteadyMachine:
         Args:
             omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, from 0 to below 1.
         """
+        return self._settled(omega1, ratio)[1]
+
+    def _settled(self, omega1: float, ratio: float) -> tuple[Module, SteadyPulses]:
+        """The module after turns whose means are steady, and these; arguments as of at."""
         speed = ratio * abs(omega1)
         for start in (0.0, speed):
             module = self._started(omega1, speed, start)
@@ -132,8 +136,21 @@ class SteadyMachine:
                 omega2 = module["omega2"]
                 pulses = self._over_turns(module, omega1, ratio)
                 if self._tries == 1 or abs(module["omega2"] - omega2) <= STEADY * abs(omega1):
-                    return pulses
-        return pulses
+                    return module, pulses
+        return module, pulses
+
+    def input_pulses(self, omega1: float, ratio: float) -> tuple[float, float]:
+        """Compute RMS about its mean and largest magnitude of the input torque, N m, of SAMPLES a turn.
+
+        Args:
+            omega1, ratio: as of at.
+        """
+        module, _ = self._settled(omega1, ratio)
+        turn, begun, torques = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
+        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
+            module.advance(turn / SAMPLES)
+            torques.append(module["input_torque"])
+        return float(np.std(torques)), float(np.abs(torques).max())
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Bounds of the time that the turns take, s."""

@@ -8,7 +8,8 @@ summary of a run. A judge says how far a design is from meeting it, and which de
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -23,12 +24,20 @@ from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
 from ..common.units import to_si
-from ..contract.variables import ENUMERATIONS, LARGEST_SPEED
-from ..harness.chart import SteadyMachine, SteadyPulses, torque_converter_chart
+from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
+from ..harness.chart import (
+    NOMINAL_SPEED,
+    RATIOS,
+    SteadyMachine,
+    SteadyPulses,
+    TorqueConverterChart,
+    torque_converter_chart,
+)
 from ..harness.fmu import fmu_file
 from ..memory import Module
 from ..scene import Scene, SceneError
-from ..scene.keys import Keys, Strict, quantity, validated
+from ..scene.keys import Duration, Keys, Strict, quantity, validated
+from ..scene.parts import VehicleLoad
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, Quantity, SceneRunner
 from .axes import Axis, Point, axes_of, of_shares, shares_sampled
@@ -84,10 +93,26 @@ class Mechanism:
         """Function from a speed, rad/s, and a ratio to steady pulses; refuses a missing freewheel."""
         return cache(self.machine.at)
 
-    def greatest_input_torque(self, speed: float) -> float:
-        """Largest mean input torque over the speed ratios, N.m."""
-        chart = torque_converter_chart(self.parameters, omega1=speed)
-        return float(chart.input_torque.max()) * speed**2
+    @cached_property
+    def input_pulses(self) -> Callable[[float, float], tuple[float, float]]:
+        """Function from a speed, rad/s, and a ratio to ripple and peak of the input torque, N.m."""
+        return cache(self.machine.input_pulses)
+
+    @cached_property
+    def chart(self) -> Callable[[float], TorqueConverterChart]:
+        """Function from a speed, rad/s, to the chart; refuses a missing freewheel."""
+        return cache(lambda speed: torque_converter_chart(self.parameters, omega1=speed))
+
+    def least_torque(self, speed: float) -> float:
+        """Least mean output torque over all speed ratios, N.m: 0 without lock-up, for it then ends."""
+        chart = self.chart(speed)
+        return float(chart.output_torque.min()) * speed**2 if chart.lock_up_torque[0] > 0.0 else 0.0
+
+    @property
+    def satellite_ratio(self) -> float:
+        """Speed of a satellite in its bearing over that of link 1 where link 2 is at rest: its fastest."""
+        d = self.module.derived
+        return float(d.k * d.s)
 
 
 def _farthest(d: Any) -> float:
@@ -119,15 +144,28 @@ class Named(NamedTuple):
 
 
 _BOTH = ("speed", "ratio")
+_SPEED = ("speed",)
 NAMED = {
-    "stall_torque": Named("N.m", ("speed",), lambda m, w, i: m.pulses(w, 0.0).output_torque),
+    "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
     "steady_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
+    "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.least_torque(w)),
+    "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: float(m.chart(w).lock_up_torque[0]) * w**2),
+    "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
-    "greatest_input_torque": Named("N.m", ("speed",), lambda m, w, i: m.greatest_input_torque(w)),
+    "greatest_input_torque": Named(
+        "N.m", _SPEED, lambda m, w, i: float(m.chart(w).input_torque.max()) * w**2
+    ),
+    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.input_pulses(w, i)[0]),
+    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.input_pulses(w, i)[1]),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
+    # all the way from stall on
+    "bearing_force_peak": Named(
+        "N", _SPEED, lambda m, w, i: max(m.pulses(w, one).bearing_force for one in RATIOS[::4])
+    ),
+    "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.satellite_ratio * w),
     "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount("force", w, i)),
     "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount("moment", w, i)),
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
@@ -169,7 +207,11 @@ class Search(Strict):
     """Settings of the search for designs.
 
     Attributes:
-        population, generations: of NSGA-II. seed: same seed, same result. fidelity: of the search.
+        population, generations: of NSGA-II. starts: how many there are, each with another population, as
+            long as no design meets all limits; each gets more generations until the nearest has come no
+            nearer over stall of them, and those asked for again once one meets them.
+        longest: s, after which there are no more starts or generations.
+        seed: same seed, same result, unless longest ends it. fidelity: of the search.
         check: fidelity at which the finalists are run. finalists: how many of them.
         margin: by which limits of what the scene gives are narrower in the search, for what the cheap
             fidelity leaves out; steady figures and sizes are the same at all.
@@ -177,6 +219,9 @@ class Search(Strict):
 
     population: int = Field(default=40, ge=4, le=10_000)
     generations: int = Field(default=20, ge=1, le=10_000)
+    starts: int = Field(default=3, ge=1, le=1000)
+    stall: int = Field(default=8, ge=1, le=10_000)
+    longest: Duration = 600.0
     seed: int = Field(default=1, ge=0)
     fidelity: Literal[LEVELS] = "averaged"  # type: ignore[valid-type]
     check: Literal[LEVELS] = "rigid"  # type: ignore[valid-type]
@@ -217,11 +262,11 @@ class Spec(Scene):
             asked = NAMED[name].asks if name in NAMED else ()
             given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
             if given != asked:
-                at_speed = ", ".join(one for one, named in NAMED.items() if named.asks)
-                known = "" if name in NAMED else f"; figures at a speed are {at_speed}"
+                at_speed = [one for one, named in NAMED.items() if named.asks]
+                known = f": it is no figure at a speed {did_you_mean(name, at_speed)}"
                 raise SceneError(
                     f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
-                    f" {' and '.join(given) or 'none of it'}{known}"
+                    f" {' and '.join(given) or 'none of it'}{'' if name in NAMED else known}"
                 )
             if name in NAMED:
                 limits_of(name, demand, NAMED[name].unit)
@@ -246,6 +291,11 @@ def read_spec(path: Path | str, keys: Keys = None) -> Spec:
 def absent(name: str, row: Row) -> str:
     """Say of a figure that a row has not why."""
     return "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
+
+
+def shown(value: float | str, unit: str = "") -> str:
+    """Write a value with its unit, a name as it is."""
+    return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
 
 
 class Limit(NamedTuple):
@@ -274,9 +324,9 @@ class Limit(NamedTuple):
     def text(self, row: Row, unit: str) -> str:
         """Compare what a row has with the limit, in a line."""
         value = row.figures.get(self.figure)
-        has = absent(self.figure, row) if value is None else f"{value:.4g} {unit}".strip()
-        allowed = f"{'at most' if self.side > 0.0 else 'at least'} {self.bound:.4g} {unit}".strip()
-        return f"{self.figure} is {has}, must be {allowed}"
+        has = shown(absent(self.figure, row) if value is None else value, unit)
+        side = "at most" if self.side > 0.0 else "at least"
+        return f"{self.figure} is {has}, must be {side} {shown(self.bound, unit)}"
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
@@ -301,6 +351,11 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
         low, high = (limit.bound for limit in found)
         raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
     return found
+
+
+def excess(violations: Iterable[float]) -> float:
+    """Sum of violations, those left out that are none."""
+    return sum(max(violation, 0.0) for violation in violations)
 
 
 class Judge:
@@ -335,8 +390,8 @@ class Judge:
         return max(self.violations(row, margin)) <= 0.0
 
     def beyond(self, row: Row) -> float:
-        """Sum of all violations: 0 where all limits are met."""
-        return sum(max(violation, 0.0) for violation in self.violations(row))
+        """Sum of what a row is beyond its limits: 0 where all are met."""
+        return excess(self.violations(row))
 
     def tightest(self, row: Row) -> Limit | None:
         """The limit that a row is the furthest beyond, or nearest to; None without limits."""
@@ -361,6 +416,10 @@ class Judge:
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
+# share by which the nearest design comes nearer to the limits while a search still improves
+NEARER = 1e-3
+# turns of the output shaft, or of the wheels of a car, below which a load stays at rest
+AT_REST = 1.0
 
 
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
@@ -391,13 +450,42 @@ class Finalist:
 
     Attributes:
         searched, checked: its rows at the fidelity of the search and at that of the check.
-        scene: with its values. file: the scene.
+        scene: with its values. file: the scene. doubts: see doubts_of.
     """
 
     searched: Row
     checked: Row
     scene: Scene
     file: Path
+    doubts: dict[str, str]
+
+
+def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[str, str]:
+    """Say why a design that meets its limits may be no answer: what in short, and in a sentence.
+
+    Args:
+        scene: of the design. figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
+    """
+    found, mechanism = {}, Mechanism(scene.parameters())
+    try:
+        chart = mechanism.chart(speed)
+        if not chart.lock_up_torque[0] > 0.0:
+            found["no lock-up"] = f"no torque is passed above a speed ratio of {chart.end_ratio:.2g}"
+    except Refused as error:
+        found["no mean torque"] = str(error)
+    if mechanism.module["satellite_inertia"] == 0.0:
+        found["weightless satellites"] = "but for its imbalance a satellite has no inertia"
+    moved = turned(scene, figures)
+    if moved < AT_REST:
+        found["load at rest"] = f"in the run it is moved by {moved:.2g} turns"
+    return found
+
+
+def turned(scene: Scene, figures: Mapping[str, float]) -> float:
+    """Turns of the wheels of a car in a run, or at most of another load; infinite where nothing was run."""
+    if isinstance(scene.load, VehicleLoad):
+        return figures.get("distance", math.inf) / (math.tau * scene.load.wheel_radius)
+    return figures.get("omega_out_maximum", math.inf) * scene.run.stop_time / math.tau
 
 
 @dataclass(frozen=True)
@@ -408,6 +496,7 @@ class DesignResult:
         spec: the specification. judge: its limits. rows: all designs of the search, in order.
         front: those of them that meet all limits and that no other is better than.
         finalists: those that were checked. new: how many rows were not there before. files: by kind.
+        cut: whether time ended the search before it had made its starts.
     """
 
     spec: Spec
@@ -417,6 +506,7 @@ class DesignResult:
     finalists: list[Finalist]
     new: int
     files: dict[str, Path]
+    cut: bool
 
     @property
     def chosen(self) -> list[Finalist]:
@@ -425,33 +515,43 @@ class DesignResult:
 
     def lines(self, one: Finalist) -> dict[str, str]:
         """The values of a finalist and its figures, searched and checked, as text by name."""
-
-        def text(value: float | str, unit: str = "") -> str:
-            return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
-
-        keys = {name: text(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
+        keys = {name: shown(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
+        keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
         figures = {}
         for name in self.spec.figures:
             searched, checked = (
                 row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
             )
-            figures[name] = f"{text(searched)} → {text(checked, self.judge.unit(name))}"
+            figures[name] = f"{shown(searched)} → {shown(checked, self.judge.unit(name))}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
-        return {**keys, **figures, "limits": f"missed by {', '.join(missed)}" if missed else "met"}
+        limits = f"missed by {', '.join(missed)}" if missed else "met"
+        return {**keys, **figures, "limits": limits, **{f"but: {n}": said for n, said in one.doubts.items()}}
 
     def verdict(self) -> str:
-        """Say in a sentence how many meet the limits and which limit binds, or what stops them all."""
-        checked, chosen = ([one.checked for one in some] for some in (self.finalists, self.chosen))
+        """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
+        finalists, search = self.finalists, self.spec.search
         # where none meets them the one that is the least beyond the limits: of those checked, if any was
-        row = chosen[0] if chosen else min(checked or self.rows, key=self.judge.beyond)
+        rows = [one.checked for one in self.chosen or finalists] or self.rows
+        row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
         limit = self.judge.tightest(row)
         where = "" if limit is None else limit.text(row, self.judge.unit(limit.figure))
-        if chosen:
+        if self.chosen:
             binds = f"; nearest to its limit in the first: {where}" if where else ""
-            return f"{len(chosen)} of {len(self.finalists)} checked designs meet all limits{binds}"
+            short = [name for one in self.chosen for name in one.doubts]
+            doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
+            binds += f"; but {doubts} of them" if doubts else ""
+            return f"{len(self.chosen)} of {len(finalists)} checked designs meet all limits{binds}"
         if row.refused:
             return f"no design of {len(self.rows)} could be computed: {row.refused}"
-        return f"no design of {len(self.rows)} meets all limits; the nearest one: {where}"
+        if self.front:
+            number = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
+            return (
+                f"no checked design of {len(finalists)} meets all limits, {number}; the nearest one: {where}"
+            )
+        ended = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
+        if self.cut:
+            ended = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
+        return f"no design of {len(self.rows)} meets all limits, {ended}; the nearest one: {where}"
 
 
 def design(
@@ -491,8 +591,7 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        start = shares_sampled(len(read.axes), f"latin:{read.search.population}", read.search.seed)
-        rows = evaluate(of_shares(read.axes, start))
+        rows = evaluate(of_shares(read.axes, _population(read, read.search.seed)))
         keys = {axis.name: axis.unit for axis in read.axes}
         units = keys | evaluator.units
         known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
@@ -502,21 +601,22 @@ def design(
             if figure not in known and not figure.startswith(TIME_TO):
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
-        rows = _search(read, judge, start, evaluate, progress)
+        rows, cut = _search(read, judge, evaluate, progress)
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
         picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
-    finalists = []
+    finalists, speed = [], max(demand.speed for demand in read.figures.values()) or NOMINAL_SPEED
     for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
         if not again.refused:
             title = f"{read.title}: design {number}"
             scene = scenes[levels[1]].with_keys({**row.point, "title": title})
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
-            finalists.append(Finalist(row, again, scene, file))
+            doubts = doubts_of(scene, again.figures, speed)
+            finalists.append(Finalist(row, again, scene, file, doubts))
     front = fronts[0] if fronts else []
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files)
+    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files, cut)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
@@ -530,41 +630,70 @@ def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
     return [first[place] for place in sorted(places)]
 
 
+def _population(spec: Spec, seed: int) -> NDArray[np.float64]:
+    """Shares of the ranges that a start of a search begins at, shape (population, axes)."""
+    return shares_sampled(len(spec.axes), f"latin:{spec.search.population}", seed)
+
+
 def _search(
     spec: Spec,
     judge: Judge,
-    start: NDArray[np.float64],
     evaluate: Callable[[Sequence[Point]], list[Row]],
     progress: Progress | None,
-) -> list[Row]:
-    """Search by NSGA-II; all designs, each once, in the order in which they were first asked for.
+) -> tuple[list[Row], bool]:
+    """Search by NSGA-II; all designs, each once, in the order asked for, and whether time ended it.
 
     The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits. It begins at shares of shape (population,
-    axes).
+    searched alike. A design that is refused is beyond its limits.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
-    from pymoo.optimize import minimize
+    from pymoo.core.termination import NoTermination
 
-    settings, found = spec.search, dict[str, Row]()
+    settings, found, begun = spec.search, dict[str, Row](), time.monotonic()
 
     class Designs(Problem):  # type: ignore[misc]
         """Designs by shares of the ranges of their keys."""
-
-        generation = 0
 
         def _evaluate(self, x: Any, out: dict[str, Any], *_: Any, **__: Any) -> None:
             rows = evaluate(of_shares(spec.axes, x))
             found.update({str(row.point): row for row in rows})
             out["F"] = np.array([judge.costs(row) for row in rows])
             out["G"] = np.array([judge.violations(row, settings.margin) for row in rows])
-            self.generation += 1
-            if progress is not None:
-                progress(self.generation / settings.generations)
 
     keys, limits = len(spec.axes), len(judge.limits) + 1
     problem = Designs(n_var=keys, n_obj=len(spec.goals), n_ieq_constr=limits, xl=0.0, xu=1.0)
-    algorithm = NSGA2(pop_size=settings.population, sampling=start)
-    minimize(problem, algorithm, ("n_gen", settings.generations), seed=settings.seed)
-    return list(found.values())
+    for seed in range(settings.seed, settings.seed + settings.starts):
+
+        def over(generation: int, first: bool = seed == settings.seed) -> bool:
+            """Tell whether time is over: for what is added, not for the generations asked for."""
+            added = not first or generation >= settings.generations
+            return added and time.monotonic() - begun > settings.longest
+
+        algorithm = NSGA2(pop_size=settings.population, sampling=_population(spec, seed))
+        algorithm.setup(problem, termination=NoTermination(), seed=seed)
+        if _evolve(algorithm, settings, over, progress):
+            return list(found.values()), False
+        if over(settings.generations):
+            return list(found.values()), True
+    return list(found.values()), False
+
+
+def _evolve(algorithm: Any, settings: Search, over: Callable[[int], bool], progress: Progress | None) -> bool:
+    """Run a start of a search to its end; whether a design meets all limits.
+
+    Args:
+        algorithm: of pymoo, set up. over: whether time is, by the number of generations there were.
+    """
+    nearest, wanted, improving = list[float](), settings.generations, False
+    while (len(nearest) < wanted or improving) and not over(len(nearest)):
+        algorithm.next()
+        nearest.append(min(map(excess, algorithm.pop.get("G").tolist())))
+        before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
+        improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
+        if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
+            # the goals get as many as if the search had begun here
+            wanted += len(nearest)
+        if progress is not None:
+            progress(min(len(nearest) / wanted, 1.0))
+    return nearest[-1:] == [0.0]

@@ -41,6 +41,7 @@ from .keys import (
     without_files,
 )
 from .parts import Controller, Drive, Load
+from .satellite import Satellite
 
 _TOLERANCE = BY_NAME["tolerance"]
 # the parameters that say there is an elastic output
@@ -52,6 +53,7 @@ Mechanism: type[BaseModel] = create_model(
     __base__=Strict,
     __doc__="Parameters of the module that differ from the defaults (scene R1).",
     **fields_of([variable for variable in with_causality(PARAMETER) if variable.name != "tolerance"]),
+    satellite=(Satellite | None, None),
 )
 
 
@@ -214,8 +216,14 @@ class Scene(Strict):
     def given(self) -> dict[str, float]:
         """Parameters of the mechanism that the scene gives, without a fidelity still to be chosen."""
         table: BaseModel = self.mechanism
-        values = table.model_dump(exclude_none=True)
+        values = table.model_dump(exclude_none=True, exclude={"satellite"})
         return {name: value for name, value in values.items() if value != AUTO}
+
+    @cached_property
+    def following(self) -> dict[str, float]:
+        """Parameters of the mechanism that follow from sizes and materials of its satellites."""
+        satellite: Satellite | None = getattr(self.mechanism, "satellite")  # noqa: B009  # of create_model
+        return {} if satellite is None else satellite.parameters(self.given)
 
     @property
     def _one_way(self) -> bool:
@@ -247,7 +255,7 @@ class Scene(Strict):
 
     def parameters(self) -> dict[str, float]:
         """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
-        values = self.drive.driven(self.given)
+        values = self.drive.driven({**self.given, **self.following})
         rigid = self.built_load.rigid_inertia
         name, own = self._carrying
         return {**values, name: own + rigid} if rigid else values
