@@ -33,6 +33,8 @@ TWIST_SHARE = 1e-1
 STIFF_ERROR, STIFF_SHARE = 7, 0.1
 # ... and how much more of it a swing of the shaft that is as wide as the output is fast
 SWING = 10.0
+# ... up to so many allowed errors of the speed of the driven mass
+HELD = 1000.0
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
@@ -83,20 +85,22 @@ def speed_of_torque(d, x, w, fastest):
     return (pulses + abs(w.load) + held) / damping
 
 
-def leniency(d, x, w, rate, fastest):
-    """How much larger errors of the shaft's swing may be: it holds little where the output moves faster.
+def speed_of_swing(d, x, w, rate, speed, fastest):
+    """Speed that errors of the shaft's swing are measured by: it holds little where the output moves faster.
 
     A swing wider than pulses make it has been excited by a load, and is followed.
 
     Args:
-        rate: of the shaft between hub and driven mass, rad/s.
+        rate: of the shaft between hub and driven mass, rad/s. speed: that of errors of the output, rad/s.
     """
     change = w.change
     swing = max(abs(x.relative), abs(x.relative + change.relative))
     swing = max(swing, rate * max(abs(x.twist), abs(x.twist + change.twist)))
     moved = max(abs(x.omega2), abs(x.omega3), abs(change.omega2), abs(change.omega3))
     pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
-    return SWING * moved / max(swing, 1e-300) if swing < min(moved, pulses) else 1.0
+    if swing >= min(moved, pulses):
+        return speed
+    return max(speed, min(SWING * moved * speed / max(swing, 1e-300), HELD * (1.0 + d.J4 / d.J3) * moved))
 
 
 def scale_of(d, x, w, n, fastest):
@@ -118,7 +122,7 @@ def scale_of(d, x, w, n, fastest):
         if d.F_by_alpha1 == 0.0:
             speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
-            speed *= leniency(d, x, w, rate, fastest)
+            speed = speed_of_swing(d, x, w, rate, speed, fastest)
         now = abs(x.relative if n == RELATIVE else x.twist)
         return max(speed if n == RELATIVE else speed / rate, now, change)
     if n == WOUND_HOUSING:
