@@ -557,7 +557,13 @@ def fit(
         Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
     ],
     scene: SceneFile,
-    free: Annotated[Texts, option("Key of the scene that is to be found; repeat.", "NAME[=LOW:HIGH]")] = None,
+    free: Annotated[
+        Texts,
+        option(
+            "To be found: a key of the scene, or offset., gain. or shift.COLUMN of a sensor; repeat.",
+            "NAME[=LOW:HIGH|=VALUE +- DEVIATION]",
+        ),
+    ] = None,
     columns: Annotated[
         Texts, option("Column to compare (all that are outputs); repeat.", "NAME", "--column")
     ] = None,
@@ -587,7 +593,10 @@ def fit(
         )
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
 
-    shown: list[Shown] = [(f"{found.scene.title}: fitted, 95 % intervals", found.lines())]
+    shown: list[Shown] = [
+        (f"{found.scene.title}: fitted, 95 % intervals if the model holds", found.lines()),
+        ("what is not free, freed in turn", found.suspicions()),
+    ]
     shown += [f"warning: {warning}" for warning in found.warnings]
     return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
 
