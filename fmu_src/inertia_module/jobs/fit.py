@@ -21,7 +21,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -303,6 +303,7 @@ NOT_IDENTIFIABLE = "not identifiable from the data: the interval is {}"
 
 # values of variables by identifier
 Variables = dict[str, float]
+Stage = TypeVar("Stage")
 
 
 @dataclass(frozen=True)
@@ -325,10 +326,11 @@ class Fitted:
     def text(self) -> str:
         """Value, interval and what is wrong with it, in a line."""
         low, high = self.interval
+        value = f"{self.value:.6g} {self.unit}".rstrip()
         if not math.isfinite(high - low):
-            return f"{self.value:.6g} {self.unit}, {self.doubt}"
+            return f"{value}, {self.doubt}"
         doubt = f", {self.doubt}" if self.doubt else ""
-        return f"{self.value:.6g} {self.unit}, from {low:.6g} to {high:.6g}{doubt}"
+        return f"{value}, from {low:.6g} to {high:.6g}{doubt}"
 
 
 @dataclass(frozen=True)
@@ -340,11 +342,10 @@ class FitResult:
         measurement: what was fitted. computed: by the fitted scene, at the same times.
         noise: standard deviation by column, RMS. estimated: columns whose noise was found from the residuals.
         chi_squared: of the residuals over noise, over degrees of freedom.
-        suspects: what is not free, freed in turn; that which explains the most first. units_doubted: columns
-            with the unit they seem to be in, as far from what the scene computes as it is.
-        same_end: how many searches ended
-            at the best, of how many. runs: of the scene. ended: whether the last search came to an end.
-            files: written, by kind.
+        suspects: what is not free, freed in turn; what explains the most first. units_doubted: sentences
+            on columns that are as far from what the scene computes as it is as another unit is.
+        same_end: how many searches ended at the best, of how many. runs: of the scene. ended: whether the
+            last search came to an end. files: written, by kind.
     """
 
     scene: Scene
@@ -389,18 +390,18 @@ class FitResult:
                 f"chi-squared is {self.chi_squared:.3g}: the residuals are larger than the noise,"
                 " the scene lacks something"
             )
-        table, following_one_another = self.table(), False
+        table, related = self.table(), False
         for name in self.measurement.columns:
             following = lag_one(table[f"{name}_residual"])
             if following > self._by_chance:
-                following_one_another = True
+                related = True
                 found.append(
                     f"residuals of {name} are autocorrelated (lag-1 {following:.2f}): the model has a"
                     " systematic error, and the intervals are too narrow"
                 )
-        gains = [one for one in self.causes if one.name.startswith(GAIN)]
-        doubted = [] if gains or not following_one_another else self.units_doubted
-        return [*doubted, *found, *self._verdict()]
+        # a gain by itself is told below
+        alone = any(one.name.startswith(GAIN) for one in self.causes)
+        return [*(self.units_doubted if related and not alone else ()), *found, *self._verdict()]
 
     @property
     def causes(self) -> list[Suspect]:
@@ -422,11 +423,11 @@ class FitResult:
             f"{name} would be {value:.5g}, not {self[name].value:.5g}"
             for name, (value, _) in first.answers.items()
         )
-        also = f"; so would {' or '.join(one.cause for one in others)}: the data do not tell which"
+        also = f", as would {' or '.join(one.cause for one in others)}: the data do not tell which"
         return [
             f"{first.cause} would explain the residuals{whole} (chi squared {before:,.0f} -> {after:,.0f}, of"
-            f" {int(self.measurement.counted.sum())} values): {answers}; mend it or fit again with --free"
-            f" {first.freed}{also if others else ''}"
+            f" {int(self.measurement.counted.sum())} values): {answers}{also if others else ''}; mend it or"
+            f" fit again with --free {first.freed}"
         ]
 
     def reach(self, name: str) -> tuple[tuple[float, str], tuple[float, str]]:
@@ -673,12 +674,12 @@ class _Search:
         Args:
             best: end of the search. point: its values of the scene's keys.
         """
-        free, tried = [key.name for key in self.keys.values()], []
+        tried = []
         known = best.residual.size - int(self.data.counted.sum())
         place = np.append(np.nonzero(self.data.counted)[1], np.full(known, -1))
         estimated = [name not in self.data.noise for name in self.data.columns]
         left = Leftover(best.residual, place, estimated)
-        for key in suspected(self.scene.with_keys(point), self.sensors, free):
+        for key in map(self._count_stage, self._suspected(self.scene.with_keys(point))):
             slopes = self._with(key)._valley(best, key)
             if slopes is not None:
                 tried.append(self._suspect(left, best, key, *slopes))
@@ -700,17 +701,16 @@ class _Search:
             deviation[key.identifier] = math.inf
         if evidence > WORTH and changes[-1]:
             # near 1, as variables are to be
-            keys[key.identifier] = nearer = dataclasses.replace(key, span=key.span * changes[-1])
-            at[key.identifier] = 2.0
+            nearer = dataclasses.replace(key, span=key.span * changes[-1])
             other = self._with(nearer)
             other.sigma = self.sigma * left.scatter(rest)
             try:
-                end = other._again(best, at)
+                end = other._again(best, at | {key.identifier: 2.0})
             except Refused:
-                # on its way it meets values that the scene has not: it stays as near as is known
-                at[key.identifier] = nearer.variable(key.value(1.0 + changes[-1]))
+                # on its way it meets values that the scene refuses: it stays as near as is known
+                pass
             else:
-                at, confirmed = _variables(end), True
+                at, keys[key.identifier], confirmed = _variables(end), nearer, True
                 deviation = {name: float(end.params[name].stderr or math.inf) for name in names}
                 rest = self._with(nearer).residuals(at)
                 evidence = left.evidence(rest)
@@ -745,6 +745,10 @@ class _Search:
             start = _variables(end)
             self._estimate_noise(start, len(end.var_names))
         return end
+
+    def _suspected(self, scene: Scene) -> list[Free]:
+        """Suspects by the values that a scene has."""
+        return suspected(scene, self.sensors, [key.name for key in self.keys.values()])
 
     def _with(self, key: Free) -> _Search:
         """The search with one more key free, and weights of its own."""
@@ -796,16 +800,17 @@ class _Search:
             places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
         points = [{key.identifier: key.variable(float(at[key.name])) for key in keys} for at in places]
         self.stages = len(points) + min(SEARCHED, len(points)) + PASSES + len(self.keys)
+        self.stages += len(self._suspected(self.scene))
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._count_stage, points)])
         if not np.isfinite(costs).any():
             raise Refused(f"the scene must take values of what is free, refuses all tried: {self.refused}")
         return [points[n] for n in np.argsort(costs)[:SEARCHED] if np.isfinite(costs[n])]
 
-    def _count_stage(self, point: Variables) -> Variables:
-        """Pass a point on, its stage counted as done."""
+    def _count_stage(self, begun: Stage) -> Stage:
+        """Pass on what a stage begins with, the stage counted as done."""
         self.done += 1
         self.progress(self.done / self.stages)
-        return point
+        return begun
 
     def _minimise(
         self, start: Variables, held: Sequence[str] = (), steps: Any = STEP, slopes: str = "2-point"
