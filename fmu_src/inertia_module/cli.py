@@ -557,13 +557,7 @@ def fit(
         Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
     ],
     scene: SceneFile,
-    free: Annotated[
-        Texts,
-        option(
-            "To be found: a key of the scene, or offset., gain. or shift.COLUMN of a sensor; repeat.",
-            "NAME[=LOW:HIGH|=VALUE +- DEVIATION]",
-        ),
-    ] = None,
+    free: Annotated[Texts, option("Key, or offset., gain., shift.COLUMN; repeat.", "NAME[=RANGE]")] = None,
     columns: Annotated[
         Texts, option("Column to compare (all that are outputs); repeat.", "NAME", "--column")
     ] = None,
@@ -575,8 +569,8 @@ def fit(
 ) -> Answer:
     """Find the values of a scene's keys that fit a measurement.
 
-    Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder
-    (out/SCENE_fit without -o).
+    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Leaves fitted.toml (a scene),
+    residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
     """
     folder = folder_for(output, f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
