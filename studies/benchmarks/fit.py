@@ -1,4 +1,4 @@
-"""What a fit says of measurements that are right, and of those that are not as the scene has it.
+"""Verdicts of a fit on measurements that are right, and on those that are not as the scene has it.
 
 The measurements are those of examples/fit_rig.csv with other seeds: as they are, and with an offset of a sensor,
 a shift of the clock or of a sensor, a loss that is not modelled, numbers of one column or both in another

@@ -1,4 +1,4 @@
-"""What may explain residuals: how much it does, as far as they are linear, and what is chance."""
+"""Suspects of a fit: how much they explain, as far as residuals are linear, and what is chance."""
 
 import numpy as np
 import pytest

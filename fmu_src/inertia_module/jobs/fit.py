@@ -669,7 +669,7 @@ class _Search:
         )
 
     def _suspects(self, best: Any, point: Mapping[str, float]) -> list[Suspect]:
-        """What is not free, freed in turn, what explains the most first; what changes nothing is no suspect.
+        """Suspects, freed in turn, what explains the most first; what changes nothing is none.
 
         Args:
             best: end of the search. point: its values of the scene's keys.

@@ -208,7 +208,7 @@ class Suspect:
 
     @property
     def freed(self) -> str:
-        """What frees it in a fit, as the command takes it."""
+        """Text that frees it in a fit, as the command takes it."""
         other = self.name.startswith((OFFSET, GAIN, SHIFT))
         return self.name if self.usual or other else f"{self.name}=0:{3.0 * abs(self.value):.1g}"
 
@@ -219,7 +219,7 @@ class Suspect:
 
     @property
     def told(self) -> str:
-        """What it would do to the answers, in a line."""
+        """Line on its value and on what it would do to the answers."""
         if not math.isfinite(self.error):
             return "is told only together with what is free"
         changed = [f"{name} {value:.6g} ± {error:.2g}" for name, (value, error) in self.answers.items()]
