@@ -66,6 +66,7 @@ def test_autocorrelation_from_row_to_row():
         (9.55, "rad/s", "its numbers are in rpm, not in rad/s"),
         (0.1047, "rad/s", "its numbers are in rad/s, not in rpm"),
         (3.6, "m/s", "its numbers are in km/h, not in m/s"),
+        (5.95, "rad/s", "its numbers are in deg/s, not in rpm"),
         (1.0, "rad/s", ""),
         (8.0, "rad/s", ""),
         (9.55, "N.m", ""),

@@ -399,8 +399,8 @@ class FitResult:
                     f"residuals of {name} are autocorrelated (lag-1 {following:.2f}): the model has a"
                     " systematic error, and the intervals are too narrow"
                 )
-        # a gain by itself is told below
-        alone = any(one.name.startswith(GAIN) for one in self.causes)
+        # of a gain that says so it is told below
+        alone = any(one.name.startswith(GAIN) and wrong_unit(one.value, one.of_unit) for one in self.causes)
         return [*(self.units_doubted if related and not alone else ()), *found, *self._verdict()]
 
     @property

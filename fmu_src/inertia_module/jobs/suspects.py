@@ -8,6 +8,8 @@ say less.
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -230,15 +232,13 @@ class Suspect:
 
 def wrong_unit(gain: float, unit: str, near: float = NEAR_UNIT) -> str:
     """Say of a gain that it is that of another unit, where it is, but for so much of it."""
+    factors = {unit: 1.0}
     for other in UNITS:
-        try:
-            factor = factor_between(other, unit)
-        except ValueError:
-            continue
-        for ratio, is_in, read_in in ((1.0 / factor, other, unit), (factor, unit, other)):
-            if ratio != 1.0 and abs(gain / ratio - 1.0) < near:
-                return f"its numbers are in {is_in}, not in {read_in}"
-    return ""
+        with contextlib.suppress(ValueError):  # it is of another kind
+            factors[other] = factor_between(other, unit)
+    ratios = {(a, b): factors[b] / factors[a] for a, b in itertools.permutations(factors, 2)}
+    off, pair = min(((abs(gain / one - 1.0), names) for names, one in ratios.items()), default=(near, None))
+    return f"its numbers are in {pair[0]}, not in {pair[1]}" if pair and off < near else ""
 
 
 def _known(value: float) -> float | None:
