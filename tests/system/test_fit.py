@@ -1,5 +1,6 @@
 """Fit: values found in data of the independent reference, what the data cannot tell, files, refusals."""
 
+import importlib
 import json
 from pathlib import Path
 
@@ -148,6 +149,13 @@ def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known,
     assert several["omega1"].text.startswith("100.0") or several["omega1"].text.startswith("99.99")
     assert several["omega1"].unit == "rad/s"
     assert several.warnings == []
+
+
+def test_a_search_that_is_broken_off_is_told(fmu, known, tmp_path, monkeypatch):
+    monkeypatch.setattr(importlib.import_module("inertia_module.jobs.fit"), "MOST_RUNS", 12)
+    scene = known.with_keys({"mechanism.imbalance_mass": 0.5})
+    found = jobs.fit(MEASURED, scene, FREE, output=tmp_path, fmu=fmu)
+    assert "the search was broken off: too many runs" in found.warnings
 
 
 def test_same_seed_same_result(fmu, known, tmp_path):

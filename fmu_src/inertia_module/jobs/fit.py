@@ -813,13 +813,18 @@ class _Search:
         return begun
 
     def _minimise(
-        self, start: Variables, held: Sequence[str] = (), steps: Any = STEP, slopes: str = "2-point"
+        self,
+        start: Variables,
+        held: Sequence[str] = (),
+        steps: Any = STEP,
+        slopes: str = "2-point",
+        enough: float = ENOUGH,
     ) -> Any:
         """Search from a start; the MinimizerResult of lmfit.
 
         Args:
             held: identifiers of what stays where it is. steps: of the differences, one or one a variable.
-            slopes: by differences to one side or, "3-point", to both.
+            slopes: by differences to one side or, "3-point", to both. enough: see ENOUGH.
         """
         import lmfit
 
@@ -838,13 +843,18 @@ class _Search:
             residuals, variables, scale_covar=not known, nan_policy="propagate", max_nfev=MOST_RUNS
         )
         try:
-            return minimizer.least_squares(
-                jac=slopes, diff_step=steps, x_scale="jac", tr_solver=solver, ftol=ENOUGH, xtol=ENOUGH
+            end = minimizer.least_squares(
+                jac=slopes, diff_step=steps, x_scale="jac", tr_solver=solver, ftol=enough, xtol=enough
             )
         except ValueError as error:
             raise Refused(
                 f"ranges must be such that the scene takes them: {self.refused or error}"
             ) from error
+        if not hasattr(end, "jac"):
+            # broken off it leaves no slopes: a last step gives them
+            end = self._minimise(_variables(end), held, steps, slopes, enough=0.5)
+            end.success = False
+        return end
 
     def _weighted(self, best: Any) -> Any:
         """The end with weights by the noise; what has no influence is put back to its start and held."""
