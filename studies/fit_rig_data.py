@@ -23,9 +23,9 @@ SEED = 17
 FILE = Path(__file__).parents[1] / "examples" / "fit_rig.csv"
 
 
-def true_speeds():
-    """Speeds of link 2 and of the output shaft at TIMES, rad/s, by name."""
-    motion, speeds = Reference(TRUE, OMEGA1, LOAD_TORQUE), []
+def true_speeds(**changed):
+    """Speeds of link 2 and of the output shaft at TIMES, rad/s, by name, with other values of parameters."""
+    motion, speeds = Reference(TRUE | changed, OMEGA1, LOAD_TORQUE), []
     for time in TIMES:
         motion.advance(time)
         speeds.append(motion.state[[OMEGA2, OMEGA3]])

@@ -625,7 +625,7 @@ def fit(
         Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
     ],
     scene: SceneFile,
-    free: Annotated[Texts, option("Key of the scene that is to be found; repeat.", "NAME[=LOW:HIGH]")] = None,
+    free: Annotated[Texts, option("Key, or offset., gain., shift.COLUMN; repeat.", "NAME[=RANGE]")] = None,
     columns: Annotated[
         Texts, option("Column to compare (all that are outputs); repeat.", "NAME", "--column")
     ] = None,
@@ -637,8 +637,8 @@ def fit(
 ) -> Answer:
     """Find the values of a scene's keys that fit a measurement.
 
-    Tells how sure they are. Leaves fitted.toml (a scene), residuals.csv, fit.json and fit.png in a folder
-    (out/SCENE_fit without -o).
+    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Leaves fitted.toml (a scene),
+    residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
     """
     folder = folder_for(output, f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
@@ -655,7 +655,10 @@ def fit(
         )
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
 
-    shown: list[Shown] = [(f"{found.scene.title}: fitted, 95 % intervals", found.lines())]
+    shown: list[Shown] = [
+        (f"{found.scene.title}: fitted, 95 % intervals if the model holds", found.lines()),
+        ("what is not free, freed in turn", found.suspicions()),
+    ]
     shown += [f"warning: {warning}" for warning in found.warnings]
     return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
 

@@ -8,7 +8,7 @@ import pytest
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
 from inertia_module.harness.results import Result
-from inertia_module.jobs.axes import axes_of, free_keys, grid, of_shares, shares_sampled
+from inertia_module.jobs.axes import Beside, axes_of, free_keys, grid, of_shares, shares_sampled
 from inertia_module.jobs.evaluation import Row
 from inertia_module.jobs.fit import measurement
 from inertia_module.jobs.sweep import indices
@@ -103,6 +103,24 @@ def test_variables_are_near_one_whatever_the_values(scene):
     assert back.limits[0] < back.variable(back.start) < back.limits[1]
 
 
+def test_what_is_known_before_is_a_value_and_its_deviation(scene):
+    mass, efficiency = free_keys(["imbalance_mass=900 g +- 10 g", "mesh_efficiency=0.97±0.01"], scene)
+    assert (mass.start, mass.deviation, mass.held) == (0.9, 0.01, False)
+    assert (efficiency.start, efficiency.deviation) == (0.97, 0.01)
+    assert efficiency.value(efficiency.limits[1]) == pytest.approx(1.0)
+
+
+def test_keys_beside_the_scene_have_their_own_value_unit_and_limits(scene):
+    beside = {"offset.omega2": Beside("rad/s", 0.0, 2.0), "shift.time": Beside("s", 0.0, 1e-3, 0.1)}
+    offset, shift = free_keys(["offset.omega2", "shift.time=-2 ms:5 ms"], scene, beside)
+    assert (offset.start, offset.value(2.0), offset.limits) == (0.0, 2.0, (-np.inf, np.inf))
+    assert (shift.low, shift.high, shift.start) == (pytest.approx(-2e-3), pytest.approx(5e-3), 0.0)
+    (shift,) = free_keys(["shift.time"], scene, beside)
+    assert [shift.value(u) for u in shift.limits] == pytest.approx([-0.1, 0.1])
+    with pytest.raises(Refused, match=r"offset.omega3 must be of a column .*did you mean offset.omega2"):
+        free_keys(["offset.omega3"], scene, beside)
+
+
 def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_the_middle(scene):
     (mass,) = free_keys(["imbalance_mass"], scene)
     assert mass.value(mass.limits[0]) == 0.0
@@ -131,7 +149,13 @@ VARIED = [
 # what a range is refused for is refused of a free key as well: both are read as axes
 FREE = [
     ("", r"at least one key must be free, such as imbalance_mass=0.5:2, none is"),
-    ("imbalance_mass=1,2", r"imbalance_mass must be free within LOW:HIGH, is given '1,2'"),
+    (
+        "imbalance_mass=1,2",
+        r"imbalance_mass must be free within LOW:HIGH or VALUE \+- DEVIATION, is given '1,2'",
+    ),
+    ("imbalance_mass=1 +- 0", r"imbalance_mass must be known to a deviation above 0, is given '1 \+- 0'"),
+    ("imbalance_mass=1 +- 1 m", r"imbalance_mass: '1 m' must be a number in kg: m is not a unit for kg"),
+    ("mesh_efficiency=2 +- 1", r"mesh_efficiency must be between 0.1 and 1, is '2'"),
     ("imbalance_mass=1:2:3", r"within LOW:HIGH, without a number of points, is given '1:2:3'"),
     ("imbalance_mas", r"imbalance_mas = 1.0: there is no such key .did you mean imbalance_mass"),
     ("load.mas", r"load.mas = 1.0: there is no such key .did you mean mass"),

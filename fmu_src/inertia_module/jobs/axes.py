@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from ..common.errors import Refused
-from ..common.units import parse_unit, split_quantity
+from ..common.errors import Refused, did_you_mean
+from ..common.units import parse_unit, split_quantity, to_si
 from ..contract.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene, SceneError
 from ..scene.keys import MECHANISM, full_name, unit_of
@@ -25,6 +25,8 @@ Point = dict[str, float | str]
 Range = str | tuple[float, float] | None
 LARGEST_GRID = 10_000_000
 _RANGE = re.compile(r"(log:)?([^:]+):([^:]+?)(?::\s*(\d+)\s*)?")
+# of a value that is known, and its standard deviation
+_KNOWN = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
     """
     unit, _ = _unit_and_value(name, scene)
     if isinstance(given, str) and ":" in given:
-        return _range(name, unit, given, scene)
+        return _range(name, unit, given, lambda text: _value(name, text, scene))
     texts = given.split(",") if isinstance(given, str) else given
     return Axis(name, unit, values=tuple(dict.fromkeys(_value(name, text, scene) for text in texts)))
 
@@ -128,12 +130,12 @@ def _value(name: str, given: Any, scene: Scene) -> float | str:
         raise Refused(f"{given!r}: {error}") from None
 
 
-def _range(name: str, unit: str, given: str, scene: Scene) -> Axis:
+def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]) -> Axis:
     demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {given!r}"
     parts = _RANGE.fullmatch(given)
     if parts is None:
         raise Refused(demand)
-    low, high = (_value(name, part, scene) for part in parts.group(2, 3))
+    low, high = map(value, parts.group(2, 3))
     if isinstance(low, str) or isinstance(high, str):
         raise Refused(demand)
     if not low < high:
@@ -228,13 +230,15 @@ class Free(Axis):
 
     Attributes:
         start: value that a search begins at, SI. origin, span: the low end and the width of a range that was
-            asked for; without one both are the start. held: whether one was.
+            asked for; without one both are the start, or of its size. held: whether one was. deviation:
+            standard deviation of what is known of it before, about the start; infinite for nothing.
     """
 
     start: float
     origin: float
     span: float
-    held: bool
+    held: bool = False
+    deviation: float = math.inf
 
     @property
     def identifier(self) -> str:
@@ -260,33 +264,70 @@ class Free(Axis):
         return super().at(share) if self.held else self.start
 
 
-def free_keys(free: Sequence[str] | Mapping[str, Range], scene: Scene) -> list[Free]:
+@dataclass(frozen=True)
+class Beside:
+    """A key of a fit that is none of the scene.
+
+    Attributes:
+        unit: "" for none. value: that changes nothing, SI. size: of a change that matters, SI. most: change.
+    """
+
+    unit: str
+    value: float
+    size: float
+    most: float = math.inf
+
+
+def free_keys(
+    free: Sequence[str] | Mapping[str, Range], scene: Scene, beside: Mapping[str, Beside] | None = None
+) -> list[Free]:
     """The free keys of a fit.
 
     Args:
-        free: "NAME" or "NAME=LOW:HIGH" each (or log:LOW:HIGH, whose starts are even in the logarithm), or by
-            name such a range, (low, high) or None. scene: whose values they begin at.
+        free: "NAME", "NAME=LOW:HIGH" (or log:LOW:HIGH, whose starts are even in the logarithm) or, where the
+            value is known so well before, "NAME=VALUE +- DEVIATION" each, or by name such a text, (low, high)
+            or None. scene: whose values they begin at. beside: keys that are not the scene's, by name.
 
     Raises:
         Refused: nothing is free, a key twice, or one that is not a number or has no such range.
     """
-    return [_free(name, given, scene) for name, given in by_key(free, "free", "imbalance_mass=0.5:2")]
+    pairs, known = by_key(free, "free", "imbalance_mass=0.5:2"), beside or {}
+    kinds = {name.partition(".")[0] for name in known}
+    for name, _ in pairs:
+        if name.partition(".")[0] in kinds and name not in known:
+            raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, known)}")
+    return [_free(name, given, scene, known.get(name)) for name, given in pairs]
 
 
-def _free(name: str, given: Range, scene: Scene) -> Free:
+def _free(name: str, given: Range, scene: Scene, beside: Beside | None) -> Free:
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
-    unit, value = _unit_and_value(name, scene)
+    unit, value = (beside.unit, beside.value) if beside else _unit_and_value(name, scene)
     if value is None and variable is not None:
         value = variable.start
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
         raise Refused(
             f"{name} must be a number that changes by small steps to be free: sweep takes the others"
         )
+    low, high = (-math.inf, math.inf) if variable is None else variable.ends
+    if beside:
+        low, high = value - beside.most, value + beside.most
     if given is not None:
         text = given if isinstance(given, str) else ":".join(map(repr, given))
+
+        def number(part: str) -> float | str:
+            return _number(name, part, unit) if beside else _value(name, part, scene)
+
+        known = _KNOWN.fullmatch(text)
+        if known is not None:
+            mean, deviation = float(number(known[1])), _number(name, known[2], unit)
+            if deviation <= 0.0:
+                raise Refused(f"{name} must be known to a deviation above 0, is given {text!r}")
+            return Free(
+                name, unit, low, high, start=mean, origin=mean, span=10.0 * deviation, deviation=deviation
+            )
         if ":" not in text:
-            raise Refused(f"{name} must be free within LOW:HIGH, is given {text!r}")
-        held = axis(name, text, scene)
+            raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
+        held = _range(name, unit, text, number)
         if held.number:
             raise Refused(
                 f"{name} must be free within LOW:HIGH, without a number of points, is given {text!r}"
@@ -294,11 +335,20 @@ def _free(name: str, given: Range, scene: Scene) -> Free:
         inside = value is not None and held.low <= value <= held.high
         start = float(value) if inside else 0.5 * (held.low + held.high)
         return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
+    if beside:
+        return Free(name, unit, low, high, start=value, origin=value, span=beside.size)
     if not value:
         # which says so if there is no such key
         scene.with_keys({name: 1.0})
         raise Refused(
             f"{name} must have a range, {name}=LOW:HIGH: the scene has {value or 'no value'} to begin at"
         )
-    low, high = (-math.inf, math.inf) if variable is None else variable.ends
-    return Free(name, unit, low, high, start=value, origin=value, span=value, held=False)
+    return Free(name, unit, low, high, start=value, origin=value, span=value)
+
+
+def _number(name: str, text: str, unit: str) -> float:
+    """A quantity in SI units."""
+    try:
+        return to_si(text, unit or "1")
+    except ValueError as error:
+        raise Refused(f"{name}: {text.strip()!r} must be a number in {unit or '1'}: {error}") from None

@@ -12,14 +12,16 @@ noise of each column.
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import functools
 import itertools
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +40,20 @@ from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
 from .evaluation import read
+from .suspects import (
+    AS_GOOD,
+    CLOCK,
+    FALSE_ALARM,
+    GAIN,
+    OFFSET,
+    SHIFT,
+    Leftover,
+    Suspect,
+    lag_one,
+    sensor_keys,
+    suspected,
+    wrong_unit,
+)
 
 # --- measurements ---
 
@@ -170,19 +186,21 @@ class Stopped:
         self._rows.extend(found[1:, len(outputs) :])
         return True
 
-    def values(self) -> Array:
-        """Values at the times, which it has passed, shape (times, names); see the head on means and peaks."""
-        stops, rows = np.array(self._stops), np.array(self._rows)
-        ends, places = np.unique(np.searchsorted(stops, self._times - self._near), return_inverse=True)
-        last, found = int(ends[-1]) + 1, rows[ends]
+    def values(self, name: str, times: Array) -> Array:
+        """Values of a name at times, which it has passed, shape (times,); see the head on means and peaks."""
+        stops, values = np.array(self._stops), np.array(self._rows)[:, self._names.index(name)]
+        ends, places = np.unique(np.searchsorted(stops, times - self._near), return_inverse=True)
+        last, found = int(ends[-1]) + 1, values[ends]
         # what a time stands for begins behind the one before; the start stands for itself
         begins = np.append(min(1, ends[0]), ends[:-1] + 1)
-        lengths, whole = np.diff(stops, prepend=-1.0), np.diff(stops[ends], prepend=0.0 if ends[0] else -1.0)
-        means = [name.endswith(MEAN) for name in self._names]
-        sums = np.add.reduceat(rows[:last, means] * lengths[:last, None], begins)
-        found[:, means] = sums / whole[:, None]
-        peaks = [name.endswith(PEAK) for name in self._names]
-        found[:, peaks] = np.maximum.reduceat(rows[:last, peaks], begins)
+        if name.endswith(MEAN):
+            lengths, whole = (
+                np.diff(stops, prepend=-1.0),
+                np.diff(stops[ends], prepend=0.0 if ends[0] else -1.0),
+            )
+            found = np.add.reduceat(values[:last] * lengths[:last], begins) / whole
+        elif name.endswith(PEAK):
+            found = np.maximum.reduceat(values[:last], begins)
         return found[places]
 
 
@@ -201,29 +219,39 @@ class Observer(SceneRunner):
         super().__init__(fmu_path)
         self._names, self._times = list(names), times
 
-    def __call__(self, scene: Scene) -> Array:
+    def __call__(self, scene: Scene, shifts: Sequence[float] | None = None) -> Array:
         """Values at the times, shape (times, names).
+
+        Args:
+            scene: that is run. shifts: s, by which each name is read earlier, at the start at the earliest.
 
         Raises:
             FmuError: the FMU refuses a value or a step.
             Refused: a time is within a step over which the speed of link 1 is extrapolated.
         """
         step = scene.run.communication_step
-        off = np.abs(self._times / step - np.round(self._times / step)) > NEAR
+        near, late = NEAR * step, np.zeros(len(self._names)) if shifts is None else np.array(shifts)
+        at = dict(zip(self._names, np.maximum(self._times - late[:, None], 0.0), strict=True))
+        times = np.unique(list(at.values()))
+        times = times[np.diff(times, prepend=-1.0) > near]
+        off = np.abs(times / step - np.round(times / step)) > NEAR
         if off.any() and scene.parameters().get("input_hold"):
             raise Refused(
                 "with mechanism.input_hold = 'linear' time must be a whole number of run.communication_step ="
-                f" {step:g} s, is {self._times[off][0]:g} s"
+                f" {step:g} s, is {times[off][0]:g} s"
             )
         signals = scene.surroundings.output_labels
         read = [name for name in self._names if name not in signals]
-        plant = Stopped(self.started(scene), read, self._times, NEAR * step)
+        plant = Stopped(self.started(scene), read, times, near)
         loop = ClosedLoop(plant, scene.surroundings, (), scene.signal_units)
-        record = loop.run(step * max(math.ceil(self._times[-1] / step - NEAR), 1))
-        values = dict(zip(read, plant.values().T, strict=True))
-        for name in set(self._names).intersection(signals):
-            values[name] = np.interp(self._times, record.time, record[name])
-        return np.column_stack([values[name] for name in self._names])
+        record = loop.run(step * max(math.ceil(times[-1] / step - NEAR), 1))
+        values = [
+            np.interp(at[name], record.time, record[name])
+            if name in signals
+            else plant.values(name, at[name])
+            for name in self._names
+        ]
+        return np.column_stack(values)
 
 
 # --- fits ---
@@ -243,10 +271,16 @@ ENOUGH = 1e-7
 MOST_RUNS = 500
 # what all of a range changes, of the noise, without influence
 NOTHING = 1e-2
-# of the intervals
-CONFIDENCE = 0.95
+# suspects that explain something, that are shown
+SHOWN = 6
+# scene and measurement differ by so much of a factor of units
+NEARLY = 0.25
+# of the intervals, and of normal noise in standard errors
+CONFIDENCE, WITHIN = 0.95, 1.96
 # an end that is not there after so many steps, each twice the one before, is none
 MOST_STEPS = 12
+# excess of chi-squared where the scene refuses a value
+REFUSED = 1e12
 # of an interval, so much is an end uncertain
 EXACT = 1e-2
 # correlations from here on are warned of
@@ -257,10 +291,19 @@ AT_END = 1e-4
 AUTOCORRELATED = 0.2
 # standard deviations of chance that a warning keeps from
 CHANCE = 4.0
+# change of the residuals, the noise being 1 of each, at which a suspect is freed, and that is none; tries
+CHANGE, NO_CHANGE, TRIES = 5.0, 0.5, 5
+# longest step of it, in sizes of the suspect
+LONGEST = 1e5
+# evidence from which on a suspect is fitted in full, and passes over the noise then
+WORTH, AGAIN = 10.0, 3
+# runs whose values are kept: offsets and gains need none of their own
+KEPT = 8
 NOT_IDENTIFIABLE = "not identifiable from the data: the interval is {}"
 
 # values of variables by identifier
 Variables = dict[str, float]
+Stage = TypeVar("Stage")
 
 
 @dataclass(frozen=True)
@@ -283,10 +326,11 @@ class Fitted:
     def text(self) -> str:
         """Value, interval and what is wrong with it, in a line."""
         low, high = self.interval
+        value = f"{self.value:.6g} {self.unit}".rstrip()
         if not math.isfinite(high - low):
-            return f"{self.value:.6g} {self.unit}, {self.doubt}"
+            return f"{value}, {self.doubt}"
         doubt = f", {self.doubt}" if self.doubt else ""
-        return f"{self.value:.6g} {self.unit}, from {low:.6g} to {high:.6g}{doubt}"
+        return f"{value}, from {low:.6g} to {high:.6g}{doubt}"
 
 
 @dataclass(frozen=True)
@@ -297,9 +341,11 @@ class FitResult:
         scene: with the values found. parameters: the free keys. correlations: by pairs of them.
         measurement: what was fitted. computed: by the fitted scene, at the same times.
         noise: standard deviation by column, RMS. estimated: columns whose noise was found from the residuals.
-        chi_squared: of the residuals over noise, over degrees of freedom. same_end: how many searches ended
-            at the best, of how many. runs: of the scene. ended: whether the last search came to an end.
-            files: written, by kind.
+        chi_squared: of the residuals over noise, over degrees of freedom.
+        suspects: what is not free, freed in turn; what explains the most first. units_doubted: sentences
+            on columns that are as far from what the scene computes as it is as another unit is.
+        same_end: how many searches ended at the best, of how many. runs: of the scene. ended: whether the
+            last search came to an end. files: written, by kind.
     """
 
     scene: Scene
@@ -310,6 +356,8 @@ class FitResult:
     noise: dict[str, float]
     estimated: list[str]
     chi_squared: float
+    suspects: list[Suspect]
+    units_doubted: list[str]
     same_end: tuple[int, int]
     runs: int
     ended: bool
@@ -342,18 +390,78 @@ class FitResult:
                 f"chi-squared is {self.chi_squared:.3g}: the residuals are larger than the noise,"
                 " the scene lacks something"
             )
-        table = self.table()
+        table, related = self.table(), False
         for name in self.measurement.columns:
-            residual = table[f"{name}_residual"]
-            centred = residual - residual.mean()
-            following = float(np.sum(centred[1:] * centred[:-1]))
-            lag_one = following / float(np.sum(centred**2)) if np.ptp(residual) else 0.0
-            if lag_one > max(AUTOCORRELATED, CHANCE / math.sqrt(len(table))):
+            following = lag_one(table[f"{name}_residual"])
+            if following > self._by_chance:
+                related = True
                 found.append(
-                    f"residuals of {name} are autocorrelated (lag-1 {lag_one:.2f}): the model has a"
+                    f"residuals of {name} are autocorrelated (lag-1 {following:.2f}): the model has a"
                     " systematic error, and the intervals are too narrow"
                 )
-        return found
+        # of a gain that says so it is told below
+        alone = any(one.name.startswith(GAIN) and wrong_unit(one.value, one.of_unit) for one in self.causes)
+        return [*(self.units_doubted if related and not alone else ()), *found, *self._verdict()]
+
+    @property
+    def causes(self) -> list[Suspect]:
+        """Suspects of which one explains the residuals, as well as the first; none where it may be chance."""
+        from scipy.stats import chi2
+
+        least = float(chi2.isf(FALSE_ALARM / max(len(self.suspects), 1), 1))
+        best = max((one.evidence for one in self.suspects), default=0.0)
+        return [one for one in self.suspects if one.evidence > max(best - AS_GOOD, least)]
+
+    def _verdict(self) -> list[str]:
+        """The sentence on what would explain the residuals."""
+        if not self.causes:
+            return []
+        first, *others = self.causes
+        before, after = first.chi_squared
+        whole = "" if first.autocorrelation <= self._by_chance else " in part"
+        answers = ", ".join(
+            f"{name} would be {value:.5g}, not {self[name].value:.5g}"
+            for name, (value, _) in first.answers.items()
+        )
+        also = f", as would {' or '.join(one.cause for one in others)}: the data do not tell which"
+        return [
+            f"{first.cause} would explain the residuals{whole} (chi squared {before:,.0f} -> {after:,.0f}, of"
+            f" {int(self.measurement.counted.sum())} values): {answers}{also if others else ''}; mend it or"
+            f" fit again with --free {first.freed}"
+        ]
+
+    def reach(self, name: str) -> tuple[tuple[float, str], tuple[float, str]]:
+        """Interval of a free key with any one suspect free too.
+
+        Returns:
+            Both ends, each with the name of the suspect that sets it, or "" for none.
+        """
+        ends = [(*self[name].interval, "")]
+        for one in self.suspects:
+            value, error = one.answers.get(self[name].name, (0.0, math.inf))
+            if math.isfinite(one.error) and math.isfinite(error):
+                ends.append((value - WITHIN * error, value + WITHIN * error, one.name))
+        least, greatest = min(ends), max(ends, key=lambda end: end[1])
+        return (least[0], least[2]), (greatest[1], greatest[2])
+
+    def suspicions(self) -> dict[str, str]:
+        """Give lines, by name, on the suspects that explain something, or else on those answers rest on."""
+        ends = {}
+        if not self.causes:
+            ends = {one.name: self.reach(one.name) for one in self.parameters if math.isfinite(one.error)}
+        setting = {by for both in ends.values() for _, by in both}
+        explaining = [one.name for one in self.suspects if one.evidence > AS_GOOD][:SHOWN]
+        lines = {one.name: one.told for one in self.suspects if one.name in {*explaining, *setting}}
+        for name, ((low, by), (high, other)) in ends.items():
+            source = " and ".join(dict.fromkeys(filter(None, (by, other)))) or "none of them"
+            lines[f"{name}, any one of all free"] = f"from {low:.6g} to {high:.6g} ({source})"
+        together = [one.name for one in self.suspects if not math.isfinite(one.error)]
+        return lines | ({"told only with what is free": ", ".join(together)} if together else {})
+
+    @property
+    def _by_chance(self) -> float:
+        """Autocorrelation that the noise of a sensor may have."""
+        return max(AUTOCORRELATED, CHANCE / math.sqrt(len(self.computed)))
 
     def as_dict(self) -> dict[str, Any]:
         """Give the result for machines: what is not known is None."""
@@ -378,6 +486,8 @@ class FitResult:
                 for name, value in self.noise.items()
             },
             "chi_squared": self.chi_squared,
+            "suspects": [one.as_dict() for one in self.suspects],
+            "causes": [one.name for one in self.causes],
             "values": int(self.measurement.counted.sum()),
             "searches_that_agree": list(self.same_end),
             "runs": self.runs,
@@ -392,6 +502,9 @@ class FitResult:
         for name, value in self.noise.items():
             source = ", from the residuals" if name in self.estimated else ""
             found[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
+        freedom = int(self.measurement.counted.sum()) - len(self.parameters)
+        judged = " (the noise is from the residuals, so it judges nothing)" if self.estimated else ""
+        found["chi squared"] = f"{self.chi_squared * freedom:.4g} of {freedom} degrees of freedom{judged}"
         agree = "{} of {}".format(*self.same_end)
         return {**found, "searches that end there": agree, "runs": str(self.runs)}
 
@@ -429,8 +542,10 @@ def fit(
 
     Args:
         measured: a table, or a CSV file; see measurement. scene: a scene, or its file.
-        free: "NAME" or "NAME=LOW:HIGH" each, or ranges (or None) by name; NAME is a key of the scene by dots,
-            or a parameter of the mechanism.
+        free: "NAME", "NAME=LOW:HIGH" or, where so much is known of the value, "NAME=VALUE +- DEVIATION" each,
+            or what follows the sign (or None) by name; NAME is a key of the scene by dots, a parameter of the
+            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, late is above 0; "shift.time":
+            of all columns) of a sensor.
         columns: those that are compared, by default all that the scene computes.
         starts: points of the ranges (Latin hypercube) that are looked at besides the scene's own values; the
             best SEARCHED of all are starts of a search.
@@ -446,8 +561,8 @@ def fit(
     for name in ("lmfit", "tomli_w"):
         library(name, "jobs")
     base, title = read(scene)
-    keys = free_keys(free, base)
     data = measurement(measured, base, columns)
+    keys = free_keys(free, base, sensor_keys(data.table))
     if int(data.counted.sum()) <= len(keys):
         raise Refused(
             f"there must be more measured values than free keys, {len(keys)}, are {int(data.counted.sum())}"
@@ -456,8 +571,13 @@ def fit(
         raise Refused(f"starts must be at least 0, is {starts}")
     search = _Search(base, keys, data, fmu_file(fmu), progress or (lambda share: None))
     with search.observer:
-        found = search.run(starts, seed)
+        doubted = search.units_doubted()
+        try:
+            found = search.run(starts, seed)
+        except Refused as error:
+            raise Refused("; ".join([str(error), *doubted])) from error
     folder = OUTPUT_FOLDER / f"{title}_fit" if output is None else Path(output)
+    found = dataclasses.replace(found, units_doubted=doubted)
     return dataclasses.replace(found, files=found.write(folder))
 
 
@@ -469,6 +589,7 @@ class _Search:
     ) -> None:
         self.scene, self.data, self.progress = scene, data, progress
         self.keys = {key.identifier: key for key in keys}
+        self.sensors = sensor_keys(data.table)
         self.observer = Observer(fmu, data.columns, data.table.time)
         self.runs, self.refused, self.done, self.stages = 0, "", 0, 1
         values = data.values
@@ -477,21 +598,50 @@ class _Search:
         for place, name in enumerate(data.columns):
             if name in data.noise:
                 self.sigma[:, place] = data.noise[name]
+        self._observed = functools.lru_cache(KEPT)(self._observe)
 
-    def computed(self, variables: Variables) -> Array:
-        """Columns that the scene computes, shape (rows, columns); NaN where it refuses the values."""
+    def _observe(self, point: tuple[tuple[str, float], ...], shifts: tuple[float, ...]) -> Array:
+        """Columns that the scene computes with keys, earlier by shifts, s; NaN where it refuses them."""
         self.runs += 1
-        point = {key.name: key.value(variables[name]) for name, key in self.keys.items()}
         try:
-            return self.observer(self.scene.with_keys(point))
+            return self.observer(self.scene.with_keys(dict(point)), shifts)
         except Refused as error:
             self.refused = str(error)
             return np.full(self.data.values.shape, np.nan)
 
+    def computed(self, variables: Variables) -> Array:
+        """Columns as sensors show them, shape (rows, columns); NaN where the scene refuses the values."""
+        values = {key.name: key.value(variables[name]) for name, key in self.keys.items()}
+        point = tuple(one for one in values.items() if one[0] not in self.sensors)
+        columns, all_late = self.data.columns, values.get(CLOCK, 0.0)
+        shifts = tuple(all_late + values.get(f"{SHIFT}.{name}", 0.0) for name in columns)
+        gains, offsets = (
+            [values.get(f"{kind}.{name}", usual) for name in columns]
+            for kind, usual in ((GAIN, 1.0), (OFFSET, 0.0))
+        )
+        return self._observed(point, shifts) * gains + offsets
+
     def residuals(self, variables: Variables) -> Array:
-        """Differences over noise, those that count, flat."""
+        """Differences over noise, those that count, flat; behind them those from what was known before."""
         differences = (self.computed(variables) - self.data.values) / self.sigma
-        return differences[self.data.counted]
+        known = [
+            (key.value(variables[name]) - key.start) / key.deviation
+            for name, key in self.keys.items()
+            if math.isfinite(key.deviation)
+        ]
+        return np.append(differences[self.data.counted], known)
+
+    def units_doubted(self) -> list[str]:
+        """Tell of columns that are as far from what the scene computes as it is as another unit is."""
+        computed = self.computed({name: key.variable(key.start) for name, key in self.keys.items()})
+        squares = np.maximum(np.sum(computed**2, axis=0), 1e-300)
+        gains = np.sum(self.data.values * computed, axis=0) / squares
+        found = []
+        for name, gain in zip(self.data.columns, gains, strict=True):
+            unit = wrong_unit(gain, self.data.table.units.get(name, ""), NEARLY)
+            if unit:
+                found.append(f"{name} is {gain:.3g} times what the scene computes as it is: perhaps {unit}")
+        return found
 
     def run(self, starts: int, seed: int) -> FitResult:
         """Look at points, search from the best of them, then find the noise."""
@@ -501,8 +651,9 @@ class _Search:
         computed, names = self.computed(_variables(best)), self.data.columns
         intervals = {name: self._interval(best, name) for name in best.var_names}
         parameters = [_fitted(key, best.params[name], intervals.get(name)) for name, key in self.keys.items()]
+        found = {one.name: one.value for one in parameters if one.name not in self.sensors}
         return FitResult(
-            scene=self.scene.with_keys({one.name: one.value for one in parameters}),
+            scene=self.scene.with_keys(found),
             parameters=parameters,
             correlations=_correlations(list(self.keys.values()), best),
             measurement=self.data,
@@ -510,10 +661,136 @@ class _Search:
             noise=dict(zip(names, np.sqrt(np.mean(self.sigma**2, axis=0)).tolist(), strict=True)),
             estimated=[name for name in names if name not in self.data.noise],
             chi_squared=float(best.redchi),
+            suspects=self._suspects(best, found),
+            units_doubted=[],
             same_end=(sum(bool(end.chisqr <= (1.0 + SAME) * ends[0].chisqr) for end in ends), len(ends)),
             runs=self.runs,
             ended=bool(best.success),
         )
+
+    def _suspects(self, best: Any, point: Mapping[str, float]) -> list[Suspect]:
+        """Suspects, freed in turn, what explains the most first; what changes nothing is none.
+
+        Args:
+            best: end of the search. point: its values of the scene's keys.
+        """
+        tried = []
+        known = best.residual.size - int(self.data.counted.sum())
+        place = np.append(np.nonzero(self.data.counted)[1], np.full(known, -1))
+        estimated = [name not in self.data.noise for name in self.data.columns]
+        left = Leftover(best.residual, place, estimated)
+        for key in map(self._count_stage, self._suspected(self.scene.with_keys(point))):
+            slopes = self._with(key)._valley(best, key)
+            if slopes is not None:
+                tried.append(self._suspect(left, best, key, *slopes))
+        tried.sort(key=lambda one: -one.evidence)
+        return tried
+
+    def _suspect(self, left: Leftover, best: Any, key: Free, slope: Array, along: Array) -> Suspect:
+        """A suspect freed, and fitted in full where it matters; slope, along: as of _valley."""
+        names, keys = [*best.var_names, key.identifier], {**self.keys, key.identifier: key}
+        low, high = key.limits
+        slopes, turn = np.column_stack([best.jac, slope]), np.eye(len(names))
+        turn[:-1, -1] = along
+        changes, spread, rest = left.solved(slopes, (low - 1.0, high - 1.0))
+        begun = [*(best.params[name].value for name in best.var_names), 1.0]
+        at = dict(zip(names, begun + turn @ changes, strict=True))
+        deviation = dict(zip(names, np.sqrt(np.diag(turn @ spread @ turn.T)), strict=True))
+        evidence, confirmed = left.evidence(rest), False
+        if not slope.any():
+            deviation[key.identifier] = math.inf
+        if evidence > WORTH and changes[-1]:
+            # near 1, as variables are to be
+            nearer = dataclasses.replace(key, span=key.span * changes[-1])
+            other = self._with(nearer)
+            other.sigma = self.sigma * left.scatter(rest)
+            try:
+                end = other._again(best, at | {key.identifier: 2.0})
+            except Refused:
+                # on its way it meets values that the scene refuses: it stays as near as is known
+                pass
+            else:
+                at, keys[key.identifier], confirmed = _variables(end), nearer, True
+                deviation = {name: float(end.params[name].stderr or math.inf) for name in names}
+                rest = self._with(nearer).residuals(at)
+                evidence = left.evidence(rest)
+        values = {
+            keys[name].name: (keys[name].value(at[name]), float(abs(keys[name].span) * deviation[name]))
+            for name in names
+        }
+        value, error = values.pop(key.name)
+        scatter = left.scatter(rest)
+        return Suspect(
+            name=key.name,
+            value=value,
+            error=error,
+            usual=key.start,
+            unit=key.unit,
+            of_unit=self.data.table.units.get(key.name.partition(".")[2], ""),
+            evidence=evidence,
+            chi_squared=(left.chi_squared(left.values, scatter), left.chi_squared(rest, scatter)),
+            answers=values,
+            autocorrelation=max(lag_one(rest[left.place == n]) for n in range(len(self.data.columns))),
+            confirmed=confirmed,
+        )
+
+    def _again(self, best: Any, at: Variables) -> Any:
+        """Search again with one more key free, from values by name; its noise found anew."""
+        held = [name for name in self.keys if name not in at]
+        start = {**_variables(best), **at}
+        for name, key in self.keys.items():
+            start[name] = float(np.clip(start[name], *key.limits))
+        for _ in range(AGAIN):
+            end = self._minimise(start, held)
+            start = _variables(end)
+            self._estimate_noise(start, len(end.var_names))
+        return end
+
+    def _suspected(self, scene: Scene) -> list[Free]:
+        """Suspects by the values that a scene has."""
+        return suspected(scene, self.sensors, [key.name for key in self.keys.values()])
+
+    def _with(self, key: Free) -> _Search:
+        """The search with one more key free, and weights of its own."""
+        other = copy.copy(self)
+        other.keys, other.sigma = {**self.keys, key.identifier: key}, self.sigma.copy()
+        return other
+
+    def _valley(self, best: Any, key: Free) -> tuple[Array, Array] | None:
+        """Slopes along a suspect while the others give way to it; None where it changes nothing.
+
+        A step that is as long as the data allow counts what a tangent does not: where the others make up for
+        nearly all of it, the little that is left is not of the curvature alone.
+
+        Returns:
+            (slopes of the residuals, shape (residuals,), 0 where the others make up for all of it; those of
+            the others, shape (variables of best,)).
+        """
+        start, (low, high) = np.array([best.params[name].value for name in best.var_names]), key.limits
+        along, back, found = np.zeros(start.size), -np.linalg.pinv(best.jac), None
+        step, longer = 1.0 if high > 1.0 else -1.0, 1e3
+        for _ in range(TRIES):
+            step = float(np.clip(step, max(low - 1.0, -LONGEST), min(high - 1.0, LONGEST)))
+            at = dict(zip(best.var_names, start + step * along, strict=True))
+            change = self.residuals({**_variables(best), **at, key.identifier: 1.0 + step}) - best.residual
+            if not np.isfinite(change).all():
+                # what the scene refuses, it may take nearer
+                step *= 0.1
+                continue
+            first, found = found is None, (step, change, along)
+            more = back @ change / step
+            size = float(np.linalg.norm(change + step * best.jac @ more))
+            if not first and 0.5 * CHANGE < size < 2.0 * CHANGE:
+                break
+            along = along + more
+            step *= float(np.clip(CHANGE / max(size, 1e-12), 1e-3, longer))
+            longer = 10.0
+        if found is None:
+            return None
+        step, change, along = found
+        if np.linalg.norm(change - step * best.jac @ along) < NO_CHANGE:
+            return None
+        return change / step * (np.linalg.norm(change) > NO_CHANGE), along
 
     def _starts(self, starts: int, seed: int) -> list[Variables]:
         """Points at which searches begin: of those looked at the best."""
@@ -523,25 +800,31 @@ class _Search:
             places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
         points = [{key.identifier: key.variable(float(at[key.name])) for key in keys} for at in places]
         self.stages = len(points) + min(SEARCHED, len(points)) + PASSES + len(self.keys)
+        self.stages += len(self._suspected(self.scene))
         costs = np.array([np.sum(self.residuals(point) ** 2) for point in map(self._count_stage, points)])
         if not np.isfinite(costs).any():
             raise Refused(f"the scene must take values of what is free, refuses all tried: {self.refused}")
         return [points[n] for n in np.argsort(costs)[:SEARCHED] if np.isfinite(costs[n])]
 
-    def _count_stage(self, point: Variables) -> Variables:
-        """Pass a point on, its stage counted as done."""
+    def _count_stage(self, begun: Stage) -> Stage:
+        """Pass on what a stage begins with, the stage counted as done."""
         self.done += 1
         self.progress(self.done / self.stages)
-        return point
+        return begun
 
     def _minimise(
-        self, start: Variables, held: Sequence[str] = (), steps: Any = STEP, slopes: str = "2-point"
+        self,
+        start: Variables,
+        held: Sequence[str] = (),
+        steps: Any = STEP,
+        slopes: str = "2-point",
+        enough: float = ENOUGH,
     ) -> Any:
         """Search from a start; the MinimizerResult of lmfit.
 
         Args:
             held: identifiers of what stays where it is. steps: of the differences, one or one a variable.
-            slopes: by differences to one side or, "3-point", to both.
+            slopes: by differences to one side or, "3-point", to both. enough: see ENOUGH.
         """
         import lmfit
 
@@ -560,13 +843,18 @@ class _Search:
             residuals, variables, scale_covar=not known, nan_policy="propagate", max_nfev=MOST_RUNS
         )
         try:
-            return minimizer.least_squares(
-                jac=slopes, diff_step=steps, x_scale="jac", tr_solver=solver, ftol=ENOUGH, xtol=ENOUGH
+            end = minimizer.least_squares(
+                jac=slopes, diff_step=steps, x_scale="jac", tr_solver=solver, ftol=enough, xtol=enough
             )
         except ValueError as error:
             raise Refused(
                 f"ranges must be such that the scene takes them: {self.refused or error}"
             ) from error
+        if not hasattr(end, "jac"):
+            # broken off it leaves no slopes: a last step gives them
+            end = self._minimise(_variables(end), held, steps, slopes, enough=0.5)
+            end.success = False
+        return end
 
     def _weighted(self, best: Any) -> Any:
         """The end with weights by the noise; what has no influence is put back to its start and held."""
@@ -610,9 +898,11 @@ class _Search:
         def excess(u: float) -> float:
             """Least chi-squared for a value of the variable, over what is allowed."""
             point = {**start, name: u}
-            if not steps:
-                return float(np.sum(self.residuals(point) ** 2)) - allowed
-            return float(self._minimise(point, held, list(steps.values()), "3-point").chisqr) - allowed
+            if not np.isfinite(least := np.sum(self.residuals(point) ** 2)):
+                return REFUSED
+            if steps:
+                least = self._minimise(point, held, list(steps.values()), "3-point").chisqr
+            return float(least) - allowed
 
         low, high = self.keys[name].limits
         found = _end(excess, start[name], -step, low), _end(excess, start[name], step, high)
