@@ -570,7 +570,10 @@ def design(
     Args:
         spec: a specification, or its file.
         output: folder, by default out/SPEC_design: what is computed there is not computed again.
-        fmu, scheduler, workers, progress: as of sweep.
+        fmu: as of sweep.
+        scheduler: as of sweep.
+        workers: as of sweep.
+        progress: as of sweep.
 
     Raises:
         SceneError: the specification is not as it must be, in one sentence.

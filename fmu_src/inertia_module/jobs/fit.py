@@ -551,7 +551,8 @@ def fit(
             best SEARCHED of all are starts of a search.
         seed: of these points: same seed, same result.
         output: folder, by default out/SCENE_fit.
-        fmu, progress: as of sweep.
+        fmu: as of sweep.
+        progress: as of sweep.
 
     Raises:
         Refused: the scene, the measurement or what is free is not as above, nothing free has an influence, or

@@ -449,8 +449,10 @@ def orders(
         of: "link1" or "pulses".
         signals: names of outputs, locals or signals of the loop, or of BEARING; without them those of SIGNALS
             that swing.
-        highest, turns: as of spectra.
-        begin, end: of the part of the run that is looked at, s; by default from where it turns to the end.
+        highest: as of spectra.
+        turns: as of spectra.
+        begin: of the part of the run that is looked at, s; by default where it turns.
+        end: likewise; by default that of the run.
         progress: told how much of the run is done (0 to 1).
         record: of a run of the scene, with these signals, input_speed and ANGLES, if there is one already.
 
