@@ -15,7 +15,6 @@ LONG = frozenset(
         "test_96_random_machines_with_losses_have_the_torque_and_efficiency_of_their_pulses",
         "test_axe_finds_no_serious_fault",
         "test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can_reach_them",
-        *(f"test_averaged_keeps_its_energies_with_losses[1-{number}]" for number in (487, 1064, 1300)),
         "test_coupling_tends_to_the_one_piece_reference[bevel-0.5-implicit ramp-0.0001-1.9e-05]",
         "test_coupling_tends_to_the_one_piece_reference[bevel-5.0-None-0.00125-1e-09]",
         "test_coupling_tends_to_the_one_piece_reference[planar-0.3-None-0.00125-1e-09]",
