@@ -77,3 +77,28 @@ def test_standstill_can_be_left_and_come_back_to(compiled, scene, omega1):
     advanced(module, 10.0, omega1=0.0, load_torque=50.0)
     assert module["omega2"] == module["omega_out"] == 0.0
     assert module["contact_mode"] == HELD_DRIVING
+
+
+@motions(LEVELS, added=("ideal", "losses", "wind-up"), missing=tuple(FREEWHEELS)[1:], drives=("speed",))
+def test_duty_of_the_freewheels_is_that_of_a_record_in_short_steps(compiled, scene):
+    whole = advanced(started(compiled, scene), 0.2, 0.1)
+    module = advanced(started(compiled, scene), 0.2)
+    there = {"housing": scene.get("housing_freewheel", True), "output": scene.get("output_freewheel", True)}
+    before = module["contact_mode"]
+    counts = {name: module[f"{name}_engagements"] for name in there}
+    torque, housing_slip, output_slip = 0.0, 0.0, 0.0
+    for _ in range(1000):
+        module.advance(1e-4)
+        mode = module["contact_mode"]
+        for name, engaged in (("housing", (HELD, HELD_DRIVING)), ("output", (DRIVING, HELD_DRIVING))):
+            counts[name] += mode in engaged and before not in engaged
+        before = mode
+        torque = max(torque, abs(module["housing_torque"]))
+        housing_slip = max(housing_slip, module["omega2"])
+        output_slip = max(output_slip, module["omega_hub"] - module["omega2"])
+    for name, number in counts.items():
+        # two switches within a step of the record are not seen in it
+        assert number <= whole[f"{name}_engagements"] <= number + 2
+    assert whole["housing_torque_peak"] == pytest.approx(torque, rel=0.02, abs=1e-9)
+    assert whole["housing_slip_peak"] == pytest.approx(housing_slip * there["housing"], rel=0.01)
+    assert whole["output_slip_peak"] == pytest.approx(output_slip * there["output"], rel=0.01, abs=1e-9)

@@ -36,10 +36,11 @@ NOW = (
 # reduced inertia at an angle of the drive: I, I', B, G
 INERTIA = ("i", "i1", "b", "g")
 # of the communication step in hand, or the last one: impulses, angle of the output, energy lost, how many
-# moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torque
+# moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torques and slips
 SUMS = (
     *("input_impulse", "output_impulse", "housing_impulse", "output_square", "turned3", "step_lost"),
     *("step_switches", "step_evaluations", "seen", "largest_square", "torque_peak"),
+    *("housing_torque_peak", "housing_slip_peak", "output_slip_peak"),
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 
@@ -57,7 +58,8 @@ STATE = (
     *(("lost", CAUSES), ("lost_low", CAUSES)),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
     "torque_ripple",
-    *("switches", "evaluations", "output_angle", "output_angle_low", "output_turns"),
+    *("switches", "housing_engagements", "output_engagements"),
+    *("evaluations", "output_angle", "output_angle_low", "output_turns"),
     # the communication step in hand, or the last one: its length, the state it began with, moments of it
     *("length", "begin_q", "begin_omega2"),
     *("begin_theta1", "begin_input_turns", "begin_drive_turns", ("moments", MOMENT, MOMENTS)),

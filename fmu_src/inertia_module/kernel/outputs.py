@@ -85,6 +85,8 @@ def write_outputs(x, y):
     y.output_flange_angle = x.output_angle + TWO_PI * x.output_turns
     y.contact_mode = x.mode
     y.contact_switches = x.switches
+    y.housing_engagements = x.housing_engagements
+    y.output_engagements = x.output_engagements
     y.rhs_evaluations = x.evaluations
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
@@ -97,6 +99,9 @@ def write_late_outputs(d, x, y):
     """Outputs and locals that take more work than some steps do: torques, audit, imbalance."""
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak
+    y.housing_torque_peak = x.housing_torque_peak
+    y.housing_slip_peak = d.housing * x.housing_slip_peak
+    y.output_slip_peak = d.output * x.output_slip_peak
     stored = x.energy_stored if is_audited(d) else stored_energy(d, x)
     passed = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored

@@ -92,6 +92,7 @@ def start(p, d, u, x, y, w):
     else:
         follow_parameters(d, x)
         x.step_mode = x.mode
+        x.housing_engagements = x.output_engagements = 0.0
         if d.method == TIMESTEPPING:
             write_inertia(d, x.q, x.here)
     x.energy_start = stored_energy(d, x)

@@ -7,7 +7,7 @@ import math
 
 from ..links import prescribed_at_input, torque_scale
 from .motion import evaluate, recall, take_state
-from .states import GEARED, LOCKED, OPEN, WOUND, are_allowed, contact_mode, is_rough
+from .states import GEARED, LOCKED, OPEN, WOUND, are_allowed, contact_mode, count_engagements, is_rough
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -166,6 +166,7 @@ def choose_states(d, x, before_misses):
     x.rates_cached = 0.0 if d.losses != 0.0 else 1.0
     mode = contact_mode(x)
     if mode != x.mode:
+        count_engagements(x, x.mode, mode)
         x.mode = mode
         x.step_switches += 1.0
 

@@ -21,6 +21,14 @@ def contact_mode(x):
     return FREE if x.output_state == OPEN else DRIVING
 
 
+def count_engagements(x, before, mode):
+    """Count the freewheels that are engaged in this contact mode and were not in the one before."""
+    if mode == HELD or mode == HELD_DRIVING:
+        x.housing_engagements += 1.0 if before == FREE or before == DRIVING else 0.0
+    if mode == DRIVING or mode == HELD_DRIVING:
+        x.output_engagements += 1.0 if before == HELD or before == FREE else 0.0
+
+
 def is_wound(x):
     """Tell whether a freewheel is locked by its spring."""
     return x.housing_state == WOUND or x.output_state == WOUND

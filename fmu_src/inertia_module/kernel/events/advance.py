@@ -76,12 +76,17 @@ def commit(d, x, w):
     x.turned3 += change.turned3
 
 
-def see_peak(x, w, sigma):
-    """See the output torque at the stages up to this part of the step in hand; those beyond have none."""
+def see_peaks(x, w, sigma):
+    """See torques and slips of the freewheels at the stages up to this part of the step in hand."""
     pair = int(w.pair)
     for n in range(last_stage(pair) + 1):
         if NODES[pair + n] <= sigma:
             x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
+            x.housing_torque_peak = max(x.housing_torque_peak, abs(w.rates[n].housing))
+            if x.housing_state == OPEN:
+                x.housing_slip_peak = max(x.housing_slip_peak, w.watched[HOUSING].value[n])
+            if x.output_state == OPEN:
+                x.output_slip_peak = max(x.output_slip_peak, w.watched[OUTPUT].value[n])
 
 
 def meet(d, x, which):
@@ -178,7 +183,7 @@ def take_over(d, x, w, sigma):
         balance(d, x, w)
         x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     commit(d, x, w)
-    see_peak(x, w, kept)
+    see_peaks(x, w, kept)
 
 
 def pass_event(d, x, which):

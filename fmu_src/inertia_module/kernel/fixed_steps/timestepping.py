@@ -11,7 +11,7 @@ from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
 from ..codes import DRIVING, HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
 from ..equations.choice import choose_states
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH
-from ..equations.states import is_rough
+from ..equations.states import count_engagements, is_rough
 from ..impulse import settle
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
@@ -216,7 +216,8 @@ def finish(d, x, w, h):
     wrap_input_angle(x)
     w.end2 = end2
     mesh = mesh_impulse(d, x, w, h)
-    x.housing_impulse += d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + w.output - mesh
+    housing = d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + w.output - mesh
+    x.housing_impulse += housing
     if d.losses != 0.0:
         w.weighed += w.weighing
         add_loss(x, MESH, (1.0 - w.journal_share) * w.lost_by_load)
@@ -230,11 +231,15 @@ def finish(d, x, w, h):
     x.output_impulse += w.output
     x.output_square += w.output * w.output / h
     x.torque_peak = max(x.torque_peak, abs(w.output) / h)
+    x.housing_torque_peak = max(x.housing_torque_peak, d.housing * abs(housing) / h)
+    x.housing_slip_peak = max(x.housing_slip_peak, end2)
+    x.output_slip_peak = max(x.output_slip_peak, end3 - end2)
     copy(x.here.numbers, w.end.numbers)
     x.friction = w.friction
     x.omega1 = w.end1
     x.omega2 = end2
     if w.mode != x.step_mode:
+        count_engagements(x, x.step_mode, w.mode)
         x.step_mode = w.mode
         x.step_switches += 1.0
 
@@ -296,6 +301,8 @@ def run_timestepping(d, x, w, h):
         sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
     switches, evaluations = x.step_switches, x.step_evaluations
+    engagements = x.housing_engagements, x.output_engagements
     choose_states(d, x, 0.0)
     x.step_switches, x.step_evaluations = switches, evaluations
+    x.housing_engagements, x.output_engagements = engagements
     return OK
