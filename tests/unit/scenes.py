@@ -95,6 +95,7 @@ WIND_UP = {
     "freewheel_stiffness": 1e4,
     "freewheel_damping": 1.0,
 }
+PLAY = {"housing_engagement_angle": 0.0175, "output_engagement_angle": 0.03}
 ACCOUNTS = [
     f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel", "windage")
 ]
@@ -115,7 +116,13 @@ ADDED = {
     "friction": LOSSES["viscous"],
     "losses": ALL_LOSSES | GEARS,
     "wind-up": ALL_LOSSES | WIND_UP,
+    "play": PLAY,
+    "worn": ALL_LOSSES | WIND_UP | PLAY,
 }
+
+
+# ... only a shaft has
+SPRINGS = ("wind-up", "worn")
 
 
 def mechanism(text):
@@ -135,7 +142,7 @@ def motions(levels=tuple(LEVELS), added=tuple(ADDED), missing=tuple(FREEWHEELS)[
         scene = DRIVES[drive][layout] | LEVELS[level]
         name = f"{layout}-{drive}-{level}"
         for more in added:
-            if more != "wind-up" or level == "elastic":
+            if level == "elastic" or (more not in SPRINGS and (more != "play" or level != "kinematic")):
                 rows.append(pytest.param(scene | ADDED[more], id=f"{name}-{more}"))
         if level not in ("kinematic", "averaged"):
             for freewheels in missing:

@@ -49,17 +49,20 @@ def audit_bound(module):
 
 
 def assert_freewheels_hold(module, tiny):
-    """That no freewheel pulls, and none slips that is closed, in a module without drag and wind-up."""
+    """That no freewheel pulls, and none slips that is closed, in a module without drag and wind-up.
+
+    Within its play one slips back.
+    """
     house, clutch = module["housing_torque"], module["output_torque"]
     slip = module["omega_hub"] - module["omega2"]
     if module["housing_freewheel"]:
-        assert module["omega2"] >= 0.0
+        assert module["omega2"] >= 0.0 or module["housing_engagement_angle"] > 0.0
         assert house >= -tiny
         assert module["omega2"] * house == 0.0
     else:
         assert house == 0.0
     if module["output_freewheel"]:
-        assert slip >= 0.0
+        assert slip >= 0.0 or module["output_engagement_angle"] > 0.0
         assert clutch >= -tiny
         assert slip * clutch == 0.0
     else:
@@ -70,6 +73,7 @@ def assert_freewheels_hold(module, tiny):
 def test_energies_balance_and_freewheels_only_push(compiled, scene):
     module = started(compiled, scene, tolerance=1e-8)
     ideal = not any(name in scene for name in ("housing_drag", "housing_stiffness"))
+    impacts = "housing_engagement_angle" in scene
     last = dict.fromkeys((*COUNTERS, *ACCOUNTS, "energy_residual"), 0.0)
     energy = passed(module)
     for _ in led(module, STEPS):
@@ -89,7 +93,7 @@ def test_energies_balance_and_freewheels_only_push(compiled, scene):
     assert (module["energy_lost_shaft"] > 0.0) == elastic
     assert (module["energy_lost_viscous"] > 0.0) == ("drive_friction" in scene)
     others = [module[f"energy_lost_{cause}"] > 0.0 for cause in ("mesh", "journal", "freewheel")]
-    assert others == [not ideal] * 3
+    assert others == [not ideal, not ideal, impacts or not ideal]
 
 
 @motions()

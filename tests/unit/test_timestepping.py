@@ -65,7 +65,7 @@ def largest_gain(kernel, motion, step):
     return gain / energy
 
 
-@motions(levels=FIXED_STEPS)
+@motions(levels=FIXED_STEPS, added=("ideal", "gears", "friction", "losses", "wind-up"))
 def test_fixed_steps_come_to_what_events_say(compiled, scene):
     exact = advanced(started(compiled, scene, method=0, max_step=0.0, tolerance=1e-9), 0.05)
     energy, errors = passed(exact), []

@@ -54,6 +54,11 @@ MESSAGES: Mapping[int, str] = {
         f"with {named('method')} (timestepping) housing_stiffness and freewheel_stiffness must be 0, are"
         " {housing_stiffness} and {freewheel_stiffness}: only the event method winds freewheels up"
     ),
+    codes.NO_PLAY: (
+        f"with {named('fidelity')} (kinematic) housing_engagement_angle and output_engagement_angle must be"
+        " 0, are {housing_engagement_angle} and {output_engagement_angle}: the motion is prescribed, so no"
+        " freewheel engages"
+    ),
     codes.EVENTS_ONLY: (
         f"with {named('fidelity', 'method')} windage must be 0, is {{windage}}: fidelity 0 (kinematic),"
         " 2 (rigid) and 3 (elastic) have it, with method 0 (event)"

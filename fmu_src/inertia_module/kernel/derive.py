@@ -103,17 +103,21 @@ def derive_general(d):
     d.output_drag_viscous *= d.output
     d.housing_stiffness *= d.elastic * d.housing
     d.freewheel_stiffness *= d.elastic * d.output
+    d.housing_engagement_angle *= d.housing
+    d.output_engagement_angle *= d.output
+    d.plays = 1.0 if d.housing_engagement_angle + d.output_engagement_angle > 0.0 else 0.0
+    d.turning = 1.0 if d.plays + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
     if d.housing_stiffness == 0.0:
         d.housing_damping = 0.0
     if d.freewheel_stiffness == 0.0:
         d.freewheel_damping = 0.0
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
-    d.losses = 1.0 if by_load(d) + drag + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+    d.losses = 1.0 if by_load(d) + drag + d.turning > 0.0 else 0.0
     d.averaged = 1.0 if d.fidelity == codes.AVERAGED else 0.0
     d.lossy = 0.0
     if d.averaged != 0.0:
         # its own equations; the weights' mean over turns of link 1 is nothing
-        d.lossy = 1.0 if d.viscous + by_load(d) - d.weight + drag > 0.0 else 0.0
+        d.lossy = 1.0 if d.viscous + by_load(d) - d.weight + drag + d.plays > 0.0 else 0.0
         d.weight = 0.0
 
 
@@ -193,8 +197,8 @@ def derive(p, d):
         d: derived constants, written; it begins with the fields of p.
 
     Returns:
-        Status: OK, WIND_UP_STEPPED, EVENTS_ONLY, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER, SINGULAR or
-        a BAD_START code.
+        Status: OK, NO_PLAY, WIND_UP_STEPPED, EVENTS_ONLY, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER,
+        SINGULAR or a BAD_START code.
     """
     for n in range(len(p.numbers)):
         d.numbers[n] = p.numbers[n]
@@ -244,7 +248,7 @@ def derive(p, d):
         if not d.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
             return codes.NO_INPUT_INERTIA
     if d.fidelity == codes.KINEMATIC:
-        return codes.OK
+        return codes.NO_PLAY if d.plays != 0.0 else codes.OK
     if d.method == codes.TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
         return codes.WIND_UP_STEPPED
     if (d.method == codes.TIMESTEPPING or d.fidelity == codes.AVERAGED) and only_by_events(d) > 0.0:

@@ -104,7 +104,8 @@ def run_events(d, x, w, h):
             if w.stops != 0.0:
                 copy(w.kept.numbers, x.numbers)
             changed = choose_next_states(d, x)
-            if changed and w.stops != 0.0 and time > SHORTEST * h:
+            switched = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
+            if changed and switched and w.stops != 0.0 and time > SHORTEST * h:
                 copy(x.numbers, w.kept.numbers)
                 x.switching = 1.0
                 x.length = x.held_step = time

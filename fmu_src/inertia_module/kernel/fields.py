@@ -16,7 +16,7 @@ DENSE = 7
 # ... of the stiff step, and how many quantities it solves for
 SOLVED, MOVING = 8, 9
 # their guards, and the satellites that may have one each (equations.satellites.MANY)
-GUARDS, SATELLITES = 4, 50
+GUARDS, SATELLITES = 6, 50
 # causes of losses
 CAUSES = len(losses.CAUSES)
 # knots of the averaged map at most, for one sign of omega1
@@ -28,7 +28,11 @@ MOMENTS = 8
 
 # motion of an instant, and what is kept of it from one step to the next: accelerations, torques, angular
 # momentum and kinetic energy of links 1 and 2 and the imbalances
-MOTION = ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output")
+MOTION = (
+    *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
+    # play that is left until a freewheel which has overrun carries again
+    *("play_housing", "play_output"),
+)
 NOW = (
     *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
     *("momentum", "energy"),
@@ -106,7 +110,8 @@ MACHINE = (
 )
 
 # what the equations of motion follow by events: speeds and angles; impulses of M1, Th and Tc, integral of
-# Tc^2; angle of the output, work of M1 and losses by cause. An ideal module of rigid output has the first 12
+# Tc^2; angle of the output, work of M1 and losses by cause; angles by which freewheels turn back, into their
+# play or their springs. An ideal module of rigid output has the first 12
 FOLLOWED = (
     *("q", "omega1", "omega2", "omega3", "drive", "housing", "output", "square"),
     *("theta1", "turned3", "work_in", ("lost", CAUSES)),
@@ -130,6 +135,8 @@ CONSTANTS = (
     *("averaged", "lossy"),
     # what only the general equations of motion know, and whether any of it is there (kernel.equations)
     *("losses", "mesh_loss", "satellite_loss", "weight", "number"),
+    # whether freewheels have play, and whether angles of theirs are followed: play, wind-up
+    *("plays", "turning"),
     *("turn_across", "turn_along"),
     ("machine", MACHINE),
     # averaged: rates of an instant (see averaged.rates); the map

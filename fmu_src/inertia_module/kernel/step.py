@@ -84,6 +84,9 @@ def start(p, d, u, x, y, w):
     wrap_drive_angle(d, x)
     x.omega2 = d.omega2_start
     x.omega3 = d.omega_out_start
+    # a freewheel that overruns has done so before
+    x.play_housing = d.housing_engagement_angle if x.omega2 > 0.0 else 0.0
+    x.play_output = d.output_engagement_angle if x.omega3 > x.omega2 else 0.0
     if d.fidelity == AVERAGED:
         x.omega1 = speed_at_start(d, x)
         end_step(d, x)

@@ -48,6 +48,8 @@ AT_REST = 1e-9
 FIRST_PHASE = 1.0
 # the motion begins so much phase of the highest harmonic before link 2 is thrown hardest
 HEAD_START = 0.5
+# events in a row after each of which the drive has not come further, until it does not come to the end
+MOST_IDLE = 100
 # what is looked for the largest of: torque of lock-up, momentum of link 2 at rest; thrown from there its
 # speed, and how near it comes to that of link 1
 LOCK, MOMENTUM, THROWN, NEAREST = 0, 1, 2, 3
@@ -194,9 +196,9 @@ def find_largest(d, side, which):
     return best_q, best
 
 
-def angle_travelled(x):
-    """Angle of the drive since the sums were begun, rad, without sign."""
-    return abs(x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns))
+def angle_travelled(x, direction):
+    """Angle of the drive since the sums were begun, rad, in its direction."""
+    return direction * (x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns))
 
 
 def follow(d, x, w, length):
@@ -207,23 +209,29 @@ def follow(d, x, w, length):
     """
     direction = math.copysign(1.0, x.omega1 - x.omega2)
     time = energy = 0.0
-    left = length
+    left = least = length
     limit = NO_LIMIT
+    idle = 0
     for _ in range(MOST_STEPS):
         copy(w.kept.numbers, x.numbers)
         passed, event = advance_general(d, x, w, limit)
         if passed < 0.0:
             return -1.0, 0.0
-        rest = length - angle_travelled(x)
-        slip = x.omega1 - x.omega2
+        rest = length - angle_travelled(x, direction)
+        slip = direction * (x.omega1 - x.omega2)
         if rest < -END * length:
             # back, and no further than at the present speed: exact where link 2 is held or drives
             copy(x.numbers, w.kept.numbers)
             limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
             continue
-        if not direction * slip > AT_REST * (abs(x.omega1) + abs(x.omega2)):
+        # in its play link 2 may be as fast as link 1 or faster for a while: the drive rests, or turns back
+        still = AT_REST * (abs(x.omega1) + abs(x.omega2))
+        waits = d.plays != 0.0 and idle < MOST_IDLE and (event or slip < -still)
+        if not slip > still and not waits:
             return -1.0, 0.0
         if event:
+            idle = idle + 1 if rest > least else 0
+            least = min(least, rest)
             choose_next_states(d, x)
             # what was locked for long moves at once now: the size of its last steps, long ago, says nothing
             x.sized_mode = x.mode
@@ -256,10 +264,11 @@ def add_part(d, x, w, q, direction, length, before):
     Returns:
         Whether it comes to its end: the drive does not come to rest in link 1.
     """
-    omega2 = x.omega2
-    omega3 = x.omega3
+    omega2, omega3 = x.omega2, x.omega3
+    play_housing, play_output = x.play_housing, x.play_output
     for n in range(len(x.numbers)):
         x.numbers[n] = 0.0
+    x.play_housing, x.play_output = play_housing, play_output
     x.q = q % d.period
     x.omega1 = (
         direction
@@ -290,7 +299,7 @@ def add_part(d, x, w, q, direction, length, before):
     w.sum_energy += energy
     w.sum_gain += kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - start
     w.sum_omega1 += turned
-    w.sum_omega2 += turned - direction * angle_travelled(x) / d.k
+    w.sum_omega2 += turned - direction * angle_travelled(x, direction) / d.k
     w.sum_peak = max(w.sum_peak, x.torque_peak)
     for cause in range(len(x.lost)):
         w.sum_lost[cause] += x.lost[cause]
@@ -340,6 +349,9 @@ def find_steady(d, x, w, side, ratio):
     # energy at the beginning
     gain_by_work = gain_by_energy = energy_by_work = energy_by_energy = 0.0
     work = energy = fading = 0.0
+    # link 2 rests, the output overruns
+    x.play_housing = 0.0
+    x.play_output = d.output_engagement_angle
     for _ in range(PERIODS):
         if d.map_evaluations > MOST_EVALUATIONS or not add_period(d, x, w, side, ratio, begin):
             return False

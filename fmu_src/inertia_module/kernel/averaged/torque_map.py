@@ -66,6 +66,8 @@ FASTEST = 1.2
 SHORTEST = 1e-4
 # share of the ratio in which the torque goes to zero at least, where the pulses fail at once
 RAMP = 0.02
+# ... share of the last ratio from which on links with play may stick together before lock-up, for good
+NEARLY = 0.9
 # the first motion of links that crawl
 CRAWLING = MOTIONS - 2
 # share of the largest torque that stands for a stall torque of nothing
@@ -247,12 +249,14 @@ def end_map(p, d, w, side, end):
     count = int(side.count)
     last = side.knots[count - 1]
     if side.locks != 0.0:
-        if d.by_torque != 0.0:
+        if d.by_torque != 0.0 or last.ratio < end:
             # there both turn alike, faster than link 1 on average before where it is light
-            ratio = max(last.value[INPUT], last.ratio * (1.0 + LAST_SLIP))
+            ratio = end
             knot = w.knot
             copy(knot.numbers, last.numbers)
-            knot.ratio = knot.value[INPUT] = ratio
+            if d.by_torque != 0.0:
+                ratio = knot.value[INPUT] = max(last.value[INPUT], last.ratio * (1.0 + LAST_SLIP))
+            knot.ratio = ratio
             set_losses(p, d, 1.0 / side.slow if side.slow > 0.0 else 0.0)
             for m in range(MOTIONS):
                 knot.value[OMEGA2 + m] = ratio
@@ -283,7 +287,7 @@ def add_first_knots(p, d, w, side, most):
     """Find knots from ratio 0 up to the last one at which there is a steady motion, at most this one.
 
     Returns:
-        Whether there are any, and where the speed of link 1 is given all.
+        Whether there are any, and where the speed of link 1 is given all but those next to lock-up.
     """
     if not add_knot(p, d, w, side, 0, 0.0):
         return False
@@ -293,11 +297,12 @@ def add_first_knots(p, d, w, side, most):
         following = ratio + step if ratio + 1.5 * step < most else most
         if add_knot(p, d, w, side, int(side.count), following):
             ratio = following
-        elif d.by_torque == 0.0:
+        elif d.by_torque + d.plays == 0.0:
             return False
         else:
             step *= 0.5
-    return d.map_evaluations <= MOST_EVALUATIONS
+    complete = d.by_torque != 0.0 or ratio >= NEARLY * most
+    return complete and d.map_evaluations <= MOST_EVALUATIONS
 
 
 def extend(p, d, w, side):
@@ -359,7 +364,7 @@ def build_side(p, d, w, side, allowed):
             break
         middle = 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio)
         if not add_knot(p, d, w, side, n + 1, middle):
-            if d.by_torque == 0.0:
+            if d.by_torque + d.plays == 0.0:
                 return False
             side.knots[n].error = 0.0
     if side.count > 1.0:

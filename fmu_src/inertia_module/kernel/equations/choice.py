@@ -1,13 +1,25 @@
 """Complementarity problem: try every combination of states, take the one that violates no condition.
 
 0 <= omega2 _|_ Th + drag >= 0      0 <= omega3 - omega2 _|_ Tc + drag >= 0      slip _|_ what friction leaves
+
+A freewheel with play left takes no torque but its drag, and may slip either way.
 """
 
 import math
 
 from ..links import prescribed_at_input, torque_scale
 from .motion import evaluate, recall, take_state
-from .states import GEARED, LOCKED, OPEN, WOUND, are_allowed, contact_mode, count_engagements, is_rough
+from .states import (
+    CLOSING,
+    GEARED,
+    LOCKED,
+    OPEN,
+    WOUND,
+    are_allowed,
+    contact_mode,
+    count_engagements,
+    is_rough,
+)
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -22,18 +34,20 @@ ROUNDING = 1e-14
 RELAXED = 1e-12
 
 
-def worst_of_freewheel(state, drag, torque, speed, push, wound):
+def worst_of_freewheel(state, drag, torque, speed, push, wound, play):
     """By how much a freewheel misses its condition, N m.
 
     A spring that is wound up is there: it settles on less than the drag, or lets go.
 
     Args:
-        push: torque that its slip accelerates with. wound: of its spring, rad.
+        push: torque that its slip accelerates with. wound: of its spring, rad. play: left, rad.
     """
     if state == OPEN:
         return -push if speed <= 0.0 else 0.0
+    if state == CLOSING:
+        return push if speed == 0.0 else 0.0
     if state == LOCKED:
-        return -torque - drag
+        return max(-torque - drag, torque) if play > 0.0 else -torque - drag
     return push if wound == 0.0 and speed == 0.0 and drag == 0.0 else 0.0
 
 
@@ -63,13 +77,13 @@ def violation(d, x, prescribed, load):
     torques += d.housing_drag + d.output_drag
     if d.housing != 0.0:
         state, push, wound = x.housing_state, inertia * m.alpha2, m.wound_housing
-        missing = worst_of_freewheel(state, d.housing_drag, m.housing, m.omega2, push, wound)
+        missing = worst_of_freewheel(state, d.housing_drag, m.housing, m.omega2, push, wound, m.play_housing)
         worst = max(worst, missing / torques, relaxed(state, d.housing_drag, wound, m.omega2))
     if d.output != 0.0:
         torques += (abs(load) if d.elastic == 0.0 else 0.0) + inertia * abs(m.alpha3)
         slip = m.omega3 - m.omega2
         state, push, wound = x.output_state, inertia * (m.alpha3 - m.alpha2), m.wound_output
-        missing = worst_of_freewheel(state, d.output_drag, m.output, slip, push, wound)
+        missing = worst_of_freewheel(state, d.output_drag, m.output, slip, push, wound, m.play_output)
         worst = max(worst, missing / torques, relaxed(state, d.output_drag, wound, slip))
     return worst
 
@@ -84,14 +98,20 @@ def take_speeds(x):
         x.omega3_low = x.omega2_low
 
 
+def with_play(state, play):
+    """State of a freewheel: where play is left there is no spring to wind up, and it may close."""
+    return CLOSING if state == WOUND and play > 0.0 else state
+
+
 def try_combination(d, x, number):
-    """Set the states of this number, 0 to 26, in x. Returns whether speeds and wind-up allow them.
+    """Set the states of this number, 0 to 26, in x. Returns whether speeds, wind-up and play allow them.
 
     Of equals the first is taken: link 2 stays held, a shaft that nothing pulls away touches it then, and only
     then.
     """
-    x.housing_state = float((number // 3 + 1) % 3)
-    x.output_state = float(number % 3 if x.housing_state == OPEN else (number + 1) % 3)
+    housing = float((number // 3 + 1) % 3)
+    x.housing_state = with_play(housing, x.play_housing)
+    x.output_state = with_play(float(number % 3 if housing == OPEN else (number + 1) % 3), x.play_output)
     x.slip_sign = float(number // 9 - 1)
     return are_allowed(d, x)
 

@@ -159,6 +159,8 @@ def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
     if held:
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold
         m.mesh = min(d.k * ideal, resisting + d.housing_drag)
+        if m.play_housing > 0.0:
+            m.mesh = max(m.mesh, resisting)
         if d.by_torque != 0.0:
             m.mesh = prescribed - rest1
     m.journals = journals

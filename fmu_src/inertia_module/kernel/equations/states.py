@@ -10,15 +10,22 @@ IDEAL, LOSSY = 0, 1
 OPEN = 0.0
 LOCKED = 1.0
 WOUND = 2.0
+# ... turning back through its play: it has overrun, and carries nothing until the play is used up
+CLOSING = 4.0
 # fidelity kinematic: the output keeps link 2 at its prescribed ratio to link 1, and no freewheel takes part
 GEARED = 3.0
 
 
+def is_open(state):
+    """Tell whether a freewheel carries nothing in this state."""
+    return state == OPEN or state == CLOSING
+
+
 def contact_mode(x):
     """The contact mode by what the freewheels do."""
-    if x.housing_state != OPEN:
-        return HELD if x.output_state == OPEN else HELD_DRIVING
-    return FREE if x.output_state == OPEN else DRIVING
+    if not is_open(x.housing_state):
+        return HELD if is_open(x.output_state) else HELD_DRIVING
+    return FREE if is_open(x.output_state) else DRIVING
 
 
 def count_engagements(x, before, mode):
@@ -43,6 +50,8 @@ def may_be_housing(d, x):
     """Tell whether the housing freewheel may be in its state with these speeds."""
     if d.housing == 0.0:
         return x.housing_state == OPEN
+    if x.play_housing > 0.0:
+        return may_be_in_play(x.omega2, d.housing_drag, x.housing_state)
     return may_be(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
 
 
@@ -50,11 +59,20 @@ def may_be_output(d, x):
     """Tell whether the output freewheel may be in its state; without one link 2 is locked to the output."""
     if d.output == 0.0:
         return x.output_state == LOCKED
+    if x.play_output > 0.0:
+        return may_be_in_play(x.omega3 - x.omega2, d.output_drag, x.output_state)
     return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
 
 
+def may_be_in_play(speed, drag, state):
+    """Tell whether a freewheel with play left may be in this state: locked it is by its drag alone."""
+    if state == LOCKED:
+        return speed == 0.0 and drag > 0.0
+    return speed >= 0.0 if state == OPEN else speed <= 0.0
+
+
 def may_be(speed, stiffness, wound, state):
-    """Tell whether a freewheel of this speed and wind-up may be in this state."""
+    """Tell whether a freewheel of this speed and wind-up, without play, may be in this state."""
     if stiffness != 0.0 and (wound != 0.0 or speed < 0.0):
         return state == WOUND
     if state == OPEN:

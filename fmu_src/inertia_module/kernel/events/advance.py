@@ -6,11 +6,23 @@ from ..equations.choice import take_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
 from ..equations.motion import recall, take_state
 from ..equations.satellites import with_sign_changed
-from ..equations.states import LOCKED, OPEN, WOUND, is_wound
+from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_wound
 from ..fields import CAUSES
+from ..impulse import close_freewheels, holds_link2
 from ..loads import INSIDE_PHASE, sample_load
 from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS, last_stage
-from .guards import FLOW, HOUSING, OUTPUT, SLIP, SPIN, is_speed, value_and_rate
+from .guards import (
+    FLOW,
+    HOUSING,
+    HOUSING_BACK,
+    OUTPUT,
+    OUTPUT_BACK,
+    SLIP,
+    SPIN,
+    is_play,
+    is_speed,
+    value_and_rate,
+)
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
 from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
@@ -18,6 +30,8 @@ from .step_size import AFRESH, longest_step, size_afresh, try_short_step, try_st
 
 # stage inside the step at which the force on the bearing is seen
 SEEN = 9
+# least play that is one, rad
+NO_PLAY = 1e-300
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
 SHORT_GROWTH = 1.05
 
@@ -44,6 +58,25 @@ def balance(d, x, w):
         change.work_in = x.omega1 * change.drive
 
 
+def turn_back(d, x, change):
+    """Take over by how much freewheels have turned back: into their springs, or out of and into their play.
+
+    One that overruns has its whole play at most; one that closes has some left until that is an event.
+    """
+    if x.housing_state == WOUND:
+        x.wound_housing += change.wound_housing
+    else:
+        x.play_housing = min(x.play_housing - change.wound_housing, d.housing_engagement_angle)
+    if x.output_state == WOUND:
+        x.wound_output += change.wound_output
+    else:
+        x.play_output = min(x.play_output - change.wound_output, d.output_engagement_angle)
+    if x.housing_state == CLOSING:
+        x.play_housing = max(x.play_housing, NO_PLAY)
+    if x.output_state == CLOSING:
+        x.play_output = max(x.play_output, NO_PLAY)
+
+
 def commit(d, x, w):
     """Take the step in hand over, with its sums."""
     change = w.change
@@ -65,8 +98,7 @@ def commit(d, x, w):
     if d.viscous != 0.0:
         add_loss(x, VISCOUS, change.lost[VISCOUS])
     if d.losses != 0.0:
-        x.wound_housing += change.wound_housing
-        x.wound_output += change.wound_output
+        turn_back(d, x, change)
         for cause in range(MESH, CAUSES):
             add_loss(x, cause, change.lost[cause])
     x.input_impulse += change.drive
@@ -92,11 +124,11 @@ def see_peaks(x, w, sigma):
 def meet(d, x, which):
     """Set a speed that has met its limit there exactly."""
     x.rates_cached = 0.0
-    if which == HOUSING:
+    if which == HOUSING or which == HOUSING_BACK:
         x.omega2 = 0.0
         x.omega2_low = 0.0
-    elif which == OUTPUT:
-        if x.housing_state == LOCKED or (d.housing != 0.0 and d.housing_stiffness == 0.0 and x.omega3 < 0.0):
+    elif which == OUTPUT or which == OUTPUT_BACK:
+        if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
             x.omega3_low = 0.0
         x.omega2 = x.omega3
@@ -123,7 +155,7 @@ def has_fallen(d, x, w, which):
     take_state(d, x)
     solve_motion(d, x, w)
     value, _ = value_and_rate(d, x, d.machine, which)
-    return value <= 0.0
+    return value <= NO_PLAY
 
 
 def unwind(d, x, which):
@@ -186,6 +218,19 @@ def take_over(d, x, w, sigma):
     see_peaks(x, w, kept)
 
 
+def engage(d, x, which):
+    """Let a freewheel whose play is used up carry: a rigid one by an impact, a spring begins to wind up."""
+    x.rates_cached = 0.0
+    if which == HOUSING:
+        x.play_housing = 0.0
+        rigid = d.housing_stiffness == 0.0
+    else:
+        x.play_output = 0.0
+        rigid = d.freewheel_stiffness == 0.0
+    if rigid:
+        close_freewheels(d, x)
+
+
 def pass_event(d, x, which):
     """Change what an event changes at once, and tell of what kind it was."""
     x.ended = 0.0
@@ -199,7 +244,10 @@ def pass_event(d, x, which):
             x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
         if is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
-            meet(d, x, which)
+            if is_play(x, which):
+                engage(d, x, which)
+            else:
+                meet(d, x, which)
         else:
             x.ended = 1.0
             unwind(d, x, which)

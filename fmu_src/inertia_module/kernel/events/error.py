@@ -3,7 +3,7 @@
 import math
 
 from ..equations.losses import JOURNAL, MESH
-from ..equations.states import LOCKED, OPEN, WOUND, is_wound
+from ..equations.states import LOCKED, OPEN, WOUND, is_open, is_wound
 from ..links import kinetic_energy, response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from .stages import (
@@ -68,7 +68,7 @@ def fastest_behind(d, x, w):
 
 def speed_behind(d, x, w, fastest):
     """Speed that links 1 and 2 are measured by: a shaft that winds up freewheels moves them as it moves."""
-    if x.output_state == OPEN or not is_wound(x):
+    if is_open(x.output_state) or not is_wound(x):
         return fastest
     return max(fastest, fastest_behind(d, x, w))
 

@@ -1,19 +1,23 @@
 """Guards: quantities that stay positive as long as freewheels and slip keep their states.
 
-Of a freewheel that overruns its speed, of one that is locked its torque with its drag. Of links that slip
+Of a freewheel that overruns its speed, of one that is locked its torque with its drag; of one that turns back
+through its play what is left of it, and that it does not turn again. Of links that slip
 the slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes
 their torques, by the signs that the losses go by.
 """
 
 from ..equations.satellites import MANY
-from ..equations.states import OPEN, WOUND, is_rough
+from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_rough
 from ..tableau import NODES, PARTS, THIRDS, dense_change, dense_rate, last_stage
 
 HOUSING = 0
 OUTPUT = 1
 SLIP = 2
-FLOW = 3
-SPIN = 4
+# ... of a freewheel within its play, besides
+HOUSING_BACK = 3
+OUTPUT_BACK = 4
+FLOW = 5
+SPIN = 6
 # share of the step over which the slope of a torque inside it is differenced
 APART = 1e-4
 # share of its range in the step that a guard stays above at all stages if it does between them
@@ -35,21 +39,33 @@ def is_watched(d, x, which):
         return is_rough(d)
     if which >= FLOW:
         return x.slip_sign != 0.0 and (which > FLOW or d.mesh_loss != 0.0)
+    if which == HOUSING_BACK:
+        return x.housing_state == CLOSING or (x.housing_state == LOCKED and x.play_housing > 0.0)
+    if which == OUTPUT_BACK:
+        return x.output_state == CLOSING or (x.output_state == LOCKED and x.play_output > 0.0)
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
+def state_of(x, which):
+    """State of the freewheel that the guard is of."""
+    return x.housing_state if which == HOUSING or which == HOUSING_BACK else x.output_state
+
+
+def is_play(x, which):
+    """Tell whether the guard is the play that is left of a freewheel."""
+    return which < SLIP and state_of(x, which) == CLOSING
+
+
 def is_speed(x, which):
-    """Tell whether the guard is a speed, else a torque."""
-    if which == HOUSING:
-        return x.housing_state == OPEN
-    if which == OUTPUT:
-        return x.output_state == OPEN
+    """Tell whether the guard is a speed or an angle, whose rate is known, else a torque."""
+    if which < SLIP or SLIP < which < FLOW:
+        return is_open(state_of(x, which))
     return which == SLIP and x.slip_sign != 0.0
 
 
 def is_spring(x, which):
     """Tell whether the guard is the torque of a freewheel's spring."""
-    return which < SLIP and (x.housing_state if which == HOUSING else x.output_state) == WOUND
+    return which < SLIP and state_of(x, which) == WOUND
 
 
 def is_exact(x, which):
@@ -68,13 +84,20 @@ def value_and_rate(d, x, m, which):
         return m.spun_by[which - SPIN], m.spun_by[which - SPIN]
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
-    if which == HOUSING:
-        if x.housing_state == OPEN:
-            return m.omega2, m.alpha2
-        return m.housing + d.housing_drag, m.housing + d.housing_drag
-    if x.output_state == OPEN:
-        return m.omega3 - m.omega2, m.alpha3 - m.alpha2
-    return m.output + d.output_drag, m.output + d.output_drag
+    if which == HOUSING or which == HOUSING_BACK:
+        torque, drag, play = m.housing, d.housing_drag, m.play_housing
+        slip, growth = m.omega2, m.alpha2
+    else:
+        torque, drag, play = m.output, d.output_drag, m.play_output
+        slip, growth = m.omega3 - m.omega2, m.alpha3 - m.alpha2
+    state = state_of(x, which)
+    if which > SLIP:
+        return (-slip, -growth) if state == CLOSING else (-torque, -torque)
+    if state == OPEN:
+        return slip, growth
+    if state == CLOSING:
+        return play, slip
+    return torque + drag, torque + drag
 
 
 def is_clear(x, w, which):

@@ -14,12 +14,14 @@ from ..equations.motion import recall
 from ..links import response
 from ..tableau import END, PARTS, STAGES, THIRDS, fit
 from .guards import (
+    HOUSING,
     fit_through,
     fitted_guard,
     fourth_bound_of_fit,
     how_many_guards,
     is_clear,
     is_exact,
+    is_play,
     is_speed,
     is_spring,
     is_watched,
@@ -37,6 +39,8 @@ SHORTEST = 0.01
 # a guard below this share of the speeds, or of the torques, is zero
 VELOCITY_ROUNDING = 1e-13
 TORQUE_ROUNDING = 1e-13
+# ... a play below this share of the whole
+PLAY_ROUNDING = 1e-12
 # stiff steps tried to end at an event, and how near to it, in tolerances of its range
 LANDINGS, SEARCHES = 60, 4
 NEAR_SPEED, NEAR_TORQUE = 1e-2, 0.1
@@ -138,6 +142,8 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
 
 def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed."""
+    if is_play(x, which):
+        return PLAY_ROUNDING * (d.housing_engagement_angle if which == HOUSING else d.output_engagement_angle)
     if is_speed(x, which):
         fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
         imparted = response(d, d.J2) * fastest if d.F_by_alpha1 > 0.0 else 0.0

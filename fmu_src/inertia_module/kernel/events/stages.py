@@ -14,9 +14,10 @@ from .guards import SLIP, how_many_guards, value_and_rate
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
 THETA1, WORK_IN, LOST = 8, 10, 11
 TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = range(LOST + CAUSES, LOST + CAUSES + 4)
-# what moves: with a rigid output, with a shaft, with wind-up; for weights the angle of link 1. Place of twist
+# what moves: with a rigid output, with a shaft, with wind-up or play; for weights the angle of link 1. The
+# place of twist in it
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
-RIGID_OUTPUT, WITH_SHAFT, WITH_WINDUP = 4, 6, 8
+RIGID_OUTPUT, WITH_SHAFT, WITH_TURNING = 4, 6, 8
 TWIST_MOVES = 4
 # how many of them an ideal module of rigid output has, and how many of these tell its motion
 FEWEST, MOVING = 12, 4
@@ -26,7 +27,7 @@ def how_many_move(d):
     """How many of MOTION there are."""
     if d.elastic == 0.0:
         return RIGID_OUTPUT
-    return WITH_WINDUP if d.housing_stiffness + d.freewheel_stiffness > 0.0 else WITH_SHAFT
+    return WITH_TURNING if d.turning != 0.0 else WITH_SHAFT
 
 
 def solve_motion(d, x, w):
@@ -68,10 +69,20 @@ def rates_of(d, x, w, n, lossy):
     rates.square = m.output * m.output
     write_powers_lost(d, x, m, rates, lossy)
     if lossy:
-        rates.wound_housing = -m.omega2 if x.housing_state == WOUND else 0.0
-        rates.wound_output = m.omega2 - m.omega3 if x.output_state == WOUND else 0.0
+        turns = x.housing_state == WOUND or d.housing_engagement_angle > 0.0
+        rates.wound_housing = -m.omega2 if turns else 0.0
+        turns = x.output_state == WOUND or d.output_engagement_angle > 0.0
+        rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
     for which in range(how_many_guards(d) if lossy else SLIP):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+
+
+def turn_freewheels(x, m, housing, output):
+    """Write wind-up and play into m, rad, freewheels turned back by so much since x (one of both counts)."""
+    m.wound_housing = x.wound_housing + housing
+    m.wound_output = x.wound_output + output
+    m.play_housing = x.play_housing - housing
+    m.play_output = x.play_output - output
 
 
 def weighed_rate(w, row, count, which):
@@ -131,9 +142,9 @@ def stages_of(d, x, w, first, last, lossy):
         if d.elastic != 0.0:
             m.twist = x.twist + h * weighed_rate(w, row, n, TWIST)
             m.relative = x.relative + h * weighed_rate(w, row, n, RELATIVE)
-            if lossy:
-                m.wound_housing = x.wound_housing + h * weighed_rate(w, row, n, WOUND_HOUSING)
-                m.wound_output = x.wound_output + h * weighed_rate(w, row, n, WOUND_OUTPUT)
+        if lossy and d.turning != 0.0:
+            housing = h * weighed_rate(w, row, n, WOUND_HOUSING)
+            turn_freewheels(x, m, housing, h * weighed_rate(w, row, n, WOUND_OUTPUT))
         equations(d, x, w.prescribed, w.load, True, lossy)
         rates_of(d, x, w, n, lossy)
         x.step_evaluations += 1.0
@@ -180,8 +191,8 @@ def solve_changed(d, x, w, changes):
     if d.elastic != 0.0:
         m.twist = x.twist + changes.twist
         m.relative = x.relative + changes.relative
-        m.wound_housing = x.wound_housing + changes.wound_housing
-        m.wound_output = x.wound_output + changes.wound_output
+    if d.turning != 0.0:
+        turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
     solve_motion(d, x, w)
 
 

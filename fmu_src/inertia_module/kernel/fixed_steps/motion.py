@@ -281,11 +281,12 @@ def load_hub(d, x, w, held, joined, h):
     acting = h * w.dragging
     if acting == 0.0:
         return
-    if not held:
+    if not held and not (x.play_housing > 0.0 and x.omega2 < 0.0):
         w.drag_load = acting * d.housing_drag
         w.drag_gain = acting * d.housing_drag_viscous
     if joined:
         w.holding = acting * d.output_drag
+    if joined or (x.play_output > 0.0 and x.omega3 < x.omega2):
         return
     w.over_gain = acting * d.output_drag_viscous
     drag = acting * d.output_drag

@@ -52,6 +52,11 @@ def end_at(x, w, part):
     w.slip_angle = part * w.far_angle
 
 
+def closes(engagement_angle, play):
+    """Tell whether a freewheel may carry with this play at the end of a step, rad."""
+    return engagement_angle == 0.0 or play <= 0.0
+
+
 def follow(d, x, w, held, joined, prescribed, h):
     """Follow all over the step with link 2 held or not, joined with the hub or not.
 
@@ -78,6 +83,9 @@ def follow(d, x, w, held, joined, prescribed, h):
         braking = w.hub_load + w.hub_gain * x.omega3 + overrun
         w.end3 = x.omega3 - braking / (d.J3 + w.theta * w.hub_gain)
         w.mean3 = x.omega3 + w.theta * (w.end3 - x.omega3)
+    # a freewheel with play left takes an impulse where that is used up in the step
+    stops = d.housing != 0.0 and closes(d.housing_engagement_angle, x.play_housing + h * mean2)
+    meets = closes(d.output_engagement_angle, x.play_output + h * (w.mean3 - mean2))
     drag *= mean2
     overrun *= w.mean3 - mean2
     w.lost_by_drag = drag + overrun
@@ -94,12 +102,14 @@ def follow(d, x, w, held, joined, prescribed, h):
     if push > 0.0 and d.output != 0.0:
         # it is the impulse over the whole step that must not pull, but for the drag
         end2 = w.end2 if held else w.end2 + push / inertia2
-        w.settled2, w.settled3, output, mode = settle(d, inertia2, end2, inertia3, w.end3 - push / inertia3)
+        w.settled2, w.settled3, output, mode = settle(
+            d, inertia2, end2, inertia3, w.end3 - push / inertia3, stops, meets
+        )
         w.output = output - w.holding
         w.mode = mode
         if mode == DRIVING or mode == HELD_DRIVING:
             return
-    w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3)
+    w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3, stops, meets)
     w.output = output + w.contact_impulse
     w.mode = mode
 
@@ -107,12 +117,13 @@ def follow(d, x, w, held, joined, prescribed, h):
 def follow_closed(d, x, w, prescribed, h):
     """A step in which a closed freewheel stays closed unless the contact force is negative."""
     always = d.output == 0.0
-    joined = always or x.omega3 == x.omega2
+    joined = always or (x.omega3 == x.omega2 and x.play_output == 0.0)
     follow(d, x, w, False, joined, prescribed, h)
     if joined and not always and w.contact_impulse + w.holding <= 0.0:
         follow(d, x, w, False, False, prescribed, h)
-    if d.housing != 0.0 and x.omega2 == 0.0 and (w.mode == HELD or w.mode == HELD_DRIVING):
-        joined = always or (x.omega3 == 0.0 and w.mode == HELD_DRIVING)
+    stays = x.omega2 == 0.0 and x.play_housing == 0.0
+    if d.housing != 0.0 and stays and (w.mode == HELD or w.mode == HELD_DRIVING):
+        joined = always or (x.omega3 == 0.0 and x.play_output == 0.0 and w.mode == HELD_DRIVING)
         follow(d, x, w, True, joined, prescribed, h)
         if joined and not always and w.contact_impulse + w.holding < 0.0:
             follow(d, x, w, True, False, prescribed, h)
@@ -150,11 +161,13 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
     follow_contacts(d, x, w, prescribed, h)
 
 
-def share_until_closed(x, w):
-    """Share of the step after which a freewheel closes in it, 1 where none does (what follow has found)."""
-    if (w.mode == DRIVING or w.mode == HELD_DRIVING) and x.omega3 > x.omega2 and w.end2 > w.end3:
+def share_until_closed(d, x, w):
+    """Share of the step after which a freewheel without play closes in it, 1 where none does (see follow)."""
+    drives = d.output_engagement_angle == 0.0 and (w.mode == DRIVING or w.mode == HELD_DRIVING)
+    if drives and x.omega3 > x.omega2 and w.end2 > w.end3:
         return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3)
-    if (w.mode == HELD or w.mode == HELD_DRIVING) and x.omega2 > 0.0 and w.end2 < 0.0:
+    holds = d.housing_engagement_angle == 0.0 and (w.mode == HELD or w.mode == HELD_DRIVING)
+    if holds and x.omega2 > 0.0 and w.end2 < 0.0:
         return x.omega2 / (x.omega2 - w.end2)
     return 1.0
 
@@ -197,6 +210,33 @@ def close_within(d, x, w, prescribed, h, share):
     return True
 
 
+def use_play(d, x, w, end2, end3, h):
+    """Turn freewheels within their play by the step in hand; what an impact at its end takes is lost.
+
+    Args:
+        end2, end3: speeds of link 2 and hub after it, rad/s.
+
+    Returns:
+        Whether one with play has closed.
+    """
+    turned2 = w.angle1 - w.new_slip_angle
+    held = w.mode == HELD or w.mode == HELD_DRIVING
+    driving = w.mode == DRIVING or w.mode == HELD_DRIVING
+    impact = (held and x.play_housing > 0.0) or (driving and x.play_output > 0.0)
+    x.play_housing = max(0.0, min(x.play_housing + turned2, d.housing_engagement_angle))
+    x.play_output = max(0.0, min(x.play_output + h * w.mean3 - turned2, d.output_engagement_angle))
+    if held:
+        x.play_housing = 0.0
+    if driving:
+        x.play_output = 0.0
+    if impact:
+        inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
+        inertia3 = d.J3 + (w.stiff * (1.0 - d.balancer) * d.J4 if d.elastic != 0.0 else 0.0)
+        lost = inertia2 * (w.end2 * w.end2 - end2 * end2) + inertia3 * (w.end3 * w.end3 - end3 * end3)
+        add_loss(x, FREEWHEEL, 0.5 * lost)
+    return impact
+
+
 def finish(d, x, w, h):
     """Take over what the step, or a part of it, ends with."""
     end2, end3 = w.settled2, w.settled3
@@ -204,6 +244,7 @@ def finish(d, x, w, h):
         if end3 == end2:
             end3 = w.end1
         end2 = w.end1
+    impact = d.plays != 0.0 and use_play(d, x, w, end2, end3, h)
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end.b + d.k * w.end.g) * (end2 - w.end2)
     if d.by_torque != 0.0:
@@ -230,8 +271,9 @@ def finish(d, x, w, h):
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
     x.output_impulse += w.output
     x.output_square += w.output * w.output / h
-    x.torque_peak = max(x.torque_peak, abs(w.output) / h)
-    x.housing_torque_peak = max(x.housing_torque_peak, d.housing * abs(housing) / h)
+    if not impact:
+        x.torque_peak = max(x.torque_peak, abs(w.output) / h)
+        x.housing_torque_peak = max(x.housing_torque_peak, d.housing * abs(housing) / h)
     x.housing_slip_peak = max(x.housing_slip_peak, end2)
     x.output_slip_peak = max(x.output_slip_peak, end3 - end2)
     copy(x.here.numbers, w.end.numbers)
@@ -261,7 +303,7 @@ def one_step(d, x, w, prescribed, h):
     w.far_angle1 = h * (x.omega1 + given)
     look_ahead(d, x, w, h * (x.omega1 - x.omega2 + given))
     follow_loaded(d, x, w, prescribed, h, True)
-    share = share_until_closed(x, w)
+    share = share_until_closed(d, x, w)
     friction = w.friction
     if not (share < 1.0 and close_within(d, x, w, prescribed, h, share)):
         if share < 1.0:
