@@ -42,8 +42,8 @@ def test_a_shaft_that_is_slowed_meets_a_coasting_link_2_and_shares_its_momentum(
     module = started(compiled, scene)
     module.advance(meet + engage - 1e-3)
     assert module["contact_mode"] == FREE
-    assert module["omega2"] == pytest.approx(link2, rel=1e-6)
-    assert module["omega_hub"] == pytest.approx(link2 - slip + LOAD / SHAFT * 1e-3, rel=1e-6)
+    assert module["omega2"] == pytest.approx(link2, rel=max(within, 1e-6))
+    assert module["omega_hub"] == pytest.approx(link2 - slip + LOAD / SHAFT * 1e-3, rel=max(within, 1e-6))
     lost = module["energy_lost_freewheel"]
     assert lost == pytest.approx(drag * meet, rel=0.01, abs=1e-12)
     module.advance(2e-3)
@@ -64,7 +64,7 @@ def test_a_small_angle_comes_to_the_ideal_machine_at_first_order(compiled, layou
     names = ("omega2", "omega_out", "input_speed", "energy_in", "output_torque_mean")
     ideal = advanced(started(compiled, scene), 0.1)
     errors, lost = [], []
-    for angle in (1e-4, 1e-5, 1e-6):
+    for angle in (1e-5, 1e-6, 1e-7):
         angles = dict.fromkeys(PLAY, angle)
         module = advanced(started(compiled, scene | angles), 0.1)
         errors.append(max(abs(module[name] - ideal[name]) / abs(ideal["energy_in"]) for name in names))

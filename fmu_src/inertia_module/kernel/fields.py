@@ -28,11 +28,9 @@ MOMENTS = 8
 
 # motion of an instant, and what is kept of it from one step to the next: accelerations, torques, angular
 # momentum and kinetic energy of links 1 and 2 and the imbalances
-MOTION = (
-    *("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output"),
-    # play that is left until a freewheel which has overrun carries again
-    *("play_housing", "play_output"),
-)
+MOTION = ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output")
+# play that is left until a freewheel which has overrun carries again
+PLAY = ("play_housing", "play_output")
 NOW = (
     *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
     *("momentum", "energy"),
@@ -53,6 +51,7 @@ OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 STATE = (
     *MOTION,
     *SUMS,
+    *PLAY,
     *("q_low", "drive_turns", "theta1_low", "input_turns"),
     *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
@@ -103,6 +102,7 @@ SIDE = ("direction", "count", "end", "locks", "start", "thrown", "slow", ("knots
 # rest
 MACHINE = (
     *MOTION,
+    *PLAY,
     *("weight1", "weight_q", ("lost", CAUSES), "journals", "spun", "torque", "flow_sign", "margin"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),

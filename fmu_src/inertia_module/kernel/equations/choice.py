@@ -110,8 +110,11 @@ def try_combination(d, x, number):
     then.
     """
     housing = float((number // 3 + 1) % 3)
+    output = float(number % 3 if housing == OPEN else (number + 1) % 3)
+    if d.turning == 0.0 and (housing == WOUND or output == WOUND):
+        return False
     x.housing_state = with_play(housing, x.play_housing)
-    x.output_state = with_play(float(number % 3 if housing == OPEN else (number + 1) % 3), x.play_output)
+    x.output_state = with_play(output, x.play_output)
     x.slip_sign = float(number // 9 - 1)
     return are_allowed(d, x)
 

@@ -24,6 +24,8 @@ def take_state(d, x):
     """The present motion into d.machine: both records begin with it (fields.MOTION)."""
     for n in range(OF_MOTION):
         d.machine.numbers[n] = x.numbers[n]
+    if d.plays != 0.0:
+        d.machine.play_housing, d.machine.play_output = x.play_housing, x.play_output
 
 
 def recall(target, source):

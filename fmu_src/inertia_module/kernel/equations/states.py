@@ -11,14 +11,14 @@ OPEN = 0.0
 LOCKED = 1.0
 WOUND = 2.0
 # ... turning back through its play: it has overrun, and carries nothing until the play is used up
-CLOSING = 4.0
+CLOSING = -1.0
 # fidelity kinematic: the output keeps link 2 at its prescribed ratio to link 1, and no freewheel takes part
 GEARED = 3.0
 
 
 def is_open(state):
     """Tell whether a freewheel carries nothing in this state."""
-    return state == OPEN or state == CLOSING
+    return state <= OPEN
 
 
 def contact_mode(x):

@@ -58,9 +58,9 @@ def is_play(x, which):
 
 def is_speed(x, which):
     """Tell whether the guard is a speed or an angle, whose rate is known, else a torque."""
-    if which < SLIP or SLIP < which < FLOW:
-        return is_open(state_of(x, which))
-    return which == SLIP and x.slip_sign != 0.0
+    if which == SLIP:
+        return x.slip_sign != 0.0
+    return which < FLOW and is_open(state_of(x, which))
 
 
 def is_spring(x, which):
@@ -84,20 +84,23 @@ def value_and_rate(d, x, m, which):
         return m.spun_by[which - SPIN], m.spun_by[which - SPIN]
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
-    if which == HOUSING or which == HOUSING_BACK:
-        torque, drag, play = m.housing, d.housing_drag, m.play_housing
-        slip, growth = m.omega2, m.alpha2
-    else:
-        torque, drag, play = m.output, d.output_drag, m.play_output
-        slip, growth = m.omega3 - m.omega2, m.alpha3 - m.alpha2
-    state = state_of(x, which)
-    if which > SLIP:
-        return (-slip, -growth) if state == CLOSING else (-torque, -torque)
-    if state == OPEN:
-        return slip, growth
-    if state == CLOSING:
-        return play, slip
-    return torque + drag, torque + drag
+    if which == HOUSING:
+        if x.housing_state == OPEN:
+            return m.omega2, m.alpha2
+        if x.housing_state == CLOSING:
+            return m.play_housing, m.omega2
+        return m.housing + d.housing_drag, m.housing + d.housing_drag
+    if which == OUTPUT:
+        if x.output_state == OPEN:
+            return m.omega3 - m.omega2, m.alpha3 - m.alpha2
+        if x.output_state == CLOSING:
+            return m.play_output, m.omega3 - m.omega2
+        return m.output + d.output_drag, m.output + d.output_drag
+    if which == HOUSING_BACK:
+        return (-m.omega2, -m.alpha2) if x.housing_state == CLOSING else (-m.housing, -m.housing)
+    if x.output_state == CLOSING:
+        return m.omega2 - m.omega3, m.alpha2 - m.alpha3
+    return -m.output, -m.output
 
 
 def is_clear(x, w, which):

@@ -8,7 +8,7 @@ from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
 from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
-from .guards import SLIP, how_many_guards, value_and_rate
+from .guards import FLOW, SLIP, how_many_guards, value_and_rate
 
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
@@ -74,6 +74,8 @@ def rates_of(d, x, w, n, lossy):
         turns = x.output_state == WOUND or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
     for which in range(how_many_guards(d) if lossy else SLIP):
+        if SLIP < which < FLOW and d.plays == 0.0:
+            continue
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
