@@ -314,31 +314,26 @@ def run(
     Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
     """
     from .contract.variables import COMPUTED
-    from .figures.scenes import shaft_figure
     from .page.html import html_file, template
     from .scene import ShaftScene, load_any_scene
 
-    choice, page = None, None
-    folder = folder_for(output, scene.stem)
+    choice, folder = None, folder_for(output, scene.stem)
     read = load_any_scene(scene, keys)
     if isinstance(read, ShaftScene):
         if fidelity is not None or error is not None or view:
             raise ValueError("--fidelity, --error and --view must come with a scene of the module")
-        result, _ = _ran(read, fmu)
-        figure = shaft_figure(result)
     else:
         if view:
             template()
         read, choice = _at_fidelity(read, fidelity, error)
-        result, _ = _ran(read, fmu, COMPUTED if view else ())
-        figure = inertia_module.scene_figure(result)
-        page = html_file(read, result) if view else None
+    result, _ = _ran(read, fmu, COMPUTED if view else ())
+    page = html_file(result.scene, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     told = {"scene": str(scene), **result.as_dict(), **chosen}
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
         "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
-        "plot": write_figure(folder / "plot.png", figure),
+        "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
     }
     if page is not None:
         files["page"] = folder / PAGE
@@ -346,7 +341,7 @@ def run(
 
     shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
     shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
-    return Answer({**told, "warnings": list(result.warnings)}, shown, files)
+    return Answer(told, shown, files)
 
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:

@@ -126,7 +126,7 @@ AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)
 Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
 
 
-def _in_range(variable: Variable) -> InUnit:
+def in_range(variable: Variable) -> InUnit:
     """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
 
     def check(value: Any) -> float | str:
@@ -151,7 +151,7 @@ def fields_of(variables: Sequence[Variable]) -> Any:
     types = {variable.name: number for variable in variables}
     if FIDELITY in types:
         types[FIDELITY] = number | Literal["auto"]
-    return {one.name: (Annotated[types[one.name], _in_range(one)], None) for one in variables}
+    return {one.name: (Annotated[types[one.name], in_range(one)], None) for one in variables}
 
 
 class Strict(BaseModel):

@@ -91,6 +91,41 @@ class Accuracy(Strict):
     window: Duration = 1.0
 
 
+class FreewheelLimits(Strict):
+    """Limits of a freewheel as its maker gives them, those that are given.
+
+    Attributes:
+        indexing_frequency: engagements a second above which its sprags do not engage, Hz.
+        torque: N.m. slip: overrunning speed, rad/s.
+    """
+
+    indexing_frequency: Annotated[float, quantity("Hz", above=0.0)] | None = None
+    torque: Annotated[float, quantity("N.m", above=0.0)] | None = None
+    slip: Annotated[float, quantity("rad/s", above=0.0)] | None = None
+
+
+class Freewheels(FreewheelLimits):
+    """Limits of both freewheels, and of one of them in their place."""
+
+    housing: FreewheelLimits = FreewheelLimits()
+    output: FreewheelLimits = FreewheelLimits()
+
+    def limits(self) -> dict[str, float]:
+        """Limits that are given, by the number of the summary that they are of."""
+        of = {
+            "indexing_frequency": "engagement_frequency_maximum",
+            "torque": "torque_peak",
+            "slip": "slip_peak",
+        }
+        own = {"housing": self.housing, "output": self.output}
+        return {
+            f"{name}_{number}": limit
+            for name, table in own.items()
+            for key, number in of.items()
+            if (limit := getattr(table, key) or getattr(self, key)) is not None
+        }
+
+
 class Run(Strict):
     """Length of the run, its steps, and the outputs it records."""
 
@@ -113,7 +148,8 @@ class Scene(Strict):
 
     Attributes:
         title, description: for people. mechanism: parameters that differ from the defaults.
-        drive, load, controller: what is around the module. accuracy, run: how it is simulated.
+        drive, load, controller: what is around the module. freewheels: their limits.
+        accuracy, run: how it is simulated.
     """
 
     VARIABLES: ClassVar = BY_NAME
@@ -124,6 +160,7 @@ class Scene(Strict):
     drive: Drive
     load: Load
     controller: Controller | None = None
+    freewheels: Freewheels = Freewheels()
     accuracy: Accuracy = Accuracy()
     run: Run
 
