@@ -10,6 +10,7 @@ import atexit
 import functools
 import inspect
 import json
+import math
 import os
 import re
 import shlex
@@ -519,8 +520,12 @@ def chart(
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
     at, unit = omega1 or NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
-    mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
-    charts = {name: inertia_module.torque_converter_chart(values, at) for name, values in mechanisms.items()}
+    read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
+    mechanisms = {name: one.parameters() for name, one in read.items()}
+    charts = {
+        name: inertia_module.torque_converter_chart(values, at, engagements=True)
+        for name, values in mechanisms.items()
+    }
     maps = {}
     lossy = [name for name, found in charts.items() if not found.lossless]
     for name in charts if mapped else lossy:
@@ -535,8 +540,11 @@ def chart(
             table = converter_table(SteadyMachine(mechanisms[name]), found, at)
             files += save_converter(table, at, folder / f"{name}_converter")
     drawn = {name: maps[name] for name in lossy}
-    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, drawn, unit)))
-    summaries = {name: found.summary(omega1) for name, found in charts.items()}
+    indexing = {name: one.freewheels.of("indexing_frequency") for name, one in read.items()}
+    allowed = {name: min(limits.values()) * math.tau / abs(at) for name, limits in indexing.items() if limits}
+    picture = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    files.append(write_figure(folder / "chart.png", picture))
+    summaries = {name: found.summary(omega1, indexing[name]) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     listed = [str(file) for file in files]
 

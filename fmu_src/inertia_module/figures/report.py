@@ -217,13 +217,16 @@ def _chart(result: SceneResult) -> Part:
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
         raise Refused("link 1 does not turn")
-    chart = torque_converter_chart(scene.parameters(), omega1)
-    numbers, units = chart.summary(omega1).items(), chart.units(omega1)
+    chart = torque_converter_chart(scene.parameters(), omega1, engagements=True)
+    limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
+    numbers = chart.summary(omega1, limits).items()
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
+    allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
+    figure = chart_figure({"mechanism": chart}, allowed=allowed)
     text = (
         f"Steady means over the speed ratio, at the largest speed of link 1 in the run, {omega1:.5g} rad/s."
     )
-    return Part([text], ("number", "value"), rows, _picture(chart_figure({"mechanism": chart})))
+    return Part([text], ("number", "value"), rows, _picture(figure))
 
 
 def _orders(result: SceneResult) -> Part:

@@ -110,19 +110,23 @@ class Freewheels(FreewheelLimits):
     housing: FreewheelLimits = FreewheelLimits()
     output: FreewheelLimits = FreewheelLimits()
 
+    def of(self, key: str) -> dict[str, float]:
+        """Limits of one kind, by freewheel."""
+        tables = {"housing": self.housing, "output": self.output}
+        found = {name: getattr(table, key) or getattr(self, key) for name, table in tables.items()}
+        return {name: limit for name, limit in found.items() if limit is not None}
+
     def limits(self) -> dict[str, float]:
         """Limits that are given, by the number of the summary that they are of."""
-        of = {
+        numbers = {
             "indexing_frequency": "engagement_frequency_maximum",
             "torque": "torque_peak",
             "slip": "slip_peak",
         }
-        own = {"housing": self.housing, "output": self.output}
         return {
             f"{name}_{number}": limit
-            for name, table in own.items()
-            for key, number in of.items()
-            if (limit := getattr(table, key) or getattr(self, key)) is not None
+            for key, number in numbers.items()
+            for name, limit in self.of(key).items()
         }
 
 
