@@ -316,17 +316,16 @@ def run(
     """
     from .contract.variables import COMPUTED
     from .page.html import html_file, template
-    from .scene import ShaftScene, load_any_scene
+    from .scene import Scene, load_any_scene
 
     choice, folder = None, folder_for(output, scene.stem)
     read = load_any_scene(scene, keys)
-    if isinstance(read, ShaftScene):
-        if fidelity is not None or error is not None or view:
-            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
-    else:
+    if isinstance(read, Scene):
         if view:
             template()
         read, choice = _at_fidelity(read, fidelity, error)
+    elif fidelity is not None or error is not None or view:
+        raise ValueError("--fidelity, --error and --view must come with a scene of the module")
     result, _ = _ran(read, fmu, COMPUTED if view else ())
     page = html_file(result.scene, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
@@ -521,29 +520,26 @@ def chart(
     omega1 = None if speed is None else turning(speed)
     at, unit = omega1 or NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
     read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
-    mechanisms = {name: one.parameters() for name, one in read.items()}
-    charts = {
-        name: inertia_module.torque_converter_chart(values, at, engagements=True)
-        for name, values in mechanisms.items()
-    }
+    make = partial(inertia_module.torque_converter_chart, omega1=at, engagements=True)
+    charts = {name: make(one.parameters()) for name, one in read.items()}
     maps = {}
     lossy = [name for name, found in charts.items() if not found.lossless]
     for name in charts if mapped else lossy:
         with progress_bar(f"map of {name}") as progress:
-            maps[name] = steady_map(SteadyMachine(mechanisms[name]), at, progress)
+            maps[name] = steady_map(SteadyMachine(read[name].parameters()), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
     for name, one in maps.items():
         files.append(one.save(folder / f"{name}_map.csv", unit))
         files += one.save_tables(folder / f"{name}_map", unit) if mapped else []
     if mapped or omega1 is not None:
         for name, found in charts.items():
-            table = converter_table(SteadyMachine(mechanisms[name]), found, at)
+            table = converter_table(SteadyMachine(read[name].parameters()), found, at)
             files += save_converter(table, at, folder / f"{name}_converter")
     drawn = {name: maps[name] for name in lossy}
     indexing = {name: one.freewheels.of("indexing_frequency") for name, one in read.items()}
     allowed = {name: min(limits.values()) * math.tau / abs(at) for name, limits in indexing.items() if limits}
-    picture = inertia_module.chart_figure(charts, drawn, unit, allowed)
-    files.append(write_figure(folder / "chart.png", picture))
+    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    files.append(write_figure(folder / "chart.png", figure))
     summaries = {name: found.summary(omega1, indexing[name]) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     listed = [str(file) for file in files]

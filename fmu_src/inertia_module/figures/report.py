@@ -111,13 +111,12 @@ def report_file(
     return filled_xml(TEMPLATE, values)
 
 
-def _picture(figure: Figure, ending: str = "png", size: float = SMALLER) -> str:
+def _picture(figure: Figure, size: float = SMALLER) -> str:
     """A figure as the text of a data URI; its title stands above it on the page."""
     figure.suptitle("")
     figure.set_size_inches(*(size * figure.get_size_inches()))
     figure.set_dpi(DPI)
-    kind = {"svg": "svg+xml"}.get(ending, ending)
-    return f"data:image/{kind};base64,{base64.b64encode(picture_of(figure, ending)).decode()}"
+    return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
 
 
 def _words(name: str) -> str:
@@ -203,7 +202,7 @@ def _module(result: SceneResult) -> Scene:
 def _mechanism(result: SceneResult) -> Part:
     """Sketch of one module."""
     text = "One module, to scale: pitch circles or pitch cones. No parameter gives the size of anything else."
-    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters()), "svg"))
+    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
 
 
 def _curves(result: SceneResult) -> Part:

@@ -9,11 +9,6 @@ that of one input speed, and a map tells torques, loss and efficiency over speed
 It is made of steady pulses at a speed ratio: of the rigid module, its output shaft held by a large inertia.
 Whatever is lost is in it: mean torques, and what is lost of the energy put in, over whole periods of the
 drive. Fidelity `averaged` has these means in a map, found once and interpolated.
-
-Blocks of torque converters look up torque ratio R and capacity factor K = omega1 / sqrt(input torque) and
-make of them input torque = (omega1 / K)^2 and output torque = R (omega1 / K)^2. At stall both are infinite.
-So in a converter table R is limited, and the input torque to be had from it is then the output torque over
-that limit; the output torque is right everywhere.
 """
 
 from __future__ import annotations
@@ -166,7 +161,6 @@ class SteadyMachine:
     def _over_turns(self, module: Module, omega1: float, ratio: float) -> SteadyPulses:
         """Means over the turns that come now."""
         between = self._times(omega1, ratio)
-        slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         begun, angle = module.save(), _drive_angle(module)
         counted = ("energy_in", "energy_lost", "housing_engagements", "output_engagements")
         before = module.read(counted)
@@ -179,12 +173,12 @@ class SteadyMachine:
         time = brentq(missing, *between, rtol=TIME_ERROR)
         missing(time)
         taken, lost, *engaged = np.subtract(module.read(counted), before).tolist()
-        speed, turned = module["omega_out"], abs(omega1) * time / math.tau
+        speed, turned = module["omega_out"], abs(omega1) * time / math.tau  # of link 1
         return SteadyPulses(
             module["output_torque_mean"] - module["output_friction"] * speed,
             math.copysign(1.0, omega1) * module["input_torque_mean"],
             min(max(1.0 - lost / taken, 0.0), 1.0) if taken > 0.0 else 0.0,
-            abs(1.0 - slowest / time),
+            abs(1.0 - self._turns / (self._derived.k * turned)),
             module["torque_ripple"],
             module["torque_peak"],
             module["satellite_force_peak"],
@@ -460,7 +454,7 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel:
 
 
 def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> dict[str, Array]:
-    """The converter table of a mechanism.
+    """The converter table of a mechanism, whose output torque is right at each ratio (docs/mechanics.md).
 
     Args:
         machine: of the mechanism. chart: of it at this speed. omega1: speed of the input, rad/s, not 0.

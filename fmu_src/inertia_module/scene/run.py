@@ -231,14 +231,13 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
     return found, remarks
 
 
-def _vehicle(table: Result, times: Mapping[str, Quantity]) -> dict[str, Quantity]:
+def _vehicle(table: Result) -> dict[str, Quantity]:
     parts = ("rolling", "drag", "slope", "brake")
     energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
     speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
     return {
         "distance": Quantity(float(table["distance"][-1]), "m"),
         "vehicle_speed_maximum": Quantity(speed, "km/h"),
-        **times,
         **energies,
     }
 
@@ -248,16 +247,14 @@ def summarise(
     measured: str | None,
     cycle: Cycle | None,
     wall_time: float,
-    times: Mapping[str, Quantity] = MappingProxyType({}),
-    duty: Mapping[str, Quantity] = MappingProxyType({}),
+    also: Mapping[str, Quantity] = MappingProxyType({}),
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
     Args:
         table: all of SUMMARISED, and the signals of the loop.
         measured: name of the speed under control, or None. cycle: to be followed, or None.
-        wall_time: of the run, s. times: of a vehicle, to the speeds asked for, as of times_to.
-        duty: as of freewheel_duty.
+        wall_time: of the run, s. also: more numbers, as of times_to and freewheel_duty.
     """
     simulated = float(table.time[-1] - table.time[0])
     summary = {
@@ -272,10 +269,10 @@ def summarise(
         "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
         **energy(table),
         **_forces(table),
-        **duty,
+        **also,
     }
     if "vehicle_speed" in table:
-        summary |= _vehicle(table, times)
+        summary |= _vehicle(table)
     if measured is not None:
         unit = table.units["reference"]
         factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
@@ -504,7 +501,7 @@ def _run_on(
     speeds = getattr(scene.load, "times_to", ())
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
     duty, unknown = freewheel_duty(record, scene.parameters())
-    quantities = summarise(record, measured, scene.cycle, wall_time, times, duty)
+    quantities = summarise(record, measured, scene.cycle, wall_time, times | duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     above = [
         f"{name.replace('_', ' ')} is above its limit, {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
@@ -136,6 +136,14 @@ class Run(Strict):
     stop_time: Duration
     communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
     outputs: list[str] = Field(default=[one.name for one in with_causality(OUTPUT)], min_length=1)
+
+    def check_outputs(self, known: Iterable[str]) -> None:
+        """Refuse an output that is not one of those known."""
+        names = dict.fromkeys(known)
+        for name in self.outputs:
+            if name not in names:
+                hint = did_you_mean(name, names)
+                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
@@ -311,10 +319,7 @@ class Scene(Strict):
         self._check_drive()
         self._check_choice()
         self._check_vehicle()
-        for name in self.run.outputs:
-            if name not in COMPUTED and name not in self.surroundings.output_labels:
-                hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
-                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
+        self.run.check_outputs([*COMPUTED, *self.surroundings.output_labels])
         try:
             self.built_load.check_step(self._carrying[1])
             turning = self.parameters().get("input_inertia", 0.0)

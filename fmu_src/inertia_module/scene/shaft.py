@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.models import DRIVEN_SHAFT
 from ..contract.variables import LOCAL, OUTPUT, PARAMETER
@@ -109,10 +109,7 @@ class ShaftScene(Strict):
     @model_validator(mode="after")
     def _check(self) -> ShaftScene:
         """Refuse unknown outputs; the shaft itself looks at all parameters together."""
-        for name in self.run.outputs:
-            if name not in _READABLE:
-                hint = did_you_mean(name, _READABLE)
-                raise SceneError(f"run.outputs must be of the shaft, has {name!r} {hint}")
+        self.run.check_outputs(_READABLE)
         parameters = self.parameters()
         try:
             DrivenShaft("plain").start(**parameters)
