@@ -17,7 +17,7 @@ from ..contract.variables import LOCAL, OUTPUT, PARAMETER
 from ..harness.simulate import communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
-from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantities, quantity
+from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity
 from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
@@ -74,7 +74,7 @@ class HubTable(Tabulated):
 
     kind: Literal["table"]
     time: Times
-    hub_speed: Annotated[list[float], quantities("rad/s")]
+    hub_speed: list[Annotated[float, quantity("rad/s")]]
 
     def speeds(self, times: Array) -> Array:
         """Speed of the hub, rad/s, at times, s, shape (n,)."""
