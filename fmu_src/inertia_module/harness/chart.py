@@ -14,7 +14,7 @@ drive. Fidelity `averaged` has these means in a map, found once and interpolated
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -33,6 +33,8 @@ from ..kernel.inertia import reduced_inertia
 from ..memory import Module
 from .results import write_columns, write_mat, write_rows
 from .simulate import Progress
+
+Array = NDArray[np.float64]
 
 # --- steady pulses ---
 
@@ -138,18 +140,22 @@ class SteadyMachine:
                     return module, pulses
         return module, pulses
 
+    def _samples(self, module: Module, omega1: float, names: Sequence[str]) -> Array:
+        """Outputs over the turns that come now, SAMPLES a turn where link 2 is held, shape (m, names)."""
+        turn, begun, found = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
+        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
+            module.advance(turn / SAMPLES)
+            found.append(module.read(names))
+        return np.array(found)
+
     def input_pulses(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Compute RMS about its mean and largest magnitude of the input torque, N m, of SAMPLES a turn.
 
         Args:
             omega1, ratio: as of at.
         """
-        module, _ = self._settled(omega1, ratio)
-        turn, begun, torques = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
-        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
-            module.advance(turn / SAMPLES)
-            torques.append(module["input_torque"])
-        return float(np.std(torques)), float(np.abs(torques).max())
+        torques = self._samples(self._settled(omega1, ratio)[0], omega1, ["input_torque"])
+        return float(torques.std()), float(np.abs(torques).max())
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Bounds of the time that the turns take, s."""
@@ -205,14 +211,9 @@ class SteadyMachine:
             load: "force", N, or "moment" about the origin, N m. omega1, ratio: as in at.
         """
         module = self._started(omega1, ratio * abs(omega1))
-        turn = math.tau / (self._derived.k * abs(omega1))
-        parts, found = [f"shaking_{load}_{axis}" for axis in "xyz"], []
-        # over the first turns what the start at rest leaves behind goes
-        for n in range(2 * self._turns * SAMPLES):
-            module.advance(turn / SAMPLES)
-            if n >= self._turns * SAMPLES:
-                found.append(math.hypot(*module.read(parts)))
-        return max(found)
+        parts = [f"shaking_{load}_{axis}" for axis in "xyz"]
+        self._samples(module, omega1, parts)  # what the start at rest leaves behind goes
+        return float(np.linalg.norm(self._samples(module, omega1, parts), axis=1).max())
 
     def lock_up_torque(self, omega1: float) -> float:
         """Find the largest torque on the load at which the drive can stand still in link 1, N m; stick apart.
@@ -230,8 +231,6 @@ def _drive_angle(module: Module) -> float:
 
 
 # --- charts ---
-
-Array = NDArray[np.float64]
 
 NOMINAL_SPEED: float = BY_NAME["omega1"].nominal or 1.0
 # points between the first and the last ratio of the map, besides its knots
