@@ -1,4 +1,4 @@
-"""Draws report.png: the first pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
+"""Draws report.png: some pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
 
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ from playwright.sync_api import sync_playwright
 HERE = Path(__file__).parent
 SCENE = HERE.parent / "examples" / "real_machine.toml"
 # pages that are shown, dots per inch, and between pages
-SHOWN, DPI, GAP = (1, 2, 3, 6), 54, 8
+SHOWN, DPI, GAP = (1, 4, 5, 9), 54, 8
 
 
 def main():

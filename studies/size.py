@@ -48,7 +48,7 @@ OVER: Mapping[str, int] = {
     "scene": 2069,
     "fidelity": 802,
     "jobs": 3462,
-    "figures": 1237,
+    "figures": 1199,
     "export, page, cli, common": 1816,
     "package": 24398,
     "studies": 6227,

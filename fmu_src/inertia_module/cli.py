@@ -10,6 +10,7 @@ import atexit
 import functools
 import inspect
 import json
+import math
 import os
 import re
 import shlex
@@ -314,31 +315,25 @@ def run(
     Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
     """
     from .contract.variables import COMPUTED
-    from .figures.scenes import shaft_figure
     from .page.html import html_file, template
-    from .scene import ShaftScene, load_any_scene
+    from .scene import Scene, load_any_scene
 
-    choice, page = None, None
-    folder = folder_for(output, scene.stem)
+    choice, folder = None, folder_for(output, scene.stem)
     read = load_any_scene(scene, keys)
-    if isinstance(read, ShaftScene):
-        if fidelity is not None or error is not None or view:
-            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
-        result, _ = _ran(read, fmu)
-        figure = shaft_figure(result)
-    else:
+    if isinstance(read, Scene):
         if view:
             template()
         read, choice = _at_fidelity(read, fidelity, error)
-        result, _ = _ran(read, fmu, COMPUTED if view else ())
-        figure = inertia_module.scene_figure(result)
-        page = html_file(read, result) if view else None
+    elif fidelity is not None or error is not None or view:
+        raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+    result, _ = _ran(read, fmu, COMPUTED if view else ())
+    page = html_file(result.scene, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     told = {"scene": str(scene), **result.as_dict(), **chosen}
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
         "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
-        "plot": write_figure(folder / "plot.png", figure),
+        "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
     }
     if page is not None:
         files["page"] = folder / PAGE
@@ -346,7 +341,7 @@ def run(
 
     shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
     shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
-    return Answer({**told, "warnings": list(result.warnings)}, shown, files)
+    return Answer(told, shown, files)
 
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
@@ -524,24 +519,28 @@ def chart(
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
     at, unit = omega1 or NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
-    mechanisms = {scene.stem: inertia_module.load_scene(scene, keys).parameters() for scene in scenes}
-    charts = {name: inertia_module.torque_converter_chart(values, at) for name, values in mechanisms.items()}
+    read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
+    make = partial(inertia_module.torque_converter_chart, omega1=at, engagements=True)
+    charts = {name: make(one.parameters()) for name, one in read.items()}
     maps = {}
     lossy = [name for name, found in charts.items() if not found.lossless]
     for name in charts if mapped else lossy:
         with progress_bar(f"map of {name}") as progress:
-            maps[name] = steady_map(SteadyMachine(mechanisms[name]), at, progress)
+            maps[name] = steady_map(SteadyMachine(read[name].parameters()), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
     for name, one in maps.items():
         files.append(one.save(folder / f"{name}_map.csv", unit))
         files += one.save_tables(folder / f"{name}_map", unit) if mapped else []
     if mapped or omega1 is not None:
         for name, found in charts.items():
-            table = converter_table(SteadyMachine(mechanisms[name]), found, at)
+            table = converter_table(SteadyMachine(read[name].parameters()), found, at)
             files += save_converter(table, at, folder / f"{name}_converter")
     drawn = {name: maps[name] for name in lossy}
-    files.append(write_figure(folder / "chart.png", inertia_module.chart_figure(charts, drawn, unit)))
-    summaries = {name: found.summary(omega1) for name, found in charts.items()}
+    indexing = {name: one.freewheels.of("indexing_frequency") for name, one in read.items()}
+    allowed = {name: min(limits.values()) * math.tau / abs(at) for name, limits in indexing.items() if limits}
+    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    files.append(write_figure(folder / "chart.png", figure))
+    summaries = {name: found.summary(omega1, indexing[name]) for name, found in charts.items()}
     units = {name: found.units(omega1) for name, found in charts.items()}
     listed = [str(file) for file in files]
 

@@ -22,7 +22,7 @@ CROWDED = ("satellites=6", "a=1.5", "mesh_efficiency=98 %", "run.stop_time=0.1 s
 STALLED = ("load.torque=500 N.m", "run.stop_time=0.2 s", "omega_out_start=0")
 SECTIONS = [
     *("Warnings and remarks", "What was found", "What was asked", "Mechanism", "Curves"),
-    *("Torque converter chart", "Orders", "Loads", "Energy and losses", "Duty of the freewheels"),
+    *("Torque converter chart", "Orders", "Energy and losses", "Duty of the freewheels"),
 ]
 # times of this machine, which differ from run to run
 TIMES = {"wall time", "real time factor"}
@@ -129,11 +129,11 @@ LEFT_OUT = [
     ((REFERENCE, "output_freewheel=false"), {"Torque converter chart": "must both be 1"}),
     (
         (REFERENCE, "fidelity=averaged"),
-        {"Orders": "it has no pulses", "Loads": "has no drive angle", "Duty of the freewheels": "no pulses"},
+        {"Orders": "it has no pulses", "Duty of the freewheels": "averaged has no pulses"},
     ),
     (
         (REFERENCE, "drive.omega1=0", "load.torque=0"),
-        {"Orders": "does not turn", "Torque converter chart": "does not turn", "Loads": "nothing is loaded"},
+        {"Orders": "does not turn", "Torque converter chart": "does not turn"},
     ),
     ((SHAFT,), dict.fromkeys(("Mechanism", "Torque converter chart", "Orders"), "a driven shaft alone")),
 ]
@@ -151,15 +151,17 @@ def test_what_a_scene_cannot_have_is_left_out_with_the_sentence_why(reported, gi
         assert found[title].find("img") is None
 
 
-def test_duty_counts_what_the_run_counts(reported):
-    root, result = reported(REFERENCE)
-    duty = sections(root)["Duty of the freewheels"]
-    assert "changes 125 times in 1 s, 125 times a second" in texts(duty)[0]
-    housing, output = rows(duty)[1:]
-    assert float(output[3].split()[0]) == pytest.approx(result["torque_peak"].max(), rel=1e-4)
-    # each engages once a pulse, which is four changes; the shortest of them fall between the points
-    for row in (housing, output):
-        assert float(row[1]) == pytest.approx(125 / 4, abs=3.0)
+def test_duty_is_that_of_the_summary_beside_its_limits_and_one_that_is_passed_is_a_warning(reported):
+    limits = ("freewheels.indexing_frequency=2 Hz", "freewheels.output.torque=150 N.m")
+    root, result = reported(REFERENCE, *limits, "housing_freewheel=false")
+    found, numbers = sections(root), result.lines()
+    duty = rows(found["Duty of the freewheels"])[1:]
+    assert [row[1] for row in duty] == ["there is none"] * 4
+    assert [row[2] for row in duty] == [numbers[f"output {row[0]}"] for row in duty]
+    assert duty[1][2].endswith(" Hz, limit 2")
+    assert duty[2][2].endswith(" N.m, limit 150")
+    (warning,) = texts(found["Warnings and remarks"])
+    assert warning.startswith("warning: output engagement frequency maximum is above its limit, 2 Hz: ")
 
 
 def test_report_that_cannot_be_written_costs_no_run(tmp_path, monkeypatch):

@@ -64,7 +64,8 @@ def test_chart_tells_the_torque_of_the_averaged_module_and_loses_no_power(compil
 def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(compiled, tmp_path):
     chart = torque_converter_chart({}, kernel=compiled)
     columns, units = read_columns(chart.save(tmp_path / "chart.csv"))
-    assert columns == {name: values.tolist() for name, values in vars(chart).items()}
+    assert columns == {name: values.tolist() for name, values in vars(chart).items() if values is not None}
+    assert not [name for name in columns if "engagements" in name]
     assert units["output_torque"] == "N.m.s2"
     assert "efficiency" not in units
     assert chart.units()["stall_torque"] == "N.m.s2"
@@ -72,6 +73,39 @@ def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(compiled, tmp_
     assert chart.units()["end_ratio"] == ""
     assert chart.summary(50.0)["stall_torque"] == pytest.approx(2500.0 * chart.stall_torque)
     assert chart.summary(50.0)["end_ratio"] == chart.end_ratio
+
+
+@pytest.mark.parametrize("losses", [{}, {"input_friction": 0.01}], ids=["ideal", "losses"])
+def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(compiled, losses):
+    chart = torque_converter_chart({**PLANAR, **losses}, 80.0, compiled, engagements=True)
+    expected = (1.0 - chart.link2_ratio) * PLANAR["sun_radius"] / PLANAR["satellite_radius"]
+    measured = np.flatnonzero(np.isin(chart.speed_ratio, RATIOS))
+    assert measured.size > 1
+    for engagements in (chart.housing_engagements, chart.output_engagements):
+        assert engagements[measured] == pytest.approx(expected[measured], rel=2e-3)
+    assert chart.summary()["output_engagements_maximum"] == pytest.approx(5.0 / 3.0, rel=1e-6)
+    at_speed = chart.summary(80.0, {"housing": 10.0, "output": 60.0})
+    assert at_speed["output_engagements_maximum"] == pytest.approx(80.0 / math.tau * 5.0 / 3.0, rel=1e-6)
+    # there the housing freewheel engages ten times a second at stall
+    assert at_speed["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
+    assert {name: chart.units(80.0)[name] for name in list(at_speed)[-3:]} == {
+        "housing_engagements_maximum": "Hz",
+        "output_engagements_maximum": "Hz",
+        "indexing_speed": "rad/s",
+    }
+
+
+def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(compiled):
+    chart = torque_converter_chart({}, 100.0, compiled, engagements=True)
+    for ratio in RATIOS[[3, 10, 20]]:
+        module = started(compiled, {}, omega1=100.0, omega_out_start=100.0 * ratio, output_inertia=1e7)
+        module.advance(1.0)
+        counts = [f"{name}_engagements" for name in ("housing", "output")]
+        before = np.array(module.read(counts))
+        module.advance(20.0)
+        row = int(np.argmin(np.abs(chart.speed_ratio - ratio)))
+        told = np.array([getattr(chart, name)[row] for name in counts])
+        assert np.subtract(module.read(counts), before) / (2000.0 / math.tau) == pytest.approx(told, rel=0.03)
 
 
 def test_a_mechanism_may_be_given_by_names_and_units(compiled):
@@ -178,7 +212,7 @@ def test_in_vecto_torques_are_those_of_the_table_and_the_shaft_drives_link_1(
 
 def test_a_mechanism_that_passes_nothing_is_refused(compiled):
     chart = torque_converter_chart({}, kernel=compiled)
-    none = TorqueConverterChart(*(0.0 * values for values in vars(chart).values()))
+    none = TorqueConverterChart(*(0.0 * values for values in vars(chart).values() if values is not None))
     with pytest.raises(Refused, match="must pass torque for a converter table, passes none at 100 rad/s"):
         converter_table(SteadyMachine({}, compiled), none, 100.0)
 
@@ -238,7 +272,7 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_w
     assert chart.speed_ratio == pytest.approx(found.speed_ratio)
     assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
-    assert len(chart_figure({"rubbed": chart}).axes) == 4
+    assert len(chart_figure({"rubbed": chart}).axes) == 6
     axes = chart_figure({"rubbed": chart}, {"map": found}, "rpm").axes
     drawn = next(one for one in axes if one.get_title(loc="left") == "efficiency of map")
     assert drawn.get_ylabel() == "input speed [rpm]"
@@ -326,6 +360,24 @@ def test_command_gives_finite_torques_and_a_converter_table_at_the_speed_it_has_
     for file in files:
         cells = [cell for row in list(csv.reader(file.open()))[1:] for cell in row]
         assert all(math.isfinite(float(cell)) for cell in cells), file.name
+
+
+def test_command_draws_engagements_and_tells_up_to_which_speed_freewheels_engage(compiled, tmp_path):
+    assert compiled
+    limits = ("freewheels.indexing_frequency=60 Hz", "freewheels.output.indexing_frequency=10 Hz")
+    given = [word for limit in limits for word in ("--set", limit)]
+    done = invoke("examples/planar.toml", *given, "-o", tmp_path, "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.output)
+    assert told["charts"]["planar"]["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
+    assert told["units"]["planar"]["output_engagements_maximum"] == "1/rev"
+    columns, units = read_columns(tmp_path / "planar.csv")
+    assert columns["output_engagements"][0] == pytest.approx(5.0 / 3.0, rel=1e-6)
+    assert units["housing_engagements"] == "1/rev"
+    chart = torque_converter_chart(PLANAR, engagements=True)
+    engaged = chart_figure({"planar": chart}, allowed={"planar": 0.6}).axes[4]
+    assert [line.get_linestyle() for line in engaged.lines] == ["-", "--", ":"]
+    assert engaged.lines[2].get_ydata()[0] == 0.6
 
 
 def test_command_refuses_a_speed_that_is_none(tmp_path):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from inertia_module.common.errors import UnknownName
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
 from inertia_module.fidelity.trials import run_in_process, time_of
 from inertia_module.figures.jobs import chart_figure
@@ -16,7 +17,16 @@ from inertia_module.harness.results import Result
 from inertia_module.loops import EngineMap, Governor
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.scene import load_scene, run_scene
-from inertia_module.scene.run import SUMMARISED, above_stall, forces, start_of, summarise, times_to
+from inertia_module.scene.run import (
+    SUMMARISED,
+    above_stall,
+    engagements,
+    fastest,
+    forces,
+    start_of,
+    summarise,
+    times_to,
+)
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 R1 = load_scene(EXAMPLES / "reference.toml").replaced(run={"outputs": None}, accuracy={"tolerance": None})
@@ -133,6 +143,88 @@ def test_forces_are_magnitudes_of_what_is_recorded():
     assert list(forces(balanced)) == ["satellite_force"]
     between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, None, 1.0)
     assert between["satellite_force_peak"] == (8.0, "N")
+
+
+# --- the duty of the freewheels ---
+
+
+def test_the_largest_frequency_is_that_of_ten_engagements_in_a_row_and_hardly_depends_on_the_rows():
+    # 20 Hz, 50 Hz for 15 of them, rest
+    events = np.cumsum([*[0.05] * 30, *[0.02] * 15, 3.0])
+    for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
+        time = np.arange(0.0, 6.0, step)
+        count = np.searchsorted(events, time + 1e-9).astype(float)
+        assert fastest(time, count) == pytest.approx(50.0, rel=allowed)
+    few = np.array([0.0, 1.0, 2.0, 5.0]), np.array([0.0, 1.0, 1.0, 3.0])
+    assert fastest(*few) == pytest.approx(0.5)
+    assert fastest(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
+    assert fastest(few[0], np.zeros(4)) == 0.0
+
+
+def test_overruns_through_which_sprags_stay_engaged_do_not_count():
+    degrees = np.array([0.0, 1.0, 0.05, 0.05, 0.05, 0.0, 0.02, 0.4])
+    columns = {
+        "housing_engagements": np.array([0.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 6.0]),
+        "housing_slip_peak": np.radians(degrees) / 1e-3,
+    }
+    record = Result.from_columns({"time": 1e-3 * np.arange(8.0), **columns})
+    assert engagements(record, "housing").tolist() == [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 4.0]
+
+
+def test_duty_does_not_count_the_jumps_of_a_speed_that_is_held_over_each_step(fmu):
+    # up to 1500 rpm, 5/3 engagements a turn at stall
+    result = run_scene(load_scene(EXAMPLES / "real_machine.toml").replaced(run={"stop_time": 1.5}), fmu)
+    for name in ("housing", "output"):
+        assert result[f"{name}_engagements"][-1] > 200.0
+        assert 30.0 < result.summary[f"{name}_engagement_frequency_maximum"] < 25.0 * 5.0 / 3.0
+
+
+def test_duty_is_what_the_module_counts_and_limits_that_are_passed_warn(fmu):
+    limits = {"indexing_frequency": "60 Hz", "output": {"torque": 80.0, "indexing_frequency": "20 Hz"}}
+    result = run_scene(scene(1.0, freewheels=limits), fmu)
+    table, numbers = result.record, result.summary
+    for name in ("housing", "output"):
+        counted = table[f"{name}_engagements"][-1]
+        assert counted - 1.0 <= numbers[f"{name}_engagement_frequency_mean"] <= counted
+        assert 30.0 <= numbers[f"{name}_engagement_frequency_maximum"] < 45.0
+    assert numbers["housing_torque_peak"] >= table["housing_torque_peak"].max() > 100.0
+    assert numbers["output_torque_peak"] == table["torque_peak"].max() > 80.0
+    assert numbers["housing_slip_peak"] == pytest.approx(table["omega2"].max(), rel=1e-3)
+    assert result.units["output_slip_peak"] == "rad/s"
+    of_limits = {"housing": 60.0, "output": 20.0}
+    expected = {f"{name}_engagement_frequency_maximum": limit for name, limit in of_limits.items()}
+    assert result.as_dict()["limits"] == result.limits == {**expected, "output_torque_peak": 80.0}
+    assert result.as_dict()["warnings"] == [
+        f"{name} is above its limit, {limit}: {numbers[name.replace(' ', '_')]:.6g}"
+        for name, limit in (
+            ("output engagement frequency maximum", "20 Hz"),
+            ("output torque peak", "80 N.m"),
+        )
+    ]
+    assert result.lines()["output torque peak"].endswith(" N.m, limit 80")
+
+
+@pytest.mark.parametrize(
+    "mechanism, reason",
+    [
+        ({"fidelity": "averaged"}, "fidelity averaged has no pulses"),
+        ({"fidelity": "kinematic", "kinematic_ratio": 0.2}, "fidelity kinematic prescribes the motion"),
+    ],
+)
+def test_a_level_without_pulses_says_that_it_does_not_tell_the_duty(fmu, mechanism, reason):
+    result = run_scene(scene(mechanism=mechanism, freewheels={"torque": 1.0, "slip": 1.0}), fmu)
+    assert reason in result.remarks["freewheel_duty"]
+    assert not result.limits
+    assert not result.warnings
+    assert not {name for name in result.summary if name.startswith(("housing_", "output_slip"))}
+    with pytest.raises(UnknownName, match="housing_torque_peak must be a number of the summary"):
+        result.summary["housing_torque_peak"]
+
+
+def test_a_freewheel_that_is_not_there_has_no_duty(fmu):
+    result = run_scene(scene(mechanism={"output_freewheel": False}, freewheels={"torque": 1.0}), fmu)
+    assert list(result.limits) == ["housing_torque_peak"]
+    assert "output_torque_peak" not in result.summary
 
 
 def car(speed, time, **columns):

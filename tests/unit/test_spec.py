@@ -73,7 +73,7 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
 @pytest.mark.parametrize(
     "old, new, sentence",
     [
-        ("[free]", "[fre]", r"fre = .*: there is no such key \(did you mean free\?\)"),
+        ("[free]", "[fre]", r"fre = .*: there is no such key \(did you mean free or freewheels\?\)"),
         ('imbalance_mass = "500 g:2 kg"\nsatellites = "1:4"', "", "at least one key must be varied, such as"),
         ('imbalance_mass = "500 g:2 kg"', 'imbalance_mas = "500 g:2 kg"', r"did you mean imbalance_mass\?"),
         ("500 g:2 kg", "2 kg:1 kg", "from a lower to a higher value"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -35,20 +36,24 @@ def chart_figure(
     charts: Mapping[str, TorqueConverterChart],
     maps: Mapping[str, SteadyMap] | None = None,
     speed_unit: str = "rad/s",
+    allowed: Mapping[str, float] = MappingProxyType({}),
 ) -> Figure:
-    """Draw torque ratio and efficiency, output and input torque, capacity and ripple over the speed ratio.
+    """Draw torque ratio and efficiency, output and input torque, ripple and engagements over the speed ratio.
 
     Args:
         charts: by the names for the legend. maps: whose efficiency is drawn. speed_unit: of the input.
+        allowed: by name, engagements of a freewheel a turn of the input.
 
     Returns:
-        A matplotlib Figure of 1200 x 900 pixels, with maps higher by half.
+        A matplotlib Figure of 1200 x 900 pixels, with engagements and with maps higher by half.
     """
-    figure = sheet("Torque converter chart")
+    engaged = any(one.output_engagements is not None for one in charts.values())
+    height = 1.0 + 0.5 * engaged
+    figure = sheet("Torque converter chart", height * SIZE[1])
     upper: Figure | SubFigure = figure
     if maps:
-        figure.set_figheight(1.5 * SIZE[1])
-        parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2, 1))
+        figure.set_figheight((height + 0.5) * SIZE[1])
+        parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0 * height, 1))
         upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
         for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
             # lines of equal efficiency
@@ -63,8 +68,8 @@ def chart_figure(
             axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
             axes.set_xlabel("speed ratio, output / input")
             axes.set_ylabel(f"input speed [{speed_unit}]")
-    panels = upper.subplots(2, 2, sharex=True)
-    ratio, output, taken, ripple = panels.flat
+    panels = upper.subplots(2 + engaged, 2, sharex=True)
+    ratio, output, taken, ripple, *duty = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
         colour = COLOURS[number % len(COLOURS)]
         speed, torque = chart.speed_ratio, chart.output_torque
@@ -78,21 +83,31 @@ def chart_figure(
             output.plot([1.0, 1.0], [0.0, chart.lock_up_torque[0]], color=colour, linewidth=3.0, alpha=0.5)
         taken.plot(speed, chart.input_torque, color=colour, label=name)
         ripple.plot(speed[passing], chart.ripple[passing] / torque[passing], color=colour, label=name)
+        for engagements, style in ((chart.output_engagements, "-"), (chart.housing_engagements, "--")):
+            if engagements is not None:
+                duty[0].plot(speed, engagements, style, color=colour, label=name if style == "-" else "")
+        if name in allowed:
+            duty[0].axhline(allowed[name], color=colour, linestyle=":")
+        if duty:
+            duty[1].plot(speed, chart.peak, color=colour, label=name)
     lossless = all(chart.lossless for chart in charts.values())
-    first = "torque ratio" + (" (no losses: efficiency 1)" if lossless else ", and efficiency (broken line)")
-    for axes, title, unit in (
-        (ratio, first, ""),
-        (output, "mean output torque / ω1²; bar: lock-up holds up to", "N·m·s²"),
-        (taken, "mean input torque / ω1² (what the drive has to give)", "N·m·s²"),
-        (ripple, "RMS ripple over mean output torque", "-"),
-    ):
+    lost = ": 1, no losses" if lossless else ""
+    titles = (
+        (f"torque ratio, efficiency (broken line){lost}", ""),
+        ("mean output torque / ω1²; bar: lock-up holds", "N·m·s²"),
+        ("mean input torque / ω1², of the drive", "N·m·s²"),
+        ("RMS ripple over mean output torque", "-"),
+        ("engagements: output, housing (broken), allowed (dots)", "a turn of the input"),
+        ("largest torque in the output freewheel / ω1²", "N·m·s²"),
+    )
+    for axes, (title, unit) in zip(panels.flat, titles, strict=False):
         axes.set_title(title, loc="left", fontsize=11)
         axes.set_ylabel(unit)
         axes.set_ylim(bottom=0.0)
         axes.legend(fontsize=9, frameon=False)
         plain(axes)
     ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
-    for axes in panels[1]:
+    for axes in panels[-1]:
         axes.set_xlabel("speed ratio, output / input")
     return figure
 

@@ -24,18 +24,18 @@ from .. import __version__
 from ..common.errors import Refused
 from ..common.files import picture_of
 from ..common.terminal import Progress
-from ..contract.variables import BY_NAME, ENUMERATIONS, LOST_TO, PARAMETER, Group, with_causality
+from ..contract.variables import LOST_TO, PARAMETER, Group, with_causality
 from ..fmu.archive import filled_xml
 from ..harness.chart import torque_converter_chart
 from ..harness.fmu import read_description
 from ..jobs.orders import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
-from ..kernel.codes import DRIVING, HELD, HELD_DRIVING, RIGID
+from ..kernel.codes import ELASTIC
 from ..scene import Scene, SceneResult
-from ..scene.keys import keys_of
-from ..scene.run import input_speed, start_of
+from ..scene.keys import in_range, keys_of
+from ..scene.run import DUTY, FREEWHEELS, input_speed, start_of
 from .jobs import NAMED, chart_figure, order_figure
 from .mechanism import mechanism_figure
-from .scenes import is_coarse, scene_figure, shaft_figure
+from .scenes import is_coarse, scene_figure
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
 # what a run for a report records besides what the scene wants
@@ -43,11 +43,10 @@ RECORDED = (
     *(BEARING.get(name, name) for name in SIGNALS),
     *ANGLES,
     *("satellite_force", "satellite_force_peak", "shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
-    *("torque_peak", "housing_torque", "contact_mode", "omega_hub"),
+    "housing_torque",
 )
 # of pictures, and their size over that on the screen: letters are to be read on paper
 DPI, SMALLER = 190, 0.8
-TOLERANCE = "accuracy.tolerance"
 # a list of more values is shown by its ends
 LISTED = 16
 
@@ -86,7 +85,6 @@ def report_file(
         "Curves": _curves,
         "Torque converter chart": _chart,
         "Orders": _orders,
-        "Loads": _loads,
         "Energy and losses": _energy,
         "Duty of the freewheels": _duty,
     }
@@ -113,13 +111,12 @@ def report_file(
     return filled_xml(TEMPLATE, values)
 
 
-def _picture(figure: Figure, ending: str = "png", size: float = SMALLER) -> str:
+def _picture(figure: Figure, size: float = SMALLER) -> str:
     """A figure as the text of a data URI; its title stands above it on the page."""
     figure.suptitle("")
     figure.set_size_inches(*(size * figure.get_size_inches()))
     figure.set_dpi(DPI)
-    kind = {"svg": "svg+xml"}.get(ending, ending)
-    return f"data:image/{kind};base64,{base64.b64encode(picture_of(figure, ending)).decode()}"
+    return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
 
 
 def _words(name: str) -> str:
@@ -151,44 +148,33 @@ def _shown(value: Any) -> str:
     return re.sub(r"\d+\.\d{6,}", lambda digits: f"{float(digits[0]):.6g}", str(value))
 
 
-def _values(scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """All values of a scene as written to a file, and the defaults of the parameters of its model, by key."""
-    tables = scene.model_dump(mode="json", exclude_none=True, exclude={"title", "description"})
-    defaults = {one.name: one.start for one in with_causality(PARAMETER, table=scene.VARIABLES.values())}
-    table = "mechanism" if isinstance(scene, Scene) else "shaft"
-    values = start_of(scene)[0] if isinstance(scene, Scene) else scene.parameters()
-    model = type(getattr(scene, table))
-    usual, now = (
-        model.model_construct(**given).model_dump(mode="json", exclude_none=True)
-        for given in (defaults, {**defaults, **tables[table], **values})
-    )
-    known, found = dict(_flat({table: usual})), dict(_flat({**tables, table: now}))
-    if isinstance(scene, Scene):
-        known[TOLERANCE] = defaults["tolerance"]
-        found[TOLERANCE] = values.get("tolerance", defaults["tolerance"])
-    return found, known
-
-
 def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
     """Keys of a scene with their values and sources: by group those of its model, the others by ""."""
-    found, usual = _values(scene)
     sources = {key: ("scene file", written) for key, written in _flat(tomllib.loads(text))}
     sources |= {key: ("--set", written) for key, written in _flat(keys_of(keys))}
-    idle = {Group.BEVEL if found.get("mechanism.layout") == "planar" else Group.PLANAR}
-    idle |= {Group.ELASTIC} if found.get("mechanism.fidelity", "elastic") != "elastic" else set()
-    rows: dict[str, list[Sequence[str]]] = {"": [], **{group: [] for group in Group}}
-    for key, value in found.items():
-        table, _, name = key.rpartition(".")
-        source, written = sources.get(key) or sources.get(f"{table}.file") or ("default", value)
-        shown = _shown(value)
-        source = source if _shown(written) == shown else f"{source}: {_shown(written)}"
-        if key in usual:
-            one = scene.VARIABLES[name]
-            source = "other keys" if source == "default" and value != usual[key] else source
-            if source != "default" or one.group not in idle:
-                rows[one.group].append((name, shown, source, one.description))
-        elif name != "file":
-            rows[""].append((key, shown, source))
+
+    def source(key: str, shown: str, unsaid: str) -> str:
+        """Source of a value, with what is written there where that is something else."""
+        table = key.rpartition(".")[0]
+        place, written = sources.get(key) or sources.get(f"{table}.file") or (unsaid, shown)
+        return place if _shown(written) == shown else f"{place}: {_shown(written)}"
+
+    module = isinstance(scene, Scene)
+    table, values = ("mechanism", start_of(scene)[0]) if module else ("shaft", scene.parameters())
+    idle = {Group.BEVEL if values.get("layout") else Group.PLANAR}
+    idle |= {Group.ELASTIC} if module and values.get("fidelity") != ELASTIC else set()
+    known, rows = set[str](), {group: list[Sequence[str]]() for group in ("", *Group)}
+    for one in with_causality(PARAMETER, table=scene.VARIABLES.values()):
+        key = "accuracy.tolerance" if module and one.name == "tolerance" else f"{table}.{one.name}"
+        value = values.get(one.name, one.start)
+        shown = _shown(in_range(one).written(value))
+        told = source(key, shown, "default" if value == one.start else "other keys")
+        known.add(key)
+        if told != "default" or one.group not in idle:
+            rows[one.group].append((one.name, shown, told, one.description))
+    for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)):
+        if key not in known and key.rpartition(".")[2] not in ("title", "description", "file"):
+            rows[""].append((key, _shown(value), source(key, _shown(value), "default")))
     columns = ("parameter", "value", "source", "meaning")
     parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
     added = "A value other than that of its source has in it what other keys add, as the inertia of a load."
@@ -213,24 +199,15 @@ def _module(result: SceneResult) -> Scene:
     raise Refused("the scene is one of a driven shaft alone, without satellites and freewheels")
 
 
-def _refuse_lacking(scene: Scene, name: str) -> None:
-    """Refuse an output that the fidelity of a scene does not have."""
-    fidelity = scene.parameters().get("fidelity", RIGID)
-    reasons = [need.reason for need in BY_NAME[name].needs if fidelity in need.lacking]
-    if reasons:
-        raise Refused(f"fidelity {ENUMERATIONS['Fidelity'][int(fidelity)][0]} {' and '.join(reasons)}")
-
-
 def _mechanism(result: SceneResult) -> Part:
     """Sketch of one module."""
     text = "One module, to scale: pitch circles or pitch cones. No parameter gives the size of anything else."
-    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters()), "svg"))
+    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
 
 
 def _curves(result: SceneResult) -> Part:
     """Speeds, torques, forces and energies over time."""
-    draw = scene_figure if isinstance(result.scene, Scene) else shaft_figure
-    return Part(picture=_picture(draw(result), size=1.0))
+    return Part(picture=_picture(scene_figure(result), size=1.0))
 
 
 def _chart(result: SceneResult) -> Part:
@@ -239,13 +216,16 @@ def _chart(result: SceneResult) -> Part:
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
         raise Refused("link 1 does not turn")
-    chart = torque_converter_chart(scene.parameters(), omega1)
-    numbers, units = chart.summary(omega1).items(), chart.units(omega1)
+    chart = torque_converter_chart(scene.parameters(), omega1, engagements=True)
+    limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
+    numbers = chart.summary(omega1, limits).items()
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
+    allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
+    figure = chart_figure({"mechanism": chart}, allowed=allowed)
     text = (
         f"Steady means over the speed ratio, at the largest speed of link 1 in the run, {omega1:.5g} rad/s."
     )
-    return Part([text], ("number", "value"), rows, _picture(chart_figure({"mechanism": chart})))
+    return Part([text], ("number", "value"), rows, _picture(figure))
 
 
 def _orders(result: SceneResult) -> Part:
@@ -265,25 +245,6 @@ def _orders(result: SceneResult) -> Part:
     return Part([text], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
 
 
-def _loads(result: SceneResult) -> Part:
-    """Peaks and RMS of forces, moments, torques and twist."""
-    if isinstance(result.scene, Scene):
-        _refuse_lacking(result.scene, "shaking_force_x")
-    rows = [line for line in result.lines().items() if line[0].endswith((" peak", " rms"))]
-    rows += [
-        (f"{_words(name)}, largest", f"{np.abs(result[name]).max():.6g} N.m")
-        for name in ("input_torque", "housing_torque", "torque_peak")
-        if name in result and result[name].any()
-    ]
-    if not rows:
-        raise Refused("nothing is loaded")
-    text = (
-        "Taken at the communication points, the peaks of a satellite's force and of the output torque between"
-        " them too. What balances is not listed."
-    )
-    return Part([text], ("load", "value"), rows)
-
-
 def _energy(result: SceneResult) -> Part:
     """Energies, their mean power, and the causes of what is lost with their shares."""
     time, lost = (result.quantities[name].value for name in ("simulated_time", "energy_lost"))
@@ -298,29 +259,22 @@ def _energy(result: SceneResult) -> Part:
 
 
 def _duty(result: SceneResult) -> Part:
-    """How often the contact mode changes, and what each freewheel carries and overruns with."""
-    parameters, record = _module(result).parameters(), result.record
-    _refuse_lacking(_module(result), "contact_mode")
-    time, switches = (result.summary[name] for name in ("simulated_time", "contact_switches"))
-    coarse, rows = is_coarse(record), []
-    for name, carrying, torque, slip in (
-        ("housing", (HELD, HELD_DRIVING), "housing_torque", record["omega2"]),
-        ("output", (DRIVING, HELD_DRIVING), "torque_peak", record["omega_hub"] - record["omega2"]),
-    ):
-        carries = np.isin(record["contact_mode"], carrying)
-        engaged = f"{np.count_nonzero(~carries[:-1] & carries[1:]) / time:.4g}"
-        numbers = (
-            f"{100.0 * carries.mean():.3g} %",
-            f"{record[torque].max():.5g} N.m",
-            f"{slip.max():.5g} rad/s",
+    """How often each freewheel engages, and the most that it carries and overruns with."""
+    _module(result)
+    if DUTY in result.remarks:
+        raise Refused(f"it {result.remarks[DUTY]}")
+    lines = result.lines()
+    rows = [
+        (number, *(lines.get(f"{name} {number}", "there is none") for name in FREEWHEELS))
+        for number in (
+            "engagement frequency mean",
+            "engagement frequency maximum",
+            "torque peak",
+            "slip peak",
         )
-        absent = not parameters.get(f"{name}_freewheel", 1.0)
-        seen = ("unknown: the step is long for the pulses" if coarse else engaged, *numbers)
-        rows.append((name, "there is none", "", "", "") if absent else (name, *seen))
+    ]
     text = (
-        f"The contact mode changes {switches:.0f} times in {time:g} s, {switches / time:.4g} times a second:"
-        " a freewheel engages or releases, or both do at once. The table is of the communication points; the"
-        " output torque is its peak between them too."
+        "The mean frequency is that of the whole run; the largest is that of ten engagements in a row, for a"
+        " maker limits how soon its sprags have to engage again. Slip is the speed of overrunning."
     )
-    columns = ("freewheel", "engagements a second", "carries", "largest torque", "fastest overrunning")
-    return Part([text], columns, rows)
+    return Part([text], ("number", *(f"{name} freewheel" for name in FREEWHEELS)), rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,9 @@ from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
 from ..scene.run import TIME_TO, forces, input_speed, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
+
+# draws rows of a table: of the whole run, or close up
+Panel = Callable[[Axes, Result, slice, bool], None]
 
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
@@ -33,17 +37,19 @@ FORCES = {"satellite_force": (PURPLE, "on the satellite's bearing"), "shaking_fo
 
 
 def scene_figure(result: SceneResult) -> Figure:
-    """Draw a scene: how a cycle was followed, or how the pulses drive the shaft.
+    """Draw a scene: how a cycle was followed, how the pulses drive the shaft, or how a shaft alone turns.
 
     Args:
-        result: of run_scene.
+        result: of run_scene or run_shaft_scene.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
     figure = sheet(result.scene.title)
-    if result.scene.controller is not None and "vehicle_speed" in result.record:
+    if "hub_speed" in result.record:
+        _shaft_panels(figure, result)
+    elif result.scene.controller is not None and "vehicle_speed" in result.record:
         _driving_panels(figure, result)
     else:
         _pulse_panels(figure, result)
@@ -89,10 +95,12 @@ def _pulse_panels(figure: Figure, result: SceneResult) -> None:
     """Draw left the whole run, right its end; the forces take the place of the acceleration."""
     table, numbers = result.record, result.summary
     first, shown = end_of_run(table)
-    drawn: list[Callable[[Axes, Result, slice, bool], None]] = [_speeds, _torques]
+    drawn: list[Panel] = [_speeds, _torques]
     if not FORCES.keys().isdisjoint(forces(table)) or "imbalance_acceleration" in table:
         drawn.append(_instant_panel)
-    drawn += [_power_panel, _loss_panel] if losses(table) else []
+    if lost := losses(table):
+        drawn.append(partial(_power_panel, energies=_flows(table), label="power"))
+        drawn.append(partial(_power_panel, energies=lost, label="lost"))
     drawn.append(_energy_panel)
     figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
     grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
@@ -209,11 +217,11 @@ def _power_panel(
     table: Result,
     rows: slice,
     zoomed: bool,
-    energies: Mapping[str, tuple[Array, str]] | None = None,
-    label: str = "power",
+    energies: Mapping[str, tuple[Array, str]],
+    label: str,
 ) -> None:
-    """Rates of energies (in, out to the load and lost), in the whole run without its pulses."""
-    energies, time = energies or _flows(table), table.time[1:]
+    """Rates of energies since the start, in the whole run without its pulses."""
+    time = table.time[1:]
     powers = {name: np.diff(energy) / np.diff(table.time) for name, (energy, _) in energies.items()}
     shown = slice(rows.start, None)
     if not zoomed:
@@ -224,11 +232,6 @@ def _power_panel(
         shown = slice(cut, len(time) - cut)
     curves = {name: (power[shown], energies[name][1]) for name, power in powers.items()}
     dress(axes, f"{label} [{plot_all(axes, time[shown], curves, 'W')}]")
-
-
-def _loss_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Power lost by cause."""
-    _power_panel(axes, table, rows, zoomed, losses(table), "lost")
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
 
 
@@ -272,7 +275,7 @@ def _driving_panels(figure: Figure, result: SceneResult) -> None:
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
     if lossy:
-        _loss_panel(panels[4], table, slice(0, None), zoomed=False)
+        _power_panel(panels[4], table, slice(0, None), False, losses(table), "lost")
     panels[-1].set_xlabel("time [s]")
 
 
@@ -326,19 +329,10 @@ def _energy_shares(axes: Axes, table: Result) -> None:
 # --- a shaft alone ---
 
 
-def shaft_figure(result: SceneResult) -> Figure:
-    """Draw speeds and accelerations of hub and driven mass, twist and energy, one below the other.
-
-    Args:
-        result: of run_shaft_scene.
-
-    Returns:
-        A matplotlib Figure of 1200 x 900 pixels; save it with figure.savefig(path).
-    """
-    table, numbers = result.record, result.summary
-    figure = sheet(result.scene.title)
+def _shaft_panels(figure: Figure, result: SceneResult) -> None:
+    """Speeds and accelerations of hub and driven mass, twist and energy, one below the other."""
+    table, time = result.record, result.record.time
     panels = figure.subplots(4, 1, sharex=True)
-    time = table.time
     law = np.gradient(table["hub_speed"], time)
     for axes, hub, mass, label in (
         (panels[0], table["hub_speed"], table["omega_out"], "speed [rad/s]"),
@@ -353,7 +347,6 @@ def shaft_figure(result: SceneResult) -> Figure:
     panels[3].set_xlabel("time [s]")
     headline(
         panels[0],
-        f"driven mass at most {numbers['driven_acceleration_peak']:.4g} rad/s²,"
+        f"driven mass at most {result.summary['driven_acceleration_peak']:.4g} rad/s²,"
         f" hub {np.abs(law).max():.4g} rad/s²",
     )
-    return figure

@@ -9,19 +9,15 @@ that of one input speed, and a map tells torques, loss and efficiency over speed
 It is made of steady pulses at a speed ratio: of the rigid module, its output shaft held by a large inertia.
 Whatever is lost is in it: mean torques, and what is lost of the energy put in, over whole periods of the
 drive. Fidelity `averaged` has these means in a map, found once and interpolated.
-
-Blocks of torque converters look up torque ratio R and capacity factor K = omega1 / sqrt(input torque) and
-make of them input torque = (omega1 / K)^2 and output torque = R (omega1 / K)^2. At stall both are infinite.
-So in a converter table R is limited, and the input torque to be had from it is then the output torque over
-that limit; the output torque is right everywhere.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +33,8 @@ from ..kernel.inertia import reduced_inertia
 from ..memory import Module
 from .results import write_columns, write_mat, write_rows
 from .simulate import Progress
+
+Array = NDArray[np.float64]
 
 # --- steady pulses ---
 
@@ -67,6 +65,7 @@ class SteadyPulses(NamedTuple):
         link2_ratio: mean speed of link 2 over that of link 1, magnitudes.
         ripple: RMS of the torque in the output freewheel about its mean, N m. peak: its largest, N m.
         bearing_force: the largest on the bearing of a satellite, N. loss: power lost, W.
+        housing_engagements, output_engagements: of the freewheels, a turn of link 1.
     """
 
     output_torque: float
@@ -77,6 +76,8 @@ class SteadyPulses(NamedTuple):
     peak: float
     bearing_force: float
     loss: float
+    housing_engagements: float
+    output_engagements: float
 
 
 class SteadyMachine:
@@ -139,18 +140,22 @@ class SteadyMachine:
                     return module, pulses
         return module, pulses
 
+    def _samples(self, module: Module, omega1: float, names: Sequence[str]) -> Array:
+        """Outputs over the turns that come now, SAMPLES a turn where link 2 is held, shape (m, names)."""
+        turn, begun, found = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
+        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
+            module.advance(turn / SAMPLES)
+            found.append(module.read(names))
+        return np.array(found)
+
     def input_pulses(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Compute RMS about its mean and largest magnitude of the input torque, N m, of SAMPLES a turn.
 
         Args:
             omega1, ratio: as of at.
         """
-        module, _ = self._settled(omega1, ratio)
-        turn, begun, torques = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
-        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
-            module.advance(turn / SAMPLES)
-            torques.append(module["input_torque"])
-        return float(np.std(torques)), float(np.abs(torques).max())
+        torques = self._samples(self._settled(omega1, ratio)[0], omega1, ["input_torque"])
+        return float(torques.std()), float(np.abs(torques).max())
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Bounds of the time that the turns take, s."""
@@ -162,9 +167,9 @@ class SteadyMachine:
     def _over_turns(self, module: Module, omega1: float, ratio: float) -> SteadyPulses:
         """Means over the turns that come now."""
         between = self._times(omega1, ratio)
-        slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         begun, angle = module.save(), _drive_angle(module)
-        before = module.read(("energy_in", "energy_lost"))
+        counted = ("energy_in", "energy_lost", "housing_engagements", "output_engagements")
+        before = module.read(counted)
 
         def missing(time: float) -> float:
             module.restore(begun)
@@ -173,19 +178,18 @@ class SteadyMachine:
 
         time = brentq(missing, *between, rtol=TIME_ERROR)
         missing(time)
-        taken, lost = (
-            now - then for now, then in zip(module.read(("energy_in", "energy_lost")), before, strict=True)
-        )
-        speed = module["omega_out"]
+        taken, lost, *engaged = np.subtract(module.read(counted), before).tolist()
+        speed, turned = module["omega_out"], abs(omega1) * time / math.tau  # of link 1
         return SteadyPulses(
             module["output_torque_mean"] - module["output_friction"] * speed,
             math.copysign(1.0, omega1) * module["input_torque_mean"],
             min(max(1.0 - lost / taken, 0.0), 1.0) if taken > 0.0 else 0.0,
-            abs(1.0 - slowest / time),
+            abs(1.0 - self._turns / (self._derived.k * turned)),
             module["torque_ripple"],
             module["torque_peak"],
             module["satellite_force_peak"],
             lost / time,
+            *(number / turned for number in engaged),
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
@@ -207,14 +211,9 @@ class SteadyMachine:
             load: "force", N, or "moment" about the origin, N m. omega1, ratio: as in at.
         """
         module = self._started(omega1, ratio * abs(omega1))
-        turn = math.tau / (self._derived.k * abs(omega1))
-        parts, found = [f"shaking_{load}_{axis}" for axis in "xyz"], []
-        # over the first turns what the start at rest leaves behind goes
-        for n in range(2 * self._turns * SAMPLES):
-            module.advance(turn / SAMPLES)
-            if n >= self._turns * SAMPLES:
-                found.append(math.hypot(*module.read(parts)))
-        return max(found)
+        parts = [f"shaking_{load}_{axis}" for axis in "xyz"]
+        self._samples(module, omega1, parts)  # what the start at rest leaves behind goes
+        return float(np.linalg.norm(self._samples(module, omega1, parts), axis=1).max())
 
     def lock_up_torque(self, omega1: float) -> float:
         """Find the largest torque on the load at which the drive can stand still in link 1, N m; stick apart.
@@ -233,8 +232,6 @@ def _drive_angle(module: Module) -> float:
 
 # --- charts ---
 
-Array = NDArray[np.float64]
-
 NOMINAL_SPEED: float = BY_NAME["omega1"].nominal or 1.0
 # points between the first and the last ratio of the map, besides its knots
 POINTS = 200
@@ -246,6 +243,7 @@ LARGEST_TORQUE_RATIO, LEAST_SHARE = 50.0, 1e-4
 # speed ratios of its coast side, over 1 or what the chart ends with above that
 COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 
+ENGAGEMENTS = ("housing_engagements", "output_engagements")
 _TORQUES = ("output_torque", "input_torque", "ripple", "peak", "lock_up_torque")
 # columns of a map, as of SteadyPulses
 MAP_UNITS = {"input_torque": "N.m", "output_torque": "N.m", "loss": "W", "efficiency": "", "ripple": "N.m"}
@@ -267,6 +265,8 @@ class TorqueConverterChart:
         ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
         lock_up_torque: what lock-up at ratio 1 can hold, stick apart, N m s^2, the same in all rows;
             0 where it is not reached.
+        housing_engagements, output_engagements: of the freewheels, a turn of link 1, in lock-up those just
+            before it; None where they were not asked for.
     """
 
     speed_ratio: Array
@@ -277,6 +277,8 @@ class TorqueConverterChart:
     ripple: Array
     peak: Array
     lock_up_torque: Array
+    housing_engagements: Array | None = None
+    output_engagements: Array | None = None
 
     @property
     def stall_torque(self) -> float:
@@ -293,11 +295,15 @@ class TorqueConverterChart:
         """Speed ratio from which on no torque is passed, 1 with lock-up; with losses the last one found."""
         return float(self.speed_ratio[-1])
 
-    def summary(self, omega1: float | None = None) -> dict[str, float]:
+    def summary(
+        self, omega1: float | None = None, indexing: Mapping[str, float] = MappingProxyType({})
+    ) -> dict[str, float]:
         """The numbers to compare mechanisms by.
 
         Args:
-            omega1: speed of the input for the torques, rad/s; without it they are over omega1 squared.
+            omega1: speed of the input, rad/s; without it torques are over its square, engagements over turns.
+            indexing: largest indexing frequency, Hz, of freewheels (housing, output) that have one. With it
+                there is the input speed, rad/s, up to which none engages more often at any ratio.
         """
         numbers = {
             "stall_torque": self.stall_torque,
@@ -309,21 +315,31 @@ class TorqueConverterChart:
             "efficiency_maximum_ratio": float(self.speed_ratio[np.argmax(self.efficiency)]),
             "stall_peak_over_mean": float(self.peak[0] / self.stall_torque) if self.stall_torque else 0.0,
         }
-        square = 1.0 if omega1 is None else omega1 * omega1
-        return {name: square * value if _is_torque(name) else value for name, value in numbers.items()}
+        if self.output_engagements is not None:
+            most = {name: float(getattr(self, name).max()) for name in ENGAGEMENTS}
+            numbers |= {f"{name}_maximum": value for name, value in most.items()}
+            shares = [most[f"{name}_engagements"] / limit for name, limit in indexing.items()]
+            numbers |= {"indexing_speed": math.tau / max(shares)} if any(shares) else {}
+        return {name: _scale(name, omega1)[0] * value for name, value in numbers.items()}
 
     def units(self, omega1: float | None = None) -> dict[str, str]:
         """Units of the numbers of summary, "" for ratios."""
-        torque = "N.m.s2" if omega1 is None else "N.m"
-        return {name: torque if _is_torque(name) else "" for name in self.summary()}
+        return {name: _scale(name, omega1)[1] for name in (*self.summary(), "indexing_speed")}
 
     def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""
-        return write_columns(path, vars(self), dict.fromkeys(_TORQUES, "N.m.s2"))
+        columns = {name: values for name, values in vars(self).items() if values is not None}
+        units = {**dict.fromkeys(_TORQUES, "N.m.s2"), **dict.fromkeys(ENGAGEMENTS, "1/rev")}
+        return write_columns(path, columns, units)
 
 
-def _is_torque(number: str) -> bool:
-    return number.endswith("_torque")
+def _scale(number: str, omega1: float | None) -> tuple[float, str]:
+    """Factor of a number of a summary at a speed, rad/s, or at any, and its unit then."""
+    if number.endswith("_torque"):
+        return (1.0, "N.m.s2") if omega1 is None else (omega1**2, "N.m")
+    if number.endswith("_engagements_maximum"):
+        return (1.0, "1/rev") if omega1 is None else (abs(omega1) / math.tau, "Hz")
+    return 1.0, "rad/s" if number == "indexing_speed" else ""
 
 
 @dataclass(frozen=True)
@@ -383,7 +399,10 @@ def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
 
 
 def torque_converter_chart(
-    parameters: Mapping[str, float | str], omega1: float = NOMINAL_SPEED, kernel: str = "auto"
+    parameters: Mapping[str, float | str],
+    omega1: float = NOMINAL_SPEED,
+    kernel: str = "auto",
+    engagements: bool = False,
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
 
@@ -392,20 +411,24 @@ def torque_converter_chart(
         omega1: input speed at which a mechanism with losses is measured, rad/s, not 0; without losses the
             chart is that of all speeds of this sign (backwards the torque is another).
         kernel: as in Module.
+        engagements: whether those of the freewheels are wanted, which cost more than all else without losses.
 
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
     machine = SteadyMachine(parameters, kernel)
     if machine.ideal:
-        return _chart_of_map(parameters, omega1 < 0.0, kernel)
+        chart = _chart_of_map(parameters, omega1 < 0.0, kernel)
+        found = _over_ratios(machine, omega1) if engagements else {}
+        columns = {name: np.interp(chart.speed_ratio, RATIOS, found[name]) for name in ENGAGEMENTS if found}
+        return replace(chart, **columns)
     # with losses, up to the last ratio at which the load gets a torque
     found = _over_ratios(machine, omega1)
     number = max(np.flatnonzero(found["output_torque"] > 0.0), default=0) + 1
     locks = omega1 > 0.0 and number == RATIOS.size
     found["lock_up_torque"] = np.full(RATIOS.size, machine.lock_up_torque(omega1) if locks else 0.0)
     columns = {name: found[name][:number] / omega1**2 for name in _TORQUES}
-    columns |= {name: found[name][:number] for name in ("efficiency", "link2_ratio")}
+    columns |= {name: found[name][:number] for name in ("efficiency", "link2_ratio", *ENGAGEMENTS)}
     return TorqueConverterChart(RATIOS[:number], **columns)
 
 
@@ -430,7 +453,7 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel:
 
 
 def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> dict[str, Array]:
-    """The converter table of a mechanism.
+    """The converter table of a mechanism, whose output torque is right at each ratio (docs/mechanics.md).
 
     Args:
         machine: of the mechanism. chart: of it at this speed. omega1: speed of the input, rad/s, not 0.

@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
@@ -61,7 +61,7 @@ def checked(
 
 @dataclass(frozen=True)
 class InUnit(BeforeValidator):
-    """Pydantic validator of a quantity, or a list of them, that JSON has as text with its unit.
+    """Pydantic validator of a quantity that JSON has as text with its unit.
 
     Attributes:
         unit: that it comes in, "1" or "" for none. variable: that it is a value of, or None.
@@ -79,8 +79,6 @@ class InUnit(BeforeValidator):
 
     def written(self, value: Any) -> Any:
         """A value as in a scene file, digit for digit: an item by its name, a whole number as one."""
-        if isinstance(value, list):
-            return [self.written(one) for one in value]
         if self.variable is not None:
             items = {number: item for item, number in (self.variable.items or {}).items()}
             value = items.get(value, int(value) if self.variable.kind == INTEGER else value)
@@ -106,27 +104,14 @@ def quantity(
     return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit=unit)
 
 
-def quantities(unit: str, minimum: float | None = None, maximum: float | None = None) -> InUnit:
-    """Pydantic validator of a list of quantities in a unit within a range."""
-
-    def check(value: Any) -> list[float]:
-        if not isinstance(value, list) or not value:
-            raise ValueError(
-                f"must be a list of at least one number in {unit}, or strings with a unit, is {value!r}"
-            )
-        return [checked(item, unit, minimum, maximum) for item in value]
-
-    return InUnit(check, unit=unit)
-
-
 Time = Annotated[float, quantity("s", 0.0)]
 Duration = Annotated[float, quantity("s", above=0.0)]
-Times = Annotated[list[float], quantities("s")]
+Times = list[Annotated[float, quantity("s")]]
 AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
 Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
 
 
-def _in_range(variable: Variable) -> InUnit:
+def in_range(variable: Variable) -> InUnit:
     """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
 
     def check(value: Any) -> float | str:
@@ -151,7 +136,7 @@ def fields_of(variables: Sequence[Variable]) -> Any:
     types = {variable.name: number for variable in variables}
     if FIDELITY in types:
         types[FIDELITY] = number | Literal["auto"]
-    return {one.name: (Annotated[types[one.name], _in_range(one)], None) for one in variables}
+    return {one.name: (Annotated[types[one.name], in_range(one)], None) for one in variables}
 
 
 class Strict(BaseModel):
@@ -177,7 +162,7 @@ class Tabulated(Strict):
 
         The argument is the context of the validation.
         """
-        lists = {name: field for name, field in cls.model_fields.items() if field.annotation == list[float]}
+        lists = {name: one for name, one in cls.model_fields.items() if get_origin(one.annotation) is list}
         return {name: unit_of(field) or "1" for name, field in lists.items()}
 
     @model_validator(mode="before")

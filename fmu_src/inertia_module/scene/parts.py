@@ -31,7 +31,6 @@ from .keys import (
     Times,
     Torque,
     checked,
-    quantities,
     quantity,
 )
 
@@ -115,7 +114,7 @@ class TableDrive(Tabulated, AnyDrive):
 
     kind: Literal["table"]
     time: Times
-    omega1: Annotated[list[float], quantities("rad/s")]
+    omega1: list[Annotated[float, quantity("rad/s")]]
 
 
 class ControlledDrive(AnyDrive):
@@ -163,21 +162,21 @@ class TorqueTable(Tabulated, TorqueDrive):
 
     kind: Literal["torque_table"]
     time: Times
-    drive_torque: Annotated[list[float], quantities("N.m")]
+    drive_torque: list[Annotated[float, quantity("N.m")]]
 
 
 class TorqueOverSpeed(Tabulated):
     """A torque over the speed of the engine, constant beyond the ends."""
 
-    speed: Annotated[list[float], quantities("rad/s")]
-    torque: Annotated[list[float], quantities("N.m", 0.0)]
+    speed: list[Annotated[float, quantity("rad/s")]]
+    torque: list[Annotated[float, quantity("N.m", 0.0)]]
 
 
 class ThrottleOverTime(Tabulated):
     """The throttle over time, from 0, closed, to 1, full load."""
 
     time: Times
-    throttle: Annotated[list[float], quantities("1", 0.0, 1.0)]
+    throttle: list[Annotated[float, quantity("1", 0.0, 1.0)]]
 
 
 class EngineGovernor(Strict):
@@ -298,14 +297,14 @@ class TorqueOverTime(Tabulated):
     """Torque over time."""
 
     time: Times
-    torque: Annotated[list[float], quantities("N.m")]
+    torque: list[Annotated[float, quantity("N.m")]]
 
 
 class SlopeOverDistance(Tabulated):
     """Slope of the road, rise over run, over the way."""
 
-    distance: Annotated[list[float], quantities("m")]
-    slope: Annotated[list[float], quantities("1")]
+    distance: list[Annotated[float, quantity("m")]]
+    slope: list[Annotated[float, quantity("1")]]
 
 
 class AnyLoad(Strict, ABC):
@@ -371,7 +370,7 @@ class VehicleLoad(AnyLoad):
     slope: Annotated[float, quantity("1", -1.0, 1.0)] = 0.0
     slope_over_distance: SlopeOverDistance | None = None
     coupling: Coupling | None = None
-    times_to: Annotated[list[float], quantities("m/s", 0.0)] = Field(
+    times_to: list[Annotated[float, quantity("m/s", 0.0)]] = Field(
         default=[50.0 * KILOMETRE_PER_HOUR, 100.0 * KILOMETRE_PER_HOUR]
     )
 
@@ -394,12 +393,10 @@ def _speed_unit(context: Any) -> str:
 
 
 def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
-    """Validator of a quantity, or a list of them, whose unit depends on the speed that is controlled."""
+    """Validator of a quantity whose unit depends on the speed that is controlled."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
         unit = vehicle_unit if _speed_unit(info.context) == "m/s" else shaft_unit
-        if isinstance(value, list):
-            return [checked(item, unit, minimum) for item in value]
         return checked(value, unit, minimum)
 
     return BeforeValidator(check)
@@ -421,7 +418,7 @@ class TableReference(Tabulated):
 
     kind: Literal["table"]
     time: Times
-    speed: Annotated[list[float], _by_measured("m/s", "rad/s")]
+    speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
 
     @classmethod
     def columns(cls, context: Any = None) -> dict[str, str]:

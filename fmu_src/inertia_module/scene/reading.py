@@ -73,12 +73,7 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
 def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
     """Read and check a scene file, of a module or of a driven shaft alone.
 
-    Args:
-        path: of the TOML file.
-        keys: as for load_scene.
-
-    Raises:
-        SceneError: as load_scene.
+    Args and raises: as load_scene.
     """
 
     def kind(tables: dict[str, Any]) -> type[Scene | ShaftScene]:

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..common.errors import Named, Refused
 from ..common.terminal import Progress
-from ..contract.variables import LOCAL, LOSSES, OUTPUT
+from ..contract.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
 from ..harness.fmu import RestartedFmu
 from ..harness.results import html_table
 from ..harness.simulate import Fmu, Result
-from ..kernel.codes import ELASTIC
+from ..kernel.codes import ELASTIC, RIGID
 from ..loops import ClosedLoop, initial_inputs
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from .keys import SceneError
@@ -47,6 +47,8 @@ SUMMARISED = (
     *LOSSES,
     "energy_residual",
     "contact_switches",
+    *("housing_engagements", "housing_torque_peak", "housing_slip_peak"),
+    *("output_engagements", "torque_peak", "output_slip_peak"),
     "rhs_evaluations",
 )
 
@@ -125,6 +127,75 @@ def _forces(table: Result) -> dict[str, Quantity]:
     return numbers
 
 
+# --- the duty of the freewheels ---
+
+FREEWHEELS = ("housing", "output")
+# engagements in a row that tell the largest frequency: a few pulses, for those of a bevel module are uneven
+IN_A_ROW = 10
+# rad: through a shorter overrun sprags, which wind up by 1 to 3 degrees, stay engaged; a speed of link 1 that
+# is held over each step makes one at each of its jumps
+LEAST_OVERRUN = math.radians(0.1)
+# name of the remark on a run that does not tell the duty
+DUTY = "freewheel_duty"
+
+
+def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
+    """Count engagements up to each row, shape (n,), but those after overruns of less than LEAST_OVERRUN.
+
+    An overrun is as long as its largest speed in each step says.
+    """
+    more = np.diff(table[f"{freewheel}_engagements"])
+    rows = np.flatnonzero(more)
+    turned = np.cumsum(table[f"{freewheel}_slip_peak"][1:] * np.diff(table.time))[rows]
+    more[rows[np.diff(turned, prepend=0.0) < LEAST_OVERRUN * more[rows]]] = 0.0
+    return np.append(0.0, np.cumsum(more))
+
+
+def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
+    """Find the largest frequency, Hz, of IN_A_ROW events in a row, or of all if they are fewer.
+
+    Args:
+        time: of the rows, s, shape (n,): events are placed to a row. count: of events up to each, from 0 on.
+    """
+    rows, number = np.flatnonzero(np.diff(count)), int(count[-1])
+    together = min(IN_A_ROW, number - 1)
+    if together < 1:
+        return number / float(np.ptp(time))
+    known = np.append(rows[0], rows + 1)
+    times = np.interp(np.arange(1, number + 1), count[known], time[known])
+    return together / float((times[together:] - times[:-together]).min())
+
+
+def freewheel_duty(
+    table: Result, parameters: Mapping[str, float]
+) -> tuple[dict[str, Quantity], dict[str, str]]:
+    """Find how often each freewheel engages, and the most that it carries and overruns with.
+
+    Args:
+        table: all of SUMMARISED. parameters: of the module.
+
+    Returns:
+        (numbers, remark why there are none), by name.
+    """
+    fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
+    for need in BY_NAME["output_engagements"].needs:
+        if fidelity in need.lacking:
+            level = ENUMERATIONS["Fidelity"][fidelity][0]
+            return {}, {DUTY: f"is not known: fidelity {level} {need.reason}"}
+    for name, torque in zip(FREEWHEELS, ("housing_torque_peak", "torque_peak"), strict=True):
+        if parameters.get(f"{name}_freewheel", 1.0):
+            count = engagements(table, name)
+            mean = float(count[-1]) / float(np.ptp(table.time))
+            found[f"{name}_engagement_frequency_mean"] = Quantity(mean, "Hz")
+            found[f"{name}_engagement_frequency_maximum"] = Quantity(fastest(table.time, count), "Hz")
+            found[f"{name}_torque_peak"] = Quantity(float(table[torque].max()), "N.m")
+            found[f"{name}_slip_peak"] = Quantity(float(table[f"{name}_slip_peak"].max()), "rad/s")
+    return found, {}
+
+
+# --- a vehicle, and the whole summary ---
+
+
 def work(table: Result, torque: str) -> NDArray[np.float64]:
     """Work of a torque on the load, held over each step, up to each row, J."""
     mean_speed = 0.5 * (table["load_speed"][1:] + table["load_speed"][:-1])
@@ -160,14 +231,13 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
     return found, remarks
 
 
-def _vehicle(table: Result, times: Mapping[str, Quantity]) -> dict[str, Quantity]:
+def _vehicle(table: Result) -> dict[str, Quantity]:
     parts = ("rolling", "drag", "slope", "brake")
     energies = {f"energy_{part}": Quantity(float(work(table, f"{part}_torque")[-1]), "J") for part in parts}
     speed = float(table["vehicle_speed"].max()) / KILOMETRE_PER_HOUR
     return {
         "distance": Quantity(float(table["distance"][-1]), "m"),
         "vehicle_speed_maximum": Quantity(speed, "km/h"),
-        **times,
         **energies,
     }
 
@@ -177,14 +247,14 @@ def summarise(
     measured: str | None,
     cycle: Cycle | None,
     wall_time: float,
-    times: Mapping[str, Quantity] = MappingProxyType({}),
+    also: Mapping[str, Quantity] = MappingProxyType({}),
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
     Args:
         table: all of SUMMARISED, and the signals of the loop.
         measured: name of the speed under control, or None. cycle: to be followed, or None.
-        wall_time: of the run, s. times: of a vehicle, to the speeds asked for, as of times_to.
+        wall_time: of the run, s. also: more numbers, as of times_to and freewheel_duty.
     """
     simulated = float(table.time[-1] - table.time[0])
     summary = {
@@ -199,9 +269,10 @@ def summarise(
         "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
         **energy(table),
         **_forces(table),
+        **also,
     }
     if "vehicle_speed" in table:
-        summary |= _vehicle(table, times)
+        summary |= _vehicle(table)
     if measured is not None:
         unit = table.units["reference"]
         factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
@@ -238,13 +309,15 @@ class SceneResult:
         scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
             loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
         remarks: what the numbers leave out, by name: a speed not reached, a load above stall.
-        warnings: that the FMU logged.
+        limits: that the scene gives, by the name of the number, in its unit.
+        warnings: that the FMU logged, and of limits that are passed.
     """
 
     scene: Any
     record: Result
     quantities: dict[str, Quantity] = field(repr=False)
     remarks: dict[str, str] = field(default_factory=dict)
+    limits: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
     @property
@@ -265,7 +338,7 @@ class SceneResult:
         return {name: quantity.unit for name, quantity in self.quantities.items()}
 
     def as_dict(self) -> dict[str, Any]:
-        """Version, title of the scene, its parameters, the summary, and units of all numbers, for JSON."""
+        """Version, title of the scene, its parameters, summary, limits and warnings, units, for JSON."""
         parameters = self.scene.parameters()
         of_parameters = {name: self.scene.VARIABLES[name].unit for name in parameters}
         return {
@@ -274,12 +347,16 @@ class SceneResult:
             "parameters": parameters,
             "summary": self.summary,
             "units": of_parameters | self.units,
+            "limits": self.limits,
             "remarks": self.remarks,
+            "warnings": list(self.warnings),
         }
 
     def lines(self) -> dict[str, str]:
         """The summary and the remarks, as text by name."""
         numbers = {name: f"{value:.6g} {unit}".rstrip() for name, (value, unit) in self.quantities.items()}
+        for name, limit in self.limits.items():
+            numbers[name] += f", limit {limit:.6g}"
         return {name.replace("_", " "): text for name, text in (numbers | self.remarks).items()}
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
@@ -423,10 +500,19 @@ def _run_on(
     measured = scene.measured if scene.controller is not None else None
     speeds = getattr(scene.load, "times_to", ())
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
+    duty, unknown = freewheel_duty(record, scene.parameters())
+    quantities = summarise(record, measured, scene.cycle, wall_time, times | duty)
+    limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
+    above = [
+        f"{name.replace('_', ' ')} is above its limit, {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
+        for name, limit in limits.items()
+        if duty[name].value > limit
+    ]
     return SceneResult(
         scene=scene,
         record=record,
-        quantities=summarise(record, measured, scene.cycle, wall_time, times),
-        remarks=remarks,
-        warnings=tuple(fmu.warnings),
+        quantities=quantities,
+        remarks=remarks | unknown,
+        limits=limits,
+        warnings=(*fmu.warnings, *above),
     )

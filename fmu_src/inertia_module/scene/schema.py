@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
@@ -91,12 +91,59 @@ class Accuracy(Strict):
     window: Duration = 1.0
 
 
+class FreewheelLimits(Strict):
+    """Limits of a freewheel as its maker gives them, those that are given.
+
+    Attributes:
+        indexing_frequency: engagements a second above which its sprags do not engage, Hz.
+        torque: N.m. slip: overrunning speed, rad/s.
+    """
+
+    indexing_frequency: Annotated[float, quantity("Hz", above=0.0)] | None = None
+    torque: Annotated[float, quantity("N.m", above=0.0)] | None = None
+    slip: Annotated[float, quantity("rad/s", above=0.0)] | None = None
+
+
+class Freewheels(FreewheelLimits):
+    """Limits of both freewheels, and of one of them in their place."""
+
+    housing: FreewheelLimits = FreewheelLimits()
+    output: FreewheelLimits = FreewheelLimits()
+
+    def of(self, key: str) -> dict[str, float]:
+        """Limits of one kind, by freewheel."""
+        tables = {"housing": self.housing, "output": self.output}
+        found = {name: getattr(table, key) or getattr(self, key) for name, table in tables.items()}
+        return {name: limit for name, limit in found.items() if limit is not None}
+
+    def limits(self) -> dict[str, float]:
+        """Limits that are given, by the number of the summary that they are of."""
+        numbers = {
+            "indexing_frequency": "engagement_frequency_maximum",
+            "torque": "torque_peak",
+            "slip": "slip_peak",
+        }
+        return {
+            f"{name}_{number}": limit
+            for key, number in numbers.items()
+            for name, limit in self.of(key).items()
+        }
+
+
 class Run(Strict):
     """Length of the run, its steps, and the outputs it records."""
 
     stop_time: Duration
     communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
     outputs: list[str] = Field(default=[one.name for one in with_causality(OUTPUT)], min_length=1)
+
+    def check_outputs(self, known: Iterable[str]) -> None:
+        """Refuse an output that is not one of those known."""
+        names = dict.fromkeys(known)
+        for name in self.outputs:
+            if name not in names:
+                hint = did_you_mean(name, names)
+                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
@@ -113,7 +160,8 @@ class Scene(Strict):
 
     Attributes:
         title, description: for people. mechanism: parameters that differ from the defaults.
-        drive, load, controller: what is around the module. accuracy, run: how it is simulated.
+        drive, load, controller: what is around the module. freewheels: their limits.
+        accuracy, run: how it is simulated.
     """
 
     VARIABLES: ClassVar = BY_NAME
@@ -124,6 +172,7 @@ class Scene(Strict):
     drive: Drive
     load: Load
     controller: Controller | None = None
+    freewheels: Freewheels = Freewheels()
     accuracy: Accuracy = Accuracy()
     run: Run
 
@@ -270,10 +319,7 @@ class Scene(Strict):
         self._check_drive()
         self._check_choice()
         self._check_vehicle()
-        for name in self.run.outputs:
-            if name not in COMPUTED and name not in self.surroundings.output_labels:
-                hint = did_you_mean(name, [*COMPUTED, *self.surroundings.output_labels])
-                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
+        self.run.check_outputs([*COMPUTED, *self.surroundings.output_labels])
         try:
             self.built_load.check_step(self._carrying[1])
             turning = self.parameters().get("input_inertia", 0.0)

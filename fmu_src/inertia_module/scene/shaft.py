@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.models import DRIVEN_SHAFT
 from ..contract.variables import LOCAL, OUTPUT, PARAMETER
 from ..harness.simulate import communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
-from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantities, quantity
+from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity
 from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
@@ -74,7 +74,7 @@ class HubTable(Tabulated):
 
     kind: Literal["table"]
     time: Times
-    hub_speed: Annotated[list[float], quantities("rad/s")]
+    hub_speed: list[Annotated[float, quantity("rad/s")]]
 
     def speeds(self, times: Array) -> Array:
         """Speed of the hub, rad/s, at times, s, shape (n,)."""
@@ -109,10 +109,7 @@ class ShaftScene(Strict):
     @model_validator(mode="after")
     def _check(self) -> ShaftScene:
         """Refuse unknown outputs; the shaft itself looks at all parameters together."""
-        for name in self.run.outputs:
-            if name not in _READABLE:
-                hint = did_you_mean(name, _READABLE)
-                raise SceneError(f"run.outputs must be of the shaft, has {name!r} {hint}")
+        self.run.check_outputs(_READABLE)
         parameters = self.parameters()
         try:
             DrivenShaft("plain").start(**parameters)
