@@ -219,16 +219,18 @@ def build(output: OutputFolder = None) -> Answer:
 
 @command
 def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
-    """Validate an FMU file with fmpy, then step it.
+    """Validate an FMU file with fmpy, step it, and replay the reference results that it carries along.
 
-    That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
-    and once with it.
+    FMI 2.0 or 3.0. It is stepped over its default experiment, with event mode too where it has one.
+    References are those of FMI-LS-REF; a deviation beyond its tolerance is a problem.
     """
-    from .harness.loading import check_fmu
+    from .harness.check import check_fmu
 
     report = check_fmu(fmu)
 
     shown: list[Shown] = [(str(fmu), report.facts)]
+    rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
+    shown += [("deviations from its references", rows)] if rows else []
     shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
