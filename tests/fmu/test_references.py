@@ -77,8 +77,17 @@ CARRIED_BY_OTHERS = {
         {rb'( tolerance="1e-06")>\s*<TransientSimulation (.*) />': rb"\1 \2>"},
         *("", []),
     ),
-    "a file is missing": ({}, "planar_ref.csv", ["its references cannot be replayed: ", "planar_ref.csv"]),
-    "a name that is not there": ({rb'"omega_hub"': b'"omega_hubs"'}, "", ["omega_hubs"]),
+    "results are missing": ({}, "planar_ref.csv", ["experiment planar has results that cannot be compared"]),
+    "experiments are missing": (
+        {},
+        "experiments.exp",
+        ["the experiments that it carries along cannot be read"],
+    ),
+    "a name that is not there": (
+        {rb'"omega_hub"': b'"omega_hubs"'},
+        "",
+        ["elastic has results that cannot be compared: no field of name omega_hubs"],
+    ),
     # where means are those of a hundredth of the time, and the scene is R1
     "no experiments": (
         {rb"experiment/validation": b"other"},

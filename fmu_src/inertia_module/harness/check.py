@@ -11,7 +11,7 @@ import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -27,6 +27,13 @@ STEPS = 100
 MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
 # what a result may deviate that comes without a tolerance, over the largest value of the reference
 SHARE = 1e-2
+# arguments of simulate_fmu that an experiment may have
+SETTINGS = {
+    **{"start_time": "startTime", "stop_time": "stopTime"},
+    **{"output_interval": "stepSize", "relative_tolerance": "tolerance"},
+}
+# what a file that is not as the standards have it raises
+UNREADABLE = (OSError, SyntaxError, LookupError, ValueError)
 
 
 @dataclass
@@ -48,7 +55,7 @@ class Report:
     """Findings about an FMU file.
 
     Attributes:
-        problems: one line each; empty if all is well. warnings: that it logs, and what is not looked at.
+        problems: one line each; empty if all is well. warnings: that it or fmpy gives.
         facts: what it is, by heading. outputs: last value of each output stepped to.
         references: what it deviates from the results that it carries along.
     """
@@ -60,21 +67,13 @@ class Report:
     references: list[Deviation] = field(default_factory=list)
 
 
-@dataclass
-class Experiment:
+class Experiment(NamedTuple):
     """An experiment with results: what fmpy's simulate_fmu takes, their file, absolute tolerances by name."""
 
     name: str
-    arguments: dict[str, Any]
     results: Path
-    allowed: Mapping[str, float] = field(default_factory=dict)
-
-
-# arguments of simulate_fmu that an experiment may have
-SETTINGS = {
-    **{"start_time": "startTime", "stop_time": "stopTime"},
-    **{"output_interval": "stepSize", "relative_tolerance": "tolerance"},
-}
+    arguments: Mapping[str, Any] = {}
+    allowed: Mapping[str, float] = {}
 
 
 def _start_values(file: Path, description: Any) -> Iterator[tuple[str, Any]]:
@@ -100,32 +99,30 @@ def _experiment(one: ElementTree.Element, folder: Path, description: Any) -> Exp
     if "Stimuli" in files:
         arguments["input"] = read_csv(files["Stimuli"])
     allowed = {row.attrib["variable"]: float(row.attrib["absolute"]) for row in one.iter("Tolerance")}
-    return Experiment(settings["name"], arguments, files["References"], allowed)
+    return Experiment(settings["name"], files["References"], arguments, allowed)
 
 
 def experiments(folder: Path, description: Any) -> list[Experiment]:
-    """Experiments with results that an FMU carries along; folder: with its content; description: fmpy's.
+    """Experiments with results that an FMU carries along.
+
+    Args:
+        folder: with its content. description: fmpy's.
 
     Raises:
         OSError, SyntaxError, LookupError, ValueError: a file is missing or not as the standards have it.
     """
-    manifest = folder / MANIFEST
+    manifest, found, results = folder / MANIFEST, list[Experiment](), list[Path]()
     if not manifest.is_file():
-        return []
-    listed = [
-        (related.get("role", ""), manifest.parent / related.get("source", ""))
-        for related in ElementTree.parse(manifest).getroot().iter("Related")
-    ]
-    found = [
-        _experiment(one, file.parent, description)
-        for role, file in listed
-        if role.startswith("experiment")
-        for one in ElementTree.parse(file).getroot().iter("Experiment")
-        if one.find("References") is not None
-    ]
+        return found
+    for related in ElementTree.parse(manifest).iterfind("Related"):
+        role, file = related.get("role", ""), manifest.parent / related.get("source", "")
+        if role.startswith("experiment"):
+            rows = ElementTree.parse(file).iterfind("Experiment[References]")
+            found += [_experiment(row, file.parent, description) for row in rows]
+        elif role == "result" and file.suffix == ".csv":
+            results.append(file)
     bound = [one.results for one in found]
-    alone = [file for role, file in listed if role == "result" and file not in bound]
-    return found + [Experiment(file.stem, {}, file) for file in alone if file.suffix == ".csv"]
+    return found + [Experiment(file.stem, file) for file in results if file not in bound]
 
 
 def deviations(one: Experiment, table: Any) -> Iterator[Deviation]:
@@ -135,9 +132,9 @@ def deviations(one: Experiment, table: Any) -> Iterator[Deviation]:
         OSError, LookupError, ValueError: the results cannot be read, or hold what the table has not.
     """
     expected = read_csv(one.results)
-    names = expected.dtype.names
-    times = expected[names[0]]
-    for name in names[1:]:
+    first, *names = expected.dtype.names
+    times = expected[first]
+    for name in names:
         found, wanted = (np.asarray(rows[name], float).reshape(len(rows), -1) for rows in (table, expected))
         at_times = [np.interp(times, table["time"], column) for column in found.T]
         apart = np.abs(np.transpose(at_times) - wanted).max(axis=1)
@@ -148,12 +145,11 @@ def deviations(one: Experiment, table: Any) -> Iterator[Deviation]:
 
 def _run(folder: str, description: Any, report: Report, what: str, **options: Any) -> Any:
     """Run an FMU by fmpy; the table, or None where that fails. What it logs goes to the report."""
-    log = Log()
+    log, said = Log(), io.StringIO()
     if description.fmiVersion == "3.0":
         options["logger"] = log.take
     else:
         callbacks_of(log, OTHERS)
-    said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said):  # where fmpy puts warnings
             return simulate_fmu(folder, debug_logging=True, **options)
@@ -183,20 +179,20 @@ def _step(folder: str, description: Any, report: Report, events: bool = False) -
             report.problems.append(f"output {name} is not finite")
 
 
-def _compare(folder: str, description: Any, report: Report) -> None:
-    """Replay the experiments that an FMU carries along, and hold its results against theirs."""
+def _replay(folder: str, description: Any, report: Report, one: Experiment) -> None:
+    """Run an experiment, and hold its results against the reference."""
     try:
-        for one in experiments(Path(folder), description):
-            names = read_csv(one.results).dtype.names[1:]
-            table = _run(folder, description, report, f"experiment {one.name}", output=names, **one.arguments)
-            if table is not None:
-                report.references += deviations(one, table)
-    except (OSError, SyntaxError, LookupError, ValueError) as error:
-        report.problems.append(f"its references cannot be replayed: {error}")
+        _, *names = read_csv(one.results).dtype.names
+        table = _run(folder, description, report, f"experiment {one.name}", output=names, **one.arguments)
+        found = [] if table is None else list(deviations(one, table))
+    except UNREADABLE as error:
+        report.problems.append(f"experiment {one.name} has results that cannot be compared: {error}")
+        return
+    report.references += found
     report.problems += [
-        f"{one.experiment}: {one.variable} deviates from its reference: {one}"
-        for one in report.references
-        if not one.deviation <= one.allowed
+        f"{one.name}: {worst.variable} deviates from its reference: {worst}"
+        for worst in found
+        if not worst.deviation <= worst.allowed
     ]
 
 
@@ -224,5 +220,11 @@ def check_fmu(path: Path) -> Report:
     _step(content.folder, description, report)
     if getattr(description.coSimulation, "hasEventMode", False):
         _step(content.folder, description, report, events=True)
-    _compare(content.folder, description, report)
+    try:
+        carried = experiments(Path(content.folder), description)
+    except UNREADABLE as error:
+        report.problems.append(f"the experiments that it carries along cannot be read: {error}")
+        return report
+    for one in carried:
+        _replay(content.folder, description, report, one)
     return report
