@@ -219,17 +219,16 @@ def build(output: OutputFolder = None) -> Answer:
 
 @command
 def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
-    """Validate an FMU file with fmpy, step it, and replay the reference results that it carries along.
+    """Validate any FMU file, step it, replay the references in it.
 
-    FMI 2.0 or 3.0. It is stepped over its default experiment, with event mode too where it has one.
-    References are those of FMI-LS-REF; a deviation beyond its tolerance is a problem.
+    It is stepped over its default experiment, with event mode too where it has one. References are results by
+    FMI-LS-REF; a deviation beyond its tolerance is a problem.
     """
     from .harness.check import check_fmu
 
     report = check_fmu(fmu)
-
-    shown: list[Shown] = [(str(fmu), report.facts)]
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
+    shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviations from its references", rows)] if rows else []
     shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]

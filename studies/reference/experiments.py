@@ -10,14 +10,14 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.contract.models import DRIVEN_SHAFT, Model
-from inertia_module.contract.variables import ENUMERATIONS, INPUT, UNITS, Variable
+from inertia_module.contract.variables import INPUT, UNITS
 from inertia_module.export.systems import TEMPLATES as SSP
 from inertia_module.export.systems import typed
 from inertia_module.fmu.archive import filled, filled_xml
@@ -110,45 +110,42 @@ def _csv(names: Sequence[str], columns: Sequence[Array]) -> bytes:
     return "\n".join([",".join(f'"{name}"' for name in ("time", *names)), *rows, ""]).encode()
 
 
-def _parameter(variable: Variable, value: float) -> tuple[str, str]:
-    """(kind, value as text) as SSP has it: enumerations by the name of the item."""
-    items = {number: name for name, number, _ in ENUMERATIONS.get(variable.enumeration, ())}
-    return ("Enumeration", items[int(value)]) if items else typed(variable, value)
+def _parameters(one: Experiment, model: Model) -> bytes:
+    """The parameter set of an experiment as SSV."""
+    units = {model.by_name[name].unit for name in one.parameters} - {""}
+    part = SimpleNamespace(values=one.parameters, variable=model.by_name.__getitem__)
+    values = {
+        "part": part,
+        "origin": {},
+        "typed": typed,
+        "units": {name: UNITS[name] for name in sorted(units)},
+    }
+    return filled_xml(SSP / "ParameterSet.ssv", values)
 
 
 def files(model: Model) -> dict[str, bytes]:
     """Files of FMI-LS-REF of a model, made anew, by their path in an FMU."""
     rows = experiments(model)
-    tables, allowed = dict[str, bytes](), dict[str, dict[str, float]]()
+    inputs = [variable.name for variable in model.with_causality(INPUT)]
+    tables, allowed = dict[str, bytes](), dict[str, dict[str, str]]()
     for one in rows:
-        results = (_module if model is not DRIVEN_SHAFT else _shaft)(one)
-        columns = [np.array([row[name] for row in results]) for name in one.outputs]
-        largest = {
-            name: SHARE * np.abs(column).max() for name, column in zip(one.outputs, columns, strict=True)
-        }
-        allowed[one.name] = {name: float(f"{value:.1g}") for name, value in largest.items()}
-        tables[f"{one.name}_ref.csv"] = _csv(one.outputs, [TIMES, *columns])
-        inputs = [variable.name for variable in model.with_causality(INPUT)]
+        results = (_shaft if model is DRIVEN_SHAFT else _module)(one)
+        columns = {name: np.array([row[name] for row in results]) for name in one.outputs}
+        allowed[one.name] = {name: f"{SHARE * np.abs(values).max():.1g}" for name, values in columns.items()}
         ends = [one.given(name)[[0, -1]] for name in inputs]
         tables[f"{one.name}_in.csv"] = _csv(inputs, [TIMES[[0, -1]], *ends])
+        tables[f"{one.name}_ref.csv"] = _csv(one.outputs, [TIMES, *columns.values()])
         if one.parameters:
-            units = {model.by_name[name].unit for name in one.parameters} - {""}
-            part = SimpleNamespace(values=one.parameters, variable=model.by_name.__getitem__)
-            values: dict[str, Any] = {"part": part, "origin": {}}
-            values |= {"typed": _parameter, "units": {name: UNITS[name] for name in sorted(units)}}
-            tables[f"{one.name}.ssv"] = filled_xml(SSP / "ParameterSet.ssv", values)
+            tables[f"{one.name}.ssv"] = _parameters(one, model)
     told = {
-        **{
-            "model": model,
-            "experiments": rows,
-            "origin": ORIGIN.format(EQUATIONS[model.name]),
-            "tolerance": ASKED,
-            "share": SHARE,
-        },
-        **{"stop": STOP, "step": STEP, "allowed": lambda one: allowed[one.name]},
+        "model": model,
+        "experiments": rows,
+        "allowed": allowed,
+        "origin": ORIGIN.format(EQUATIONS[model.name]),
     }
+    told |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
     for name in ("experiments.exp", "fmi-ls-manifest.xml"):
         tables[name] = filled_xml(HERE / "templates" / name, told)
+    text = filled(HERE / "templates" / "fmi-ls-ref.txt", told).encode()
     found = {f"{CARRIED}/{name}": content for name, content in tables.items()}
-    text = filled(HERE / "templates" / "fmi-ls-ref.txt", told)
-    return found | {"documentation/fmi-ls-ref.txt": text.encode()}
+    return found | {"documentation/fmi-ls-ref.txt": text}
