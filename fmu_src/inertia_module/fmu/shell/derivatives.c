@@ -85,32 +85,30 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
     return OK;
 }
 
-/* The outputs, had the knowns been changed: of the last step or, before the first, of the start. What follows from
-   changed parameters goes to d_trial. */
+/* The outputs, had the knowns been changed: of the last step or, before the first, of the start. The constants are
+   then those of the changed parameters. */
 static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t count,
                           const double direction[], double scale, double *y)
 {
     const int stepped = c->head[LAST_STEP] > 0.0;
-    double *d = c->d;
+    int tuned = 0;
     try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
     memcpy(c->p_trial, c->p, model.p_size * sizeof(double));
     for (size_t n = 0; n < count; n++) {
         const struct variable *known = &model.variables[knowns[n]];
         (known->array == INPUTS ? c->u_trial : c->p_trial)[known->slot] += scale * direction[n];
-        if (known->array == PARAMETERS)
-            d = c->d_trial;
+        tuned |= stepped && known->array == PARAMETERS;
     }
     for (size_t n = 0; n < count; n++) {
         const struct variable *known = &model.variables[knowns[n]];
         if (known->array == PARAMETERS && !is_allowed(known, c->p_trial[known->slot]))
             return OUT_OF_RANGE;
     }
-    if (stepped && d == c->d_trial) {
-        const int64_t answer = KERNEL(OPERATION_TUNE, c->p_trial, d, c->u_trial, c->x_trial, y, c->w, 0.0);
-        if (answer != STATUS_OK)
-            return answer;
-    }
-    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, d, c->u_trial, c->x_trial, y,
+    const int64_t answer =
+        tuned ? KERNEL(OPERATION_TUNE, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
+    if (answer != STATUS_OK)
+        return answer;
+    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
                   c->w, c->head[LAST_STEP]);
 }
 
@@ -170,6 +168,11 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
         answer = try_change(c, knowns, count, direction, forward = 0.0, c->y_trial);
     if (answer == STATUS_OK && try_change(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
         answer = try_change(c, knowns, count, direction, backward = 0.0, c->y_other);
+    size_t inputs = 0;
+    while (inputs < count && model.variables[knowns[inputs]].array == INPUTS)
+        inputs++;
+    if (inputs < count) /* a parameter is among them: the constants as they were */
+        KERNEL(OPERATION_TUNE, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer == STATUS_OK && forward == backward)
         return report(c, DISCARD, "inputs and parameters must be able to change one way, both ways they leave what is"
                       " allowed");

@@ -47,12 +47,11 @@ static void set_start_values(struct instance *c)
 static void lay_out(struct instance *c, double *memory)
 {
     double **const arrays[] = {&c->head, &c->p, &c->d, &c->u, &c->x, &c->y, &c->x_before, &c->u_before,
-                               &c->held, &c->w, &c->p_trial, &c->d_trial, &c->x_trial, &c->u_trial, &c->y_trial,
-                               &c->y_other, &c->x_watched, &c->y_watched};
+                               &c->held, &c->w, &c->p_trial, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other,
+                               &c->x_watched, &c->y_watched};
     const size_t sizes[] = {HEAD_SIZE, model.p_size, model.d_size, model.u_size, model.x_size, model.y_size,
                             model.x_size, model.u_size, model.discrete_count, model.w_size, model.p_size,
-                            model.d_size, model.x_size, model.u_size, model.y_size, model.y_size, model.x_size,
-                            model.y_size};
+                            model.x_size, model.u_size, model.y_size, model.y_size, model.x_size, model.y_size};
     c->block = memory;
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
         *arrays[n] = memory;
@@ -66,8 +65,7 @@ static void lay_out(struct instance *c, double *memory)
 
 struct instance *create(const struct host *host, size_t size, const char *name, int logging)
 {
-    const size_t trials =
-        model.w_size + model.p_size + model.d_size + 2 * model.x_size + model.u_size + 3 * model.y_size;
+    const size_t trials = model.w_size + model.p_size + 2 * model.x_size + model.u_size + 3 * model.y_size;
     const size_t doubles = (block_size() + trials) * sizeof(double);
     const size_t letters = strlen(name) + 1;
     struct instance *c = host->allocate(1, size);

@@ -50,7 +50,7 @@ struct instance {
     double *head, *p, *d, *u, *x, *y, *x_before, *u_before, *held;
     double *values[ARRAYS];
     /* not part of the state: workspace of the kernel, and arrays to try things out on */
-    double *w, *p_trial, *d_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_watched, *y_watched;
+    double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_watched, *y_watched;
 };
 
 /* doubles in the block of a state */
