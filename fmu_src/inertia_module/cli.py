@@ -221,8 +221,7 @@ def build(output: OutputFolder = None) -> Answer:
 def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
     """Validate any FMU file, step it, replay the references in it.
 
-    It is stepped over its default experiment, with event mode too where it has one. References are results by
-    FMI-LS-REF; a deviation beyond its tolerance is a problem.
+    It is stepped with event mode too where it has one; references are those of FMI-LS-REF, with tolerances.
     """
     from .harness.check import check_fmu
 

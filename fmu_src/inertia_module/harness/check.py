@@ -6,8 +6,6 @@ CSV, parameters as SSV of SSP. A result of no experiment is taken for that of th
 
 from __future__ import annotations
 
-import contextlib
-import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,21 +15,17 @@ from xml.etree import ElementTree
 import numpy as np
 from fmpy import platform as host
 from fmpy import platform_tuple, simulate_fmu, supported_platforms
-from fmpy.util import read_csv
 from fmpy.validation import validate_fmu
 
 from .fmu import Log, read_description
 from .loading import OTHERS, callbacks_of, unpacked
+from .results import Result
+from .simulate import drive
 
 STEPS = 100
 MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
 # what a result may deviate that comes without a tolerance, over the largest value of the reference
 SHARE = 1e-2
-# arguments of simulate_fmu that an experiment may have
-SETTINGS = {
-    **{"start_time": "startTime", "stop_time": "stopTime"},
-    **{"output_interval": "stepSize", "relative_tolerance": "tolerance"},
-}
 # what a file that is not as the standards have it raises
 UNREADABLE = (OSError, SyntaxError, LookupError, ValueError)
 
@@ -55,7 +49,7 @@ class Report:
     """Findings about an FMU file.
 
     Attributes:
-        problems: one line each; empty if all is well. warnings: that it or fmpy gives.
+        problems: one line each; empty if all is well. warnings: that it logs.
         facts: what it is, by heading. outputs: last value of each output stepped to.
         references: what it deviates from the results that it carries along.
     """
@@ -68,45 +62,41 @@ class Report:
 
 
 class Experiment(NamedTuple):
-    """An experiment with results: what fmpy's simulate_fmu takes, their file, absolute tolerances by name."""
+    """An experiment with results, as its file has it.
+
+    Attributes:
+        name: of it. results: their file. settings: times and tolerance by their names in the file.
+        inputs: their file, or None. parameters: with units, by name. allowed: absolute tolerances by name.
+    """
 
     name: str
     results: Path
-    arguments: Mapping[str, Any] = {}
+    settings: Mapping[str, str] = {}
+    inputs: Path | None = None
+    parameters: Mapping[str, float | str] = {}
     allowed: Mapping[str, float] = {}
 
 
-def _start_values(file: Path, description: Any) -> Iterator[tuple[str, Any]]:
-    """Names of a parameter set and their values as fmpy takes them."""
-    types = {variable.name: variable.declaredType for variable in description.modelVariables}
-    for parameter in ElementTree.parse(file).iterfind(".//{*}Parameter"):
-        name, (given,) = parameter.attrib["name"], parameter
-        text, unit = given.attrib["value"], given.get("unit")
-        items = {item.name: item.value for item in getattr(types[name], "items", None) or ()}
-        yield name, (float(text), unit) if unit else items.get(text, text)
+def _parameters(file: Path) -> Iterator[tuple[str, float | str]]:
+    """Names and values of a parameter set: numbers, quantities, names of items."""
+    for row in ElementTree.parse(file).iterfind(".//{*}Parameter"):
+        given, unit = row[0].attrib["value"], row[0].get("unit", "1")
+        value = float(given) if row[0].tag.endswith(("Real", "Integer")) else given
+        yield row.attrib["name"], value if unit == "1" else f"{given} {unit}"
 
 
-def _experiment(one: ElementTree.Element, folder: Path, description: Any) -> Experiment:
+def _experiment(one: ElementTree.Element, folder: Path) -> Experiment:
     """An experiment of a file in a folder."""
     # drafts of the format differ in where the times are
     settings = {**getattr(one.find("TransientSimulation"), "attrib", {}), **one.attrib}
     files = {kind.tag: folder / kind.get("source", "") for kind in one}
-    arguments: dict[str, Any] = {
-        name: float(settings[key]) for name, key in SETTINGS.items() if key in settings
-    }
-    if "Parameters" in files:
-        arguments["start_values"] = dict(_start_values(files["Parameters"], description))
-    if "Stimuli" in files:
-        arguments["input"] = read_csv(files["Stimuli"])
+    given = dict(_parameters(files["Parameters"])) if "Parameters" in files else {}
     allowed = {row.attrib["variable"]: float(row.attrib["absolute"]) for row in one.iter("Tolerance")}
-    return Experiment(settings["name"], files["References"], arguments, allowed)
+    return Experiment(settings["name"], files["References"], settings, files.get("Stimuli"), given, allowed)
 
 
-def experiments(folder: Path, description: Any) -> list[Experiment]:
-    """Experiments with results that an FMU carries along.
-
-    Args:
-        folder: with its content. description: fmpy's.
+def experiments(folder: Path) -> list[Experiment]:
+    """Experiments with results that an FMU carries along; folder: with its content.
 
     Raises:
         OSError, SyntaxError, LookupError, ValueError: a file is missing or not as the standards have it.
@@ -118,58 +108,44 @@ def experiments(folder: Path, description: Any) -> list[Experiment]:
         role, file = related.get("role", ""), manifest.parent / related.get("source", "")
         if role.startswith("experiment"):
             rows = ElementTree.parse(file).iterfind("Experiment[References]")
-            found += [_experiment(row, file.parent, description) for row in rows]
+            found += [_experiment(row, file.parent) for row in rows]
         elif role == "result" and file.suffix == ".csv":
             results.append(file)
     bound = [one.results for one in found]
     return found + [Experiment(file.stem, file) for file in results if file not in bound]
 
 
-def deviations(one: Experiment, table: Any) -> Iterator[Deviation]:
-    """Worst deviations of the table of a run from the results of its experiment.
+def deviations(one: Experiment, expected: Result, table: Result) -> Iterator[Deviation]:
+    """Worst deviations of the table of a run from what its experiment has for results.
 
     Raises:
-        OSError, LookupError, ValueError: the results cannot be read, or hold what the table has not.
+        TableError: the table has not all of their columns.
     """
-    expected = read_csv(one.results)
-    first, *names = expected.dtype.names
-    times = expected[first]
-    for name in names:
-        found, wanted = (np.asarray(rows[name], float).reshape(len(rows), -1) for rows in (table, expected))
-        at_times = [np.interp(times, table["time"], column) for column in found.T]
-        apart = np.abs(np.transpose(at_times) - wanted).max(axis=1)
-        worst = int(np.argmax(apart))  # which a NaN is
-        allowed = one.allowed.get(name, SHARE * float(np.abs(wanted).max()))
-        yield Deviation(one.name, name, float(apart[worst]), allowed, float(times[worst]))
+    for name in expected.names[1:]:
+        apart = np.abs(np.interp(expected.time, table.time, table[name]) - expected[name])
+        worst = int(np.argmax(apart))
+        allowed = one.allowed.get(name, SHARE * float(np.abs(expected[name]).max()))
+        yield Deviation(one.name, name, float(apart[worst]), allowed, float(expected.time[worst]))
 
 
-def _run(folder: str, description: Any, report: Report, what: str, **options: Any) -> Any:
-    """Run an FMU by fmpy; the table, or None where that fails. What it logs goes to the report."""
-    log, said = Log(), io.StringIO()
-    if description.fmiVersion == "3.0":
-        options["logger"] = log.take
-    else:
-        callbacks_of(log, OTHERS)
-    try:
-        with contextlib.redirect_stdout(said):  # where fmpy puts warnings
-            return simulate_fmu(folder, debug_logging=True, **options)
-    except Exception as error:
-        report.problems.append(f"{what} fails: {'; '.join(log.errors) or error}")
-        log.errors.clear()
-        return None
-    finally:
-        report.warnings += log.warnings + said.getvalue().splitlines()
-        report.problems += [f"it logs an error: {message}" for message in log.errors]
-
-
-def _step(folder: str, description: Any, report: Report, events: bool = False) -> None:
+def _step(path: Path, description: Any, report: Report, events: bool = False) -> None:
     """Run the default experiment in STEPS steps, or from event to event too, and look at the outputs."""
     stop = float(getattr(description.defaultExperiment, "stopTime", None) or 1.0)
     what = f"stepping it to {stop:g} s" + " with event mode" * events
-    modes = {"use_event_mode": events, "early_return_allowed": events}
-    table = _run(folder, description, report, what, stop_time=stop, output_interval=stop / STEPS, **modes)
-    if table is None:
+    modes: dict[str, Any] = {"use_event_mode": events, "early_return_allowed": events, "debug_logging": True}
+    log = Log()
+    if description.fmiVersion == "3.0":
+        modes["logger"] = log.take
+    else:
+        callbacks_of(log, OTHERS)
+    try:
+        table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, **modes)
+    except Exception as error:
+        report.problems.append(f"{what} fails: {'; '.join(log.errors) or error}")
         return
+    finally:
+        report.warnings += log.warnings
+    report.problems.extend(f"it logs an error: {message}" for message in log.errors)
     heading = "with event mode" if events else "stepped to"
     report.facts[heading] = f"{stop:g} s in {len(table) - 1} steps"
     for name in table.dtype.names or ():
@@ -179,21 +155,21 @@ def _step(folder: str, description: Any, report: Report, events: bool = False) -
             report.problems.append(f"output {name} is not finite")
 
 
-def _replay(folder: str, description: Any, report: Report, one: Experiment) -> None:
-    """Run an experiment, and hold its results against the reference."""
+def _replay(path: Path, step: float | None, report: Report, one: Experiment) -> None:
+    """Drive an FMU through an experiment; step: where the experiment has none, s, or None."""
     try:
-        _, *names = read_csv(one.results).dtype.names
-        table = _run(folder, description, report, f"experiment {one.name}", output=names, **one.arguments)
-        found = [] if table is None else list(deviations(one, table))
+        expected = Result.from_csv(one.results)
+        stop = float(one.settings.get("stopTime", expected.time[-1]))
+        step = float(one.settings.get("stepSize", step or stop / STEPS))
+        tolerance = float(one.settings["tolerance"]) if "tolerance" in one.settings else None
+        table = drive(path, one.inputs or {}, stop, step, expected.names[1:], one.parameters, tolerance)
     except UNREADABLE as error:
-        report.problems.append(f"experiment {one.name} has results that cannot be compared: {error}")
+        report.problems.append(f"experiment {one.name} fails: {error}")
         return
-    report.references += found
-    report.problems += [
-        f"{one.name}: {worst.variable} deviates from its reference: {worst}"
-        for worst in found
-        if not worst.deviation <= worst.allowed
-    ]
+    for found in deviations(one, expected, table):
+        report.references.append(found)
+        if found.deviation > found.allowed:
+            report.problems.append(f"{one.name}: {found.variable} deviates from its reference: {found}")
 
 
 def check_fmu(path: Path) -> Report:
@@ -216,15 +192,15 @@ def check_fmu(path: Path) -> Report:
     if not {host, platform_tuple} & set(platforms):
         report.problems.append(f"it cannot be stepped here: it has no binary for {host}")
         return report
-    content = unpacked(path)
-    _step(content.folder, description, report)
+    _step(path, description, report)
     if getattr(description.coSimulation, "hasEventMode", False):
-        _step(content.folder, description, report, events=True)
+        _step(path, description, report, events=True)
+    content, step = unpacked(path), getattr(description.defaultExperiment, "stepSize", None)
     try:
-        carried = experiments(Path(content.folder), description)
+        carried = experiments(Path(content.folder))
     except UNREADABLE as error:
         report.problems.append(f"the experiments that it carries along cannot be read: {error}")
         return report
     for one in carried:
-        _replay(content.folder, description, report, one)
+        _replay(path, step and float(step), report, one)
     return report
