@@ -49,7 +49,7 @@ class Report:
     """Findings about an FMU file.
 
     Attributes:
-        problems: one line each; empty if all is well. warnings: that it logs.
+        problems: one line each; empty if all is well. warnings: that it logs, and what is not done.
         facts: what it is, by heading. outputs: last value of each output stepped to.
         references: what it deviates from the results that it carries along.
     """
@@ -200,6 +200,9 @@ def check_fmu(path: Path) -> Report:
         carried = experiments(Path(content.folder))
     except UNREADABLE as error:
         report.problems.append(f"the experiments that it carries along cannot be read: {error}")
+        return report
+    if carried and description.coSimulation is None:
+        report.warnings.append("its references are not replayed: that takes co-simulation")
         return report
     for one in carried:
         _replay(path, step and float(step), report, one)
