@@ -7,7 +7,7 @@ QUIET ?= -q
 export PIP_COMPILE := 0
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers size install clean help
+.PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers references compatibility size install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -95,6 +95,12 @@ papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/, write 
 	$(BIN)/python -m studies papers -o out/papers
 	cp out/papers/*.svg docs/papers/
 	$(BIN)/python docs/make_pages.py
+
+references: $(VENV)/.all ## make the reference results that the FMUs carry along anew
+	$(BIN)/python -m studies references
+
+compatibility: $(VENV)/.all ## the FMUs with inputs and references for those who try importers, in out/compatibility
+	$(BIN)/python -m studies compatibility
 
 size: $(VENV)/.all ## print folders, files, lines, statements and budgets, draw docs/house.png
 	$(BIN)/python -m studies.size --picture docs/house.png

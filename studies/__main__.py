@@ -1,6 +1,6 @@
-"""Commands that reproduce pages of the documentation: the papers, the extremes, couplings.
+"""Commands that reproduce pages of the documentation and what the FMUs carry along.
 
-Run: python -m studies papers, stability or coupling, at the root of the project.
+Run: python -m studies papers, stability, coupling, references or compatibility, at the root of the project.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ import typer
 from rich import box
 from rich.table import Table
 
-from inertia_module.cli import Answer, OutputFolder, Shown, command, current_fmu, folder_for
-from inertia_module.common.files import write_figure
+from inertia_module.cli import Answer, OutputFolder, Shown, aside, command, current_fmu, folder_for
+from inertia_module.common.files import write_atomically, write_figure
 from inertia_module.common.terminal import progress_bar, terminal
+from inertia_module.contract.models import MODELS
 
 CAR_SCENE = Path("examples/urban.toml")
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
@@ -156,6 +157,36 @@ def coupling(
         shown.append(partial(print_table, name, rows[0]._fields, rows))
         files |= write_part(folder, name, rows)
     return Answer({"rows": told}, shown, files)
+
+
+@app.command()
+@command
+def references() -> Answer:
+    """Make the reference results that the FMUs carry along anew, in the package."""
+    from .reference.experiments import files, package_folder
+
+    written = list[Path]()
+    with progress_bar("integrating the references") as progress:
+        for number, model in enumerate(MODELS.values(), 1):
+            for name, content in files(model).items():
+                written.append(package_folder(model) / name)
+                write_atomically(written[-1], content)
+            progress(number / len(MODELS))
+    return Answer({"files": list(map(str, written))}, [f"wrote {path}" for path in written])
+
+
+@app.command()
+@command
+def compatibility(output: OutputFolder = None) -> Answer:
+    """Write the FMUs with inputs and references for those who try importers.
+
+    In out/compatibility without -o. Exit code 1 if FMPy finds problems in the tree.
+    """
+    from .compatibility import write_tree
+
+    written, found = write_tree(folder_for(output, "compatibility"), aside)
+    shown = [*(f"wrote {path}" for path in written), *found, f"{len(found) or 'no'} problems found"]
+    return Answer({"files": list(map(str, written)), "problems": found}, shown, failed=bool(found))
 
 
 if __name__ == "__main__":

@@ -23,10 +23,12 @@ LONG = frozenset(
         "test_kernel_alone_is_linked_for_every_platform",
         "test_level_has_the_losses_that_the_page_tells[averaged]",
         "test_first_picture_and_frames_are_quick",
+        "test_fmusim_finds_the_results_that_an_fmu_carries_along",
         "test_noise_on_sensor_and_load_leaves_the_car_within_the_tolerances_of_the_cycle",
         "test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched",
         "test_run_is_played_as_it_was_recorded",
         "test_tutorial_shows_pictures_and_tables",
+        "test_what_is_carried_along_is_what_the_reference_gives_today",
         "test_what_the_data_tell_together_alone_is_warned_of",
         "test_work_without_end_is_an_error_and_no_hang",
     }

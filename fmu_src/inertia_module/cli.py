@@ -220,16 +220,16 @@ def build(output: OutputFolder = None) -> Answer:
 
 @command
 def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
-    """Validate an FMU file with fmpy, then step it.
+    """Validate any FMU file, step it, replay the references in it.
 
-    That is over its default experiment. FMI 2.0 or 3.0; an FMU with event mode is stepped once without
-    and once with it.
+    It is stepped with event mode too where it has one; references are those of FMI-LS-REF, with tolerances.
     """
-    from .harness.loading import check_fmu
+    from .harness.check import check_fmu
 
     report = check_fmu(fmu)
-
+    rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
     shown: list[Shown] = [(str(fmu), report.facts)]
+    shown += [("deviations from its references", rows)] if rows else []
     shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")

@@ -24,7 +24,7 @@ from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION, archive
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
-from inertia_module.fmu.native_fmu import guid, library_path
+from inertia_module.fmu.native_fmu import METADATA, guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
 from tests.ready import HERE
@@ -34,7 +34,8 @@ from .test_python_fmu import drive
 
 FLAVOURS = [fmu.identifier for fmu in FMUS]
 NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
-DOCUMENTATION = {f"documentation/{name}" for name in ("index.html", "mechanism.png", "licenses/license.txt")}
+PAGES = ("index.html", "mechanism.png", "licenses/license.txt", "fmi-ls-ref.txt")
+DOCUMENTATION = {f"documentation/{name}" for name in PAGES}
 ICONS = {f"terminalsAndIcons/{name}" for name in ("icon.png", "icon.svg", "flange.png", "flange.svg")}
 PAPERS = {
     2: DOCUMENTATION | {"modelDescription.xml", "model.png"},
@@ -66,8 +67,11 @@ def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
 
 
 def check_native(folder, fmu, targets):
+    content = content_of(folder / fmu.file_name)
+    extra = {name for name in content if name.startswith("extra/org.")}
+    assert extra >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
     libraries = {library_path(fmu, target) for target in targets}
-    assert content_of(folder / fmu.file_name).keys() == PAPERS[fmu.fmi] | libraries
+    assert content.keys() == PAPERS[fmu.fmi] | libraries | extra
 
 
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
@@ -113,8 +117,9 @@ def test_page_refers_to_files_of_the_fmu_says_what_the_model_computes_and_lists_
     page = etree.fromstring(text)
     licences = {f"licenses/{path.name}" for path in (folder / "licenses").iterdir()}
     assert licences >= {"licenses/license.txt"}
-    assert set(page.xpath("//@src | //@href")) == {"mechanism.png"} | licences
-    assert all((folder / reference).is_file() for reference in ("mechanism.png", *licences))
+    beside = {"mechanism.png", "fmi-ls-ref.txt"} | licences
+    assert set(page.xpath("//@src | //@href")) == beside
+    assert all((folder / reference).is_file() for reference in beside)
     first, *sections = page.xpath("//h1/text() | //h2/text()")
     assert first == model.title
     assert sections[:5] == [

@@ -3,9 +3,9 @@
 import math
 
 import pytest
-from scenes import ELASTIC
+from scenes import ELASTIC, LOSSES
 
-from .conftest import BY_TORQUE, R1
+from .conftest import BY_TORQUE, R1, TUNED
 from .conftest import LEVELS as ALL_LEVELS
 
 FLAVOURS = ("InertiaModule", "InertiaModule3")
@@ -32,12 +32,12 @@ def followed(request):
     return LEVELS[request.param]
 
 
-def outputs_after(instances, settings, h, changes, names, tolerance=1e-12):
-    """Outputs after some steps, the inputs of the last one changed."""
-    instance = instances().start(tolerance=tolerance, **START, **settings)
+def outputs_after(instances, settings, h, given, names, tolerance=1e-12):
+    """Outputs after some steps, inputs or tunable parameters of the last one given."""
+    instance = instances().start(tolerance=tolerance, **START | settings)
     for _ in range(4):
         instance.step(0.01)
-    instance.set(**{name: START[name] + change for name, change in changes.items()})
+    instance.set(**given)
     instance.step(h)
     return [instance.get(name) for name in names]
 
@@ -53,8 +53,8 @@ def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances
     instance.step(h)
     found = instance.directional(UNKNOWNS, (known,), (1.0,))
     delta = 1e-4 * START[known]
-    above = outputs_after(instances, level, h, {known: delta}, UNKNOWNS)
-    below = outputs_after(instances, level, h, {known: -delta}, UNKNOWNS)
+    above = outputs_after(instances, level, h, {known: START[known] + delta}, UNKNOWNS)
+    below = outputs_after(instances, level, h, {known: START[known] - delta}, UNKNOWNS)
     for name, derivative, high, low in zip(UNKNOWNS, found, above, below, strict=True):
         expected = (high - low) / (2.0 * delta)
         scale = max(abs(expected), 1e-3 * abs(high) / START[known])
@@ -78,6 +78,39 @@ def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value
     after.set(**tuned)
     found = [instance.directional(UNKNOWNS, ("omega1",), (1.0,)) for instance in (before, after)]
     assert found[0] == pytest.approx(found[1], rel=1e-4)
+
+
+# values of tunable parameters: what is lost at 0 becomes more alone
+TUNABLE = {
+    "rigid": dict.fromkeys(("windage", "housing_drag"), 0.0) | {"journal_friction": 1e-3},
+    "elastic with losses, by torque": TUNED | {"windage": 1e-4, "freewheel_damping": 1.0},
+    "averaged": LOSSES["viscous"],
+    "timestepping": LOSSES["viscous"],
+    "kinematic": {"kinematic_ratio": 0.3},
+}
+
+
+@pytest.mark.parametrize("level", TUNABLE)
+def test_directional_derivative_by_a_tunable_parameter_is_that_of_runs_and_changes_nothing(instances, level):
+    settings = ALL_LEVELS[level] | TUNABLE[level]
+    instance, alone = (instances().start(tolerance=1e-6, **START | settings) for _ in range(2))
+    for known in TUNABLE[level]:  # of the start
+        instance.directional(UNKNOWNS, (known,), (1.0,))
+    for h in (0.01, 0.01, 0.01, 0.01, 0.02):
+        for one in (instance, alone):
+            one.step(h)
+        assert instance.all_values() == alone.all_values()
+    for known, value in TUNABLE[level].items():
+        found = instance.directional(UNKNOWNS, (known,), (1.0,))
+        delta = 1e-4 * (value or 0.01)
+        ends = value + delta, value - delta * (value > 0.0)
+        above, below = (outputs_after(instances, settings, 0.02, {known: end}, UNKNOWNS) for end in ends)
+        for name, derivative, high, low in zip(UNKNOWNS, found, above, below, strict=True):
+            expected = (high - low) / (ends[0] - ends[1])
+            assert derivative == pytest.approx(expected, rel=2e-3, abs=1e-6 + 1e-9 * abs(high) / delta), name
+    for one in (instance, alone):
+        one.step(0.01)
+    assert instance.all_values() == alone.all_values()
 
 
 def test_directional_derivatives_are_linear_in_the_direction(instance):
@@ -192,9 +225,12 @@ def test_absurd_rates_are_discarded(instance, name, rate):
     "call, words",
     [
         (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "must be that of an output, is "),
-        (lambda i: i.directional(("omega2",), ("omega2",), (1.0,)), "must be that of an input, is "),
+        (
+            lambda i: i.directional(("omega2",), ("omega2",), (1.0,)),
+            "of an input or a tunable parameter, is ",
+        ),
         # a known at the start alone
-        (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "must be that of an input, is "),
+        (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "of an input or a tunable parameter, is "),
         (
             lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),
             "a direction must be finite, is nan",

@@ -106,6 +106,7 @@ def test_check_finds_no_problem_in_ours(built, tmp_path, fmu):
     done = (own_process if fmu is PYTHON_FMU else command)("check", built / fmu.file_name, folder=tmp_path)
     assert done.exit_code == 0
     assert "no problems found" in done.stdout
+    assert "deviations from its references" in done.stdout
     assert ("with event mode" in done.stdout) == (fmu.identifier == "InertiaModule3")
 
 

@@ -1,4 +1,4 @@
-"""XML of an FMU from the table of variables: modelDescription.xml, terminalsAndIcons.xml (see templates)."""
+"""XML of an FMU: modelDescription.xml, terminalsAndIcons.xml, and what it is made from (see templates)."""
 
 from __future__ import annotations
 
@@ -87,3 +87,8 @@ def terminals(model: Model) -> bytes:
     """
     values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
     return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)
+
+
+def resource_metadata(model: Model) -> bytes:
+    """The XML of resourceMetaData.srmd (SSP Traceability): provenance, and what the results rest on."""
+    return filled_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__})

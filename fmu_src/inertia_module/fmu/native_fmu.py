@@ -15,10 +15,13 @@ from ..compiling.linking import made_from as machine_code_made_from
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
-from .description import FLANGE, model_description, terminals
+from .description import FLANGE, model_description, resource_metadata, terminals
 from .documentation import MECHANISM, index_page
 from .linking import Progress, header_folder, join_for_mac, link
 from .tables import generated
+
+# where SSP Traceability looks for it
+METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
 
 
 class NativeFmu(NamedTuple):
@@ -52,7 +55,7 @@ def guid(fmu: NativeFmu) -> str:
 
 
 def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
-    """Documentation, licences, icon and, with FMI 3.0, terminals, by path in an FMU.
+    """Documentation, licences, icon, references, metadata and, with FMI 3.0, terminals, by path in an FMU.
 
     Args:
         model: what they are of. picture: name of its pictures. fmi: version, 2 or 3.
@@ -63,7 +66,10 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
         "documentation/index.html": index_page(model, texts).encode(),
         f"documentation/{MECHANISM}": _picture(f"{picture}_named.png"),
         **{f"documentation/licenses/{name}.txt": text.encode() for name, text in texts.items()},
+        METADATA: resource_metadata(model),
     }
+    carried = f"fmu/references/{model.name}/"
+    files |= {path.removeprefix(carried): content for path, content in sources(f"{carried}**/*").items()}
     if fmi == 2:
         return files | {"model.png": _picture(f"{picture}.png")}
     files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(model)

@@ -436,11 +436,11 @@ class Fmu(Closing):
         return tuple(self._call("getRealOutputDerivatives", references, [1] * len(references)))
 
     def jacobian(self, outputs: str | Sequence[str], inputs: str | Sequence[str]) -> NDArray[np.float64]:
-        """Derivatives of outputs after the last step by the inputs over it (native FMUs; see docs/fmu.md).
+        """Derivatives of outputs after the last step by inputs over it (native FMUs; see docs/fmu.md).
 
         Args:
             outputs: names, or one alone.
-            inputs: likewise.
+            inputs: likewise; tunable parameters, too.
 
         Returns:
             Shape (outputs, inputs), units of the output over those of the input.

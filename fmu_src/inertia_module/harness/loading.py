@@ -1,4 +1,4 @@
-"""FMUs by fmpy: instances, unpacked, each with log messages of its own, FMI 3.0 called like 2.0; checks.
+"""FMUs by fmpy: instances, unpacked, each with log messages of its own, FMI 3.0 called like 2.0.
 
 Importing it brings fmpy along.
 """
@@ -12,14 +12,11 @@ import tempfile
 import threading
 import weakref
 from ctypes import byref, c_void_p
-from dataclasses import dataclass, field
 from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from fmpy import extract, platform_tuple, simulate_fmu, supported_platforms
-from fmpy import platform as host
+from fmpy import extract
 from fmpy.fmi1 import FMICallException, calloc, free, printLogMessage
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -30,9 +27,8 @@ from fmpy.fmi2 import (
 )
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
-from fmpy.validation import validate_fmu
 
-from .fmu import RUN, WARNING, Log, read_description
+from .fmu import RUN, WARNING, Log
 
 
 class Unpacked:
@@ -71,12 +67,12 @@ def unpacked(path: Path) -> Unpacked:
 
 # of the environment that callbacks carry; of instances that fmpy makes itself, which carry none
 _logs: weakref.WeakValueDictionary[int, Log] = weakref.WeakValueDictionary()
-_OTHERS = 0
+OTHERS = 0
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
     """Pass a message on to the log it is for; without one it is printed, as fmpy does."""
-    log = _logs.get(environment or _OTHERS)
+    log = _logs.get(environment or OTHERS)
     if log is None:
         printLogMessage(environment, instance, status, category, message)
     else:
@@ -157,77 +153,3 @@ class Slave(FMU3Slave):  # type: ignore[misc]
 
     def setRealInputDerivatives(self, *arguments: Any) -> None:
         raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
-
-
-# --- check of any FMU ---
-
-STEPS = 100
-
-
-@dataclass
-class Report:
-    """Findings about an FMU file.
-
-    Attributes:
-        problems: one line each; empty if all is well. warnings: that it logs.
-        facts: what it is, by heading. outputs: last value of each output stepped to.
-    """
-
-    problems: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    facts: dict[str, str] = field(default_factory=dict)
-    outputs: dict[str, float] = field(default_factory=dict)
-
-
-def _step(path: Path, description: Any, report: Report, events: bool = False) -> None:
-    """Run the default experiment in STEPS steps, or from event to event too, and look at the outputs."""
-    experiment = description.defaultExperiment
-    stop = float(getattr(experiment, "stopTime", None) or 1.0)
-    what = f"stepping it to {stop:g} s" + " with event mode" * events
-    modes: dict[str, Any] = {"use_event_mode": events, "early_return_allowed": events, "debug_logging": True}
-    log = Log()
-    if description.fmiVersion == "3.0":
-        modes["logger"] = log.take
-    else:
-        callbacks_of(log, _OTHERS)
-    try:
-        table = simulate_fmu(str(path), stop_time=stop, output_interval=stop / STEPS, **modes)
-    except Exception as error:
-        report.problems.append(f"{what} fails: {'; '.join(log.errors) or error}")
-        return
-    finally:
-        report.warnings += log.warnings
-    report.problems.extend(f"it logs an error: {message}" for message in log.errors)
-    heading = "with event mode" if events else "stepped to"
-    report.facts[heading] = f"{stop:g} s in {len(table) - 1} steps"
-    for name in table.dtype.names or ():
-        values = np.asarray(table[name], dtype=float)
-        report.outputs[name] = float(values[-1])
-        if not np.isfinite(values).all():
-            report.problems.append(f"output {name} is not finite")
-
-
-def check_fmu(path: Path) -> Report:
-    """Validate an FMU file with fmpy and step it, with event mode too where it has one.
-
-    Raises:
-        FmuError: the file is no FMU that could be read at all.
-    """
-    report, description = Report(), read_description(path, validate=False)
-    platforms = supported_platforms(str(path))
-    kinds = {"co-simulation": description.coSimulation, "model exchange": description.modelExchange}
-    report.facts = {
-        "model": description.modelName,
-        "FMI": f"{description.fmiVersion}, {' and '.join(name for name, kind in kinds.items() if kind)}",
-        "made by": description.generationTool or "not said",
-        "platforms": ", ".join(platforms) or "none",
-        "variables": str(len(description.modelVariables)),
-    }
-    report.problems += validate_fmu(str(path))
-    if not {host, platform_tuple} & set(platforms):
-        report.problems.append(f"it cannot be stepped here: it has no binary for {host}")
-        return report
-    _step(path, description, report)
-    if getattr(description.coSimulation, "hasEventMode", False):
-        _step(path, description, report, events=True)
-    return report

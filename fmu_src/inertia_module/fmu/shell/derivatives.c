@@ -1,4 +1,4 @@
-/* Derivatives: rates of inputs and outputs, and outputs by inputs, by differences of steps tried out. */
+/* Derivatives: rates of inputs and outputs, and outputs by inputs and parameters, by differences of steps tried out. */
 #include "instance.h"
 
 #include <math.h>
@@ -10,20 +10,22 @@
 /* answered in place of a status of the kernel */
 #define OUT_OF_RANGE (-1)
 
-/* what a reference must be of; AT_START: what the outputs depend on in initialization mode */
-enum role { OUTPUT, INPUT, AT_START };
+/* what a reference must be of; KNOWN, AT_START: what outputs depend on between steps, in initialization mode */
+enum role { OUTPUT, INPUT, KNOWN, AT_START };
 
 static int has_role(const struct variable *variable, enum role role)
 {
-    const int is_given = role == AT_START && variable->array == PARAMETERS && variable->kind == REAL;
-    return role == OUTPUT ? variable->output : variable->array == INPUTS || is_given;
+    if (role == OUTPUT || variable->array != PARAMETERS)
+        return role == OUTPUT ? variable->output : variable->array == INPUTS;
+    return variable->kind == REAL && (role == AT_START || (role == KNOWN && variable->tunable));
 }
 
 /* Whether all references are of that role, and the order is 1. */
 static enum status check_references(struct instance *c, const uint32_t references[], size_t count,
                                    const int32_t orders[], enum role role)
 {
-    static const char *const names[] = {"output", "input", "input or a parameter that is no whole number"};
+    static const char *const names[] = {"output", "input", "input or a tunable parameter",
+                                        "input or a parameter that is no whole number"};
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable =
             references[n] < model.variable_count ? &model.variables[references[n]] : NULL;
@@ -83,24 +85,29 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
     return OK;
 }
 
-/* The outputs, had the knowns been changed: of the last step or, before the first, of the start. */
+/* The outputs, had the knowns been changed: of the last step or, before the first, of the start. The constants are
+   then those of the changed parameters. */
 static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t count,
                           const double direction[], double scale, double *y)
 {
     const int stepped = c->head[LAST_STEP] > 0.0;
+    int tuned = 0;
     try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
     memcpy(c->p_trial, c->p, model.p_size * sizeof(double));
     for (size_t n = 0; n < count; n++) {
         const struct variable *known = &model.variables[knowns[n]];
         (known->array == INPUTS ? c->u_trial : c->p_trial)[known->slot] += scale * direction[n];
-        if (known->array == PARAMETERS)
-            c->head[PREPARED] = 0.0; /* what follows from the parameters will be derived anew */
+        tuned |= stepped && known->array == PARAMETERS;
     }
     for (size_t n = 0; n < count; n++) {
         const struct variable *known = &model.variables[knowns[n]];
         if (known->array == PARAMETERS && !is_allowed(known, c->p_trial[known->slot]))
             return OUT_OF_RANGE;
     }
+    const int64_t answer =
+        tuned ? KERNEL(OPERATION_TUNE, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
+    if (answer != STATUS_OK)
+        return answer;
     return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
                   c->w, c->head[LAST_STEP]);
 }
@@ -129,7 +136,7 @@ static enum status check_call(struct instance *c, const uint32_t unknowns[], siz
         return without_array(c, "a derivative");
     const int at_start = phase_of(c) == INITIALIZING;
     if (check_references(c, unknowns, unknown_count, NULL, OUTPUT) != OK ||
-        check_references(c, knowns, known_count, NULL, at_start ? AT_START : INPUT) != OK)
+        check_references(c, knowns, known_count, NULL, at_start ? AT_START : KNOWN) != OK)
         return ERROR;
     if (at_start)
         return prepare(c, DISCARD);
@@ -161,6 +168,11 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
         answer = try_change(c, knowns, count, direction, forward = 0.0, c->y_trial);
     if (answer == STATUS_OK && try_change(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
         answer = try_change(c, knowns, count, direction, backward = 0.0, c->y_other);
+    size_t inputs = 0;
+    while (inputs < count && model.variables[knowns[inputs]].array == INPUTS)
+        inputs++;
+    if (inputs < count) /* a parameter is among them: the constants as they were */
+        KERNEL(OPERATION_TUNE, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer == STATUS_OK && forward == backward)
         return report(c, DISCARD, "inputs and parameters must be able to change one way, both ways they leave what is"
                       " allowed");

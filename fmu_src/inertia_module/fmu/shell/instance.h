@@ -155,7 +155,7 @@ enum status take_steps(struct instance *c, struct run *run,
 /* Go through a step and show the instance as it is after each switch in it; then it is as it was before. */
 void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished));
 
-/* Derivatives: of inputs and outputs by time, orders must be 1; of outputs by inputs. */
+/* Derivatives: of inputs and outputs by time, orders must be 1; of outputs by inputs and tunable parameters. */
 enum status set_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
                       const double values[]);
 enum status get_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],

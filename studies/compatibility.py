@@ -1,0 +1,55 @@
+"""Compatibility information for importers: the FMUs, each with inputs and a reference.
+
+The tree is that of the FMI cross-check: fmus/FMI version/cs/platform/tool/version/model.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fmpy.cross_check.validate_vendor_repo import validate_test_fmu
+
+from inertia_module import __version__
+from inertia_module.common.files import write_atomically
+from inertia_module.fmu.archive import filled
+from inertia_module.fmu.builder import FMUS, content_of
+from inertia_module.fmu.linking import Progress
+
+from .reference.experiments import ASKED, CARRIED, STEP, STOP, experiments, package_folder
+
+README = Path(__file__).parent / "reference" / "templates" / "compatibility.txt"
+OPTIONS = f"StartTime, 0.0\nStopTime, {STOP}\nStepSize, {STEP}\nRelTol, {ASKED}\n"
+
+
+def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]:
+    """Write the tree into a folder: each FMU with the first experiment of its model, at start values.
+
+    Returns:
+        Its files, and problems that FMPy finds in it.
+
+    Raises:
+        CompilationUnavailable, RuntimeError: an FMU cannot be built for all platforms.
+    """
+    written, problems = list[Path](), list[str]()
+    for fmu in FMUS:
+        content, skipped = content_of(fmu, progress)
+        if skipped:
+            raise RuntimeError("; ".join(f"{what}: {reason}" for what, reason in skipped.items()))
+        name, fmi = fmu.identifier, getattr(fmu, "fmi", 2)
+        one = experiments(fmu.model)[0]
+        carried = package_folder(fmu.model) / CARRIED
+        files = {
+            f"{name}.fmu": content,
+            **{
+                f"{name}_{kind}.csv": (carried / f"{one.name}_{kind}.csv").read_bytes()
+                for kind in ("in", "ref")
+            },
+            f"{name}_ref.opt": OPTIONS.encode(),
+            "readme.txt": filled(README, {"name": name, "fmi": fmi, "fmu": fmu, "one": one}).encode(),
+        }
+        place = folder / "fmus" / f"{fmi}.0" / "cs" / "linux64" / "inertia-module" / __version__ / name
+        for file, text in files.items():
+            write_atomically(place / file, text)
+            written.append(place / file)
+        problems += validate_test_fmu(str(place))
+    return written, problems
