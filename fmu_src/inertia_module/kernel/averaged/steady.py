@@ -219,6 +219,7 @@ def follow(d, x, w, length):
         if rest < -END * length:
             # back, and no further than at the present speed: exact where link 2 is held or drives
             copy(x.numbers, w.kept.numbers)
+            x.rates_cached = 0.0
             limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
             continue
         if not direction * slip > AT_REST * (abs(x.omega1) + abs(x.omega2)):
