@@ -135,8 +135,8 @@ def place_of(w, i):
     return MOTION[int(w.moves[i])]
 
 
-def factorise(w, count):
-    """Factors of 1 / (GAMMA h) - J, with row pivots and reciprocal diagonal, into w.matrix and w.pivots."""
+def invert(w, count):
+    """Inverse of 1 / (GAMMA h) - J into w.matrix, by Gauss and Jordan with row pivots."""
     own = 1.0 / (GAMMA * w.step)
     a = w.matrix
     for j in range(count):
@@ -150,36 +150,23 @@ def factorise(w, count):
             if abs(a[MOVING * n + i]) > abs(a[MOVING * pivot + i]):
                 pivot = n
         w.pivots[i] = pivot
-        if pivot != i:
-            for j in range(count):
-                a[MOVING * i + j], a[MOVING * pivot + j] = a[MOVING * pivot + j], a[MOVING * i + j]
-        scale = 1.0 / a[MOVING * i + i]
-        a[MOVING * i + i] = scale
-        for n in range(i + 1, count):
-            factor = scale * a[MOVING * n + i]
-            a[MOVING * n + i] = factor
-            if factor != 0.0:
-                for j in range(i + 1, count):
+        scale = 1.0 / a[MOVING * pivot + i]
+        a[MOVING * pivot + i] = 1.0
+        for j in range(count):
+            scaled = scale * a[MOVING * pivot + j]
+            a[MOVING * pivot + j] = a[MOVING * i + j]
+            a[MOVING * i + j] = scaled
+        for n in range(count):
+            factor = a[MOVING * n + i]
+            if n != i and factor != 0.0:
+                a[MOVING * n + i] = 0.0
+                for j in range(count):
                     a[MOVING * n + j] -= factor * a[MOVING * i + j]
-
-
-def solve(w, count):
-    """Solve for the stage of what moves whose right side is in w.right_side, there."""
-    a, b = w.matrix, w.right_side
-    for i in range(count):
-        pivot = int(w.pivots[i])
-        if pivot != i:
-            b[i], b[pivot] = b[pivot], b[i]
-    for i in range(count):
-        known = b[i]
-        for n in range(i + 1, count):
-            b[n] -= a[MOVING * n + i] * known
     for back in range(count):
         i = count - 1 - back
-        known = a[MOVING * i + i] * b[i]
-        b[i] = known
-        for n in range(i):
-            b[n] -= a[MOVING * n + i] * known
+        pivot = int(w.pivots[i])
+        for n in range(count):
+            a[MOVING * n + i], a[MOVING * n + pivot] = a[MOVING * n + pivot], a[MOVING * n + i]
 
 
 def weigh_motion(d, w, weights, begin, count, factor, sums):
@@ -198,9 +185,11 @@ def solve_stage(d, w, stage, kept, count):
     weigh_motion(d, w, C, (STAGES - 1) * stage, stage, 1.0 / w.step, changes)
     for i in range(count):
         b[i] = changes[place_of(w, i)] + rates[place_of(w, i)]
-    solve(w, count)
     for i in range(count):
-        changes[place_of(w, i)] = b[i]
+        change = 0.0
+        for j in range(count):
+            change += w.matrix[MOVING * i + j] * b[j]
+        changes[place_of(w, i)] = change
 
 
 def weigh_sums(w, begin, sums, count):
@@ -220,7 +209,7 @@ def make_stiff_step(d, x, w, h):
     w.step = h
     w.pair = THIRDS
     count = int(w.moving)
-    factorise(w, count)
+    invert(w, count)
     solve_stage(d, w, 0, 0, count)
     for stage in range(1, STAGES):
         weigh_motion(d, w, A, (STAGES - 1) * stage, stage, 1.0, w.change.numbers)
