@@ -42,7 +42,7 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7326,
+    "kernel": 7312,
     "compiling": 644,
     "harness": 2364,
     "scene": 2069,
@@ -50,7 +50,7 @@ OVER: Mapping[str, int] = {
     "jobs": 3462,
     "figures": 1237,
     "export, page, cli, common": 1816,
-    "package": 24364,
+    "package": 24350,
     "studies": 6227,
     "tests": 17341,
 }
