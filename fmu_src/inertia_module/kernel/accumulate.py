@@ -20,12 +20,18 @@ def add_loss(x, cause, lost):
     x.step_lost += lost
 
 
-def lost_in_all(x):
-    """Energy that all causes have taken since the start, J."""
-    total = 0.0
-    for cause in range(len(x.lost)):
-        total += x.lost[cause]
-    return total
+def total(numbers):
+    """Sum of an array."""
+    found = 0.0
+    for n in range(len(numbers)):
+        found += numbers[n]
+    return found
+
+
+def clear(numbers):
+    """Fill an array with zeros."""
+    for n in range(len(numbers)):
+        numbers[n] = 0.0
 
 
 def copy(target, source):

@@ -76,6 +76,8 @@ def run_events(d, x, w, h):
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         x.rates_cached = 0.0
         choose_states(d, x, GOES_ON)
+    if d.losses != 0.0:
+        x.rates_cached = 0.0  # losses and guards are not kept from one communication step to the next
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load

@@ -166,8 +166,8 @@ WORKSPACE = (
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
-    # the stiff step: changes at its stages, derivatives of all rates, linear equations
-    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING)),
+    # the stiff step: changes at its stages, derivatives of all rates, what moves in it, linear equations
+    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING), ("moves", MOVING), "moving"),
     *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
     # fixed steps: inertia at the end and the slip angle to there, and where look_ahead looked, which a part
     # of the step does not come to; what links 1 and 2 come to

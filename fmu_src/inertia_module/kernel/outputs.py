@@ -3,7 +3,7 @@
 A shell may leave the late ones until they are read.
 """
 
-from .accumulate import TWO_PI, lost_in_all
+from .accumulate import TWO_PI, total
 from .averaged.run import averaged_energy, write_averaged
 from .codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
 from .engine import solve_now
@@ -90,7 +90,7 @@ def write_outputs(x, y):
     y.rhs_evaluations = x.evaluations
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
-    y.energy_lost = lost_in_all(x)
+    y.energy_lost = total(x.lost)
     for cause in range(len(x.lost)):
         y.numbers[cause] = x.lost[cause]  # energy_lost_viscous and so on: y begins with them
 

@@ -6,7 +6,7 @@ thought of, energy from nowhere, a freewheel that let go too late, shows in thei
 
 import math
 
-from .accumulate import copy, lost_in_all, turn_output, wrap_drive_angle
+from .accumulate import clear, copy, total, turn_output, wrap_drive_angle
 from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
 from .codes import (
@@ -74,8 +74,7 @@ def start(p, d, u, x, y, w):
         status = build_map(p, d, w)
         if status != OK:
             return status
-    for n in range(len(x.numbers)):
-        x.numbers[n] = 0.0
+    clear(x.numbers)
     x.omega1 = input_speed(u)
     x.held_input = x.omega1
     x.load_torque = u.load_torque
@@ -139,7 +138,7 @@ def is_finite(x):
     """Tell whether the motion, its energies and its means are: all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
-    energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(lost_in_all(x))
+    energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(total(x.lost))
     means = abs(x.input_torque_mean) + (abs(x.output_torque_mean) + abs(x.torque_ripple))
     return (motion + shaft) + (energies + means) < 1e300
 

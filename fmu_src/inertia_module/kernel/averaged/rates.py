@@ -5,6 +5,7 @@ is given that of the energy J* v^2 / 2 of links 1 and 2 (see torque_map). The ou
 legs: it rests, is locked to link 1, coasts beyond the end of the map, or slips under the mean torque.
 """
 
+from ..accumulate import total
 from ..equations.losses import FREEWHEEL, VISCOUS
 from .table import INPUT, MOTIONS, OMEGA2, SLOWNESS, TORQUE, interpolate
 
@@ -40,13 +41,9 @@ def last_knot(side):
     return side.knots[int(side.count) - 1]
 
 
-def slowness(side, speed):
-    """Share that the speed at which friction takes the stall torque has in the sum of both: 0 to 1."""
-    return side.slow / (speed + side.slow) if side.slow > 0.0 else 0.0
-
-
-def shares(z):
-    """First of NEAR motions of a knot about the slowness z, and the shares that they have in a cubic."""
+def shares(side, speed):
+    """First of NEAR motions of a knot about the slowness at a speed, and their shares in a cubic."""
+    z = side.slow / (speed + side.slow) if side.slow > 0.0 else 0.0
     n = 0
     while n < MOTIONS - NEAR and z > SLOWNESS[n + 2]:
         n += 1
@@ -83,7 +80,7 @@ def look_up(side, x, speed, s):
     n = find_knot(side, x, s)
     if side.slow == 0.0:
         return curve_at(side, n, s, TORQUE)[0] * speed * speed, curve_at(side, n, s, OMEGA2)[0]
-    first, now = shares(slowness(side, speed))
+    first, now = shares(side, speed)
     torque = part = 0.0
     for m in range(NEAR):
         torque += now[m] * curve_at(side, n, s, TORQUE + first + m)[0]
@@ -97,32 +94,20 @@ def look_up_input(side, x, s):
     return curve_at(side, find_knot(side, x, s), s, INPUT)
 
 
-def torque_at_knot(side, knot, speed):
-    """Mean output torque at a knot, N m."""
-    first, now = shares(slowness(side, speed))
-    torque = 0.0
-    for m in range(NEAR):
-        torque += now[m] * knot.value[TORQUE + first + m]
-    scale = speed + side.slow
-    return torque * scale * scale
-
-
 def write_losses(side, x, speed, s, lost):
     """Write the mean powers that the causes take by the map, over |v|, into lost, N m. Returns their sum."""
-    first, now = shares(slowness(side, speed))
+    first, now = shares(side, speed)
     n = find_knot(side, x, s)
     here, after = side.knots[n], side.knots[min(n + 1, int(side.count) - 1)]
     t = (s - here.ratio) / (after.ratio - here.ratio) if after.ratio > here.ratio else 0.0
     scale = speed + side.slow
-    total = 0.0
     for cause in range(len(lost)):
         power = 0.0
         for m in range(NEAR):
             place = MOTIONS * cause + first + m
             power += now[m] * (here.lost[place] + t * (after.lost[place] - here.lost[place]))
         lost[cause] = scale * scale * max(power, 0.0)
-        total += lost[cause]
-    return total
+    return total(lost)
 
 
 def lock_ratio(d, side):

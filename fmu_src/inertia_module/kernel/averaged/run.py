@@ -18,7 +18,6 @@ from .rates import (
     RESTING,
     SLIPPING,
     energy_at,
-    last_knot,
     lock_ratio,
     look_up_input,
     ratio,
@@ -28,12 +27,11 @@ from .rates import (
     write_mean_rates,
 )
 from .step import ARRIVED, advance_leg, beyond_rest, most_locked_torque
-from .table import INPUT
 
 # legs and internal steps before a communication step is given up
 MOST_STEPS = 20000
-# to find a ratio in the map
-HALVINGS = 60
+# to find the speed that a mean speed goes with
+ROUNDS = 60
 # v below this share of the speeds is zero where its leg ends
 AT_REST = 1e-11
 # share of the speeds by which they change for a difference
@@ -74,7 +72,7 @@ def choose_leg(d, side, x, v):
     speed = abs(v)
     if stays_locked(d, side, x, v):
         return LOCKED
-    past = beyond_rest(d, side, load, speed)
+    past = beyond_rest(d, side, x, speed)
     if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
         if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
             return RESTING  # ... also while link 1 turns
@@ -189,18 +187,10 @@ def speed_at_start(d, x):
     if d.by_torque == 0.0 or omega1 == 0.0:
         return x.omega1
     side = side_at(d, x.omega1, 0.0)
-    low = omega1 / last_knot(side).value[INPUT]
-    if x.omega3 < side.end * low:
-        # a ratio within the map: the speed at which it is that of the two speeds
-        low, high = 0.0, side.end
-        for _ in range(HALVINGS):
-            s = 0.5 * (low + high)
-            if s * omega1 < x.omega3 * look_up_input(side, x, s)[0]:
-                low = s
-            else:
-                high = s
-        low = omega1 / look_up_input(side, x, low)[0]
-    return math.copysign(low, x.omega1)
+    v = omega1
+    for _ in range(ROUNDS):
+        v = omega1 / look_up_input(side, x, ratio(x.omega3, v))[0]
+    return math.copysign(v, x.omega1)
 
 
 def map_speed(d, x):

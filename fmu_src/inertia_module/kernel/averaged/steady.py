@@ -8,7 +8,7 @@ are those of an input speed, scaled: b / |v| and drag / v^2.
 
 import math
 
-from ..accumulate import TWO_PI, copy
+from ..accumulate import TWO_PI, clear, copy
 from ..equations.choice import choose_next_states, choose_states
 from ..events.advance import advance_general
 from ..events.step_size import AFRESH
@@ -222,6 +222,7 @@ def follow(d, x, w, length):
         if rest < -END * length:
             # back, and no further than at the present speed: exact where link 2 is held or drives
             copy(x.numbers, w.kept.numbers)
+            x.rates_cached = 0.0
             limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
             continue
         # in its play link 2 may be as fast as link 1 or faster for a while: the drive rests, or turns back
@@ -246,16 +247,16 @@ def follow(d, x, w, length):
     return -1.0, 0.0
 
 
-def speed_of_energy(d, q, direction, omega2, energy):
+def speed_of_energy(d, x, direction, energy):
     """Speed of link 1 with which links 1, 2 and imbalances have this energy."""
-    i, _, b, _, g, _ = reduced_inertia(d, q)
+    i, _, b, _, g, _ = reduced_inertia(d, x.q)
     phi = inertia_of_link1(d, i, b, g)
-    coupled = direction * d.k * (b + d.k * g) * omega2
-    left = 2.0 * energy - (d.J2 + d.k * d.k * g) * omega2 * omega2
+    coupled = direction * d.k * (b + d.k * g) * x.omega2
+    left = 2.0 * energy - (d.J2 + d.k * d.k * g) * x.omega2 * x.omega2
     return direction * (coupled + math.sqrt(max(coupled * coupled + phi * left, 0.0))) / phi
 
 
-def add_part(d, x, w, q, direction, length, before):
+def add_part(d, x, w, side, q, length, before):
     """Add the motion over an angle of the drive to the sums in w; it begins at q with x.omega2 and x.omega3.
 
     Args:
@@ -266,31 +267,27 @@ def add_part(d, x, w, q, direction, length, before):
     """
     omega2, omega3 = x.omega2, x.omega3
     play_housing, play_output = x.play_housing, x.play_output
-    for n in range(len(x.numbers)):
-        x.numbers[n] = 0.0
+    clear(x.numbers)
     x.play_housing, x.play_output = play_housing, play_output
     x.q = q % d.period
-    x.omega1 = (
-        direction
-        if d.by_torque == 0.0
-        else speed_of_energy(d, x.q, direction, omega2, 0.5 * w.begin_energy * d.map_inertia)
-    )
-    x.omega2 = omega2
-    x.omega3 = omega3
-    w.prescribed = w.drive if d.by_torque != 0.0 else 0.0
-    x.drive_torque = w.prescribed
+    x.omega1 = side.direction
+    x.omega2, x.omega3 = omega2, omega3
+    if d.by_torque != 0.0:
+        x.omega1 = speed_of_energy(d, x, side.direction, 0.5 * w.begin_energy * d.map_inertia)
+        x.drive_torque = w.drive
+    w.prescribed = x.drive_torque
     choose_states(d, x, False)
     time = energy = start = 0.0
     for _ in range(2 if before else 1):
         begin_sums(x)
-        for cause in range(len(x.lost)):
-            x.lost[cause] = x.lost_low[cause] = 0.0
+        clear(x.lost)
+        clear(x.lost_low)
         start = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time, energy = follow(d, x, w, length)
         d.map_evaluations += x.step_evaluations
         if time < 0.0:
             return False
-    turned = direction * time
+    turned = side.direction * time
     if d.by_torque != 0.0:
         turned = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
     w.sum_time += time
@@ -299,7 +296,7 @@ def add_part(d, x, w, q, direction, length, before):
     w.sum_energy += energy
     w.sum_gain += kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - start
     w.sum_omega1 += turned
-    w.sum_omega2 += turned - direction * angle_travelled(x, direction) / d.k
+    w.sum_omega2 += turned - side.direction * angle_travelled(x, side.direction) / d.k
     w.sum_peak = max(w.sum_peak, x.torque_peak)
     for cause in range(len(x.lost)):
         w.sum_lost[cause] += x.lost[cause]
@@ -314,8 +311,7 @@ def add_period(d, x, w, side, ratio, begin):
     """
     w.sum_time = w.sum_torque = w.sum_square = w.sum_energy = w.sum_gain = 0.0
     w.sum_omega1 = w.sum_omega2 = w.sum_peak = 0.0
-    for cause in range(len(w.sum_lost)):
-        w.sum_lost[cause] = 0.0
+    clear(w.sum_lost)
     x.omega2 = begin
     x.omega3 = ratio
     part, parts = parts_of_period(d, COUNTED * LARGEST_CYCLES)
@@ -323,7 +319,7 @@ def add_period(d, x, w, side, ratio, begin):
     through = True
     for n in range(parts):
         q = go_to_part(d, phase, part, parts, n) if parts > 1 else side.start
-        through = through and add_part(d, x, w, q, side.direction, part, parts > 1)
+        through = through and add_part(d, x, w, side, q, part, parts > 1)
     d.phase_b = phase
     return through
 

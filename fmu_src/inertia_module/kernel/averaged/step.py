@@ -4,6 +4,7 @@ Gentle ones are of order 3, explicit. Others are by Rosenbrock's method of event
 by differences: a light shaft follows the mean torque at once, and a transient must cost no small steps.
 """
 
+from ..accumulate import clear, total
 from ..equations.losses import FREEWHEEL, VISCOUS
 from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
@@ -18,9 +19,8 @@ from .rates import (
     RESTING,
     SLIPPING,
     energy_at,
-    last_knot,
     lock_ratio,
-    torque_at_knot,
+    look_up,
     write_mean_rates,
 )
 from .table import TORQUE
@@ -55,8 +55,8 @@ def differentiate_by(d, side, x, w, leg, change, change3, slopes):
 def differentiate(d, side, x, w, leg):
     """Derivatives of all rates by both speeds at the beginning of a step."""
     start, by_v, by_omega3 = w.rates[0], w.slopes[0], w.slopes[1]
-    for n in range(LOSSY):
-        by_v.numbers[n] = by_omega3.numbers[n] = 0.0
+    clear(by_v.numbers)
+    clear(by_omega3.numbers)
     apart = APART * max(abs(x.omega1), x.omega3)
     if apart == 0.0:
         # from rest all goes along one line
@@ -134,17 +134,13 @@ def take_step(d, side, x, w, leg, h):
 
 def lost_in_step(d, change):
     """Energy that the step in hand takes, J."""
-    total = 0.0
-    if d.lossy != 0.0:
-        for cause in range(len(change.lost)):
-            total += change.lost[cause]
-    return total
+    return total(change.lost) if d.lossy != 0.0 else 0.0
 
 
-def balance(d, side, x, w, leg, h):
+def balance(d, side, x, w, leg):
     """Impulses and work of a step by the balances, exact in its ends."""
     change = w.change
-    change.output = d.J3 * change.omega3 + x.load_torque * h + d.b3 * change.turned3
+    change.output = d.J3 * change.omega3 + x.load_torque * w.step + d.b3 * change.turned3
     # the mesh's impulse stood in place of the housing's
     change.housing = change.output + d.b2 * change.omega2 - change.housing
     change.omega2 = 0.0
@@ -195,7 +191,7 @@ def is_one_way(d, side, x, w):
         here = side.knots[n].ratio * speed
         if here >= high:
             break
-        left = torque_at_knot(side, side.knots[n], speed) - x.load_torque - d.b3 * here
+        left = look_up(side, x, speed, side.knots[n].ratio)[0] - x.load_torque - d.b3 * here
         if here > low and left * w.rates[0].omega3 < 0.0:
             return False
     return True
@@ -231,25 +227,24 @@ def past_end(d, side, x, leg, v, omega3, fastest):
         return max(past, (omega3 - side.end * speed) / fastest, -omega3 / fastest)
     if leg == COASTING:
         return max(past, (side.end * speed - omega3) / fastest)
-    load = x.load_torque
     if leg == RESTING:
-        return max(past, beyond_rest(d, side, load, max(speed, 0.0)))
+        return max(past, beyond_rest(d, side, x, max(speed, 0.0)))
     write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
     most = most_locked_torque(d, side, x, speed)
     torque = d.mean.output
-    scale = max(most + d.output_drag, abs(load), 1e-300)
+    scale = max(most + d.output_drag, abs(x.load_torque), 1e-300)
     return max(past, (torque - most) / scale, -(torque + d.output_drag) / scale)
 
 
-def beyond_rest(d, side, load, speed):
+def beyond_rest(d, side, x, speed):
     """How far the mean torque at a shaft at rest is beyond its load, over the torques there are.
 
     A load that pushes it is held by the drag of both freewheels.
     """
-    knot = side.knots[0]
-    scale = abs(load) + knot.value[TORQUE] * speed * speed + d.housing_drag + d.output_drag
+    load = x.load_torque
+    scale = abs(load) + side.knots[0].value[TORQUE] * speed * speed + d.housing_drag + d.output_drag
     held = min(d.output_drag, d.housing_drag) if load < 0.0 else 0.0
-    return (torque_at_knot(side, knot, speed) - load - held) / (scale + 1e-300)
+    return (look_up(side, x, speed, 0.0)[0] - load - held) / (scale + 1e-300)
 
 
 def most_locked_torque(d, side, x, v):
@@ -258,7 +253,7 @@ def most_locked_torque(d, side, x, v):
     It is that of the ideal mechanism, less what resists link 2: friction only holds more. Where the ideal
     mechanism does not come there, that of the last knot may hold with losses.
     """
-    reached = torque_at_knot(side, last_knot(side), v)
+    reached = look_up(side, x, v, side.end)[0]
     if side.locks == 0.0 and x.omega2 != x.omega3:
         return reached
     omega1 = lock_ratio(d, side) * v
@@ -354,5 +349,5 @@ def advance_leg(d, side, x, w, leg, remaining):
         ends = past > ARRIVED
         if ends:
             cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
-    balance(d, side, x, w, leg, w.step)
+    balance(d, side, x, w, leg)
     return True, ends

@@ -17,7 +17,7 @@ Tc (1 - sigma).
 
 import math
 
-from ..accumulate import copy
+from ..accumulate import clear, copy, total
 from ..codes import NOT_STEADY, OK
 from ..equations.losses import FREEWHEEL, MESH, VISCOUS
 from ..links import inertia_at_input
@@ -322,10 +322,7 @@ def extend(p, d, w, side):
 def power_at_speed(p, w, side):
     """Torque of link 1, N m, that its losses take where the output rests and its speed, 1, is given."""
     settle(p, w, side, 0.0, 0.0)
-    lost = 0.0
-    for cause in range(len(w.sum_lost)):
-        lost += w.sum_lost[cause]
-    return side.direction * lost / w.sum_time if w.sum_time > 0.0 else 0.0
+    return side.direction * total(w.sum_lost) / w.sum_time if w.sum_time > 0.0 else 0.0
 
 
 def build_side(p, d, w, side, allowed):
@@ -397,8 +394,8 @@ def build_map(p, d, w):
     hold_output(d, w, allowed)
     held.map_inertia = 0.0
     held.map_lock = 0.5 * d.k * find_largest(held, held.forward, LOCK)[1]
-    for n in range(len(held.forward.numbers)):
-        held.forward.numbers[n] = held.backward.numbers[n] = 0.0
+    clear(held.forward.numbers)
+    clear(held.backward.numbers)
     held.forward.direction = 1.0
     held.backward.direction = -1.0
     if not build_side(p, held, w, held.forward, allowed):

@@ -9,7 +9,7 @@ omega4 by beta times the jump at once and leaves the twist; the torque of the sh
 holds no impulse. The slip delta' is kept besides omega4: each may be small where the other is not.
 """
 
-from ..accumulate import add, copy
+from ..accumulate import add, clear, copy
 from ..codes import CHECK, NOT_FINITE, OK, OUTPUTS, RATES, START, TUNE
 from ..inputs import check_inputs, check_step, mean_torque, take_speed
 from .motion import characteristic, end, integral, keep_step, square_integral
@@ -72,8 +72,7 @@ def start(p, d, u, x, y):
     status = check_inputs(u)
     if status != OK:
         return status
-    for n in range(len(x.numbers)):
-        x.numbers[n] = 0.0
+    clear(x.numbers)
     x.twist = p.twist_start
     x.omega4 = p.omega_out_start
     x.slip = u.hub_speed - x.omega4

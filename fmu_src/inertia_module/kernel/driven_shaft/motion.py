@@ -22,7 +22,7 @@ matrix, SIAM Review 45 (2003), methods 3 and 14.
 
 import math
 
-from ..accumulate import add, copy
+from ..accumulate import add, clear, copy
 from ..tableau import GAUSS_NODES as NODES
 from ..tableau import GAUSS_WEIGHTS as WEIGHTS
 
@@ -117,8 +117,7 @@ def write_gramian(d, w, t):
     part = t
     while d.fast * part > SHORT:
         part *= 0.5
-    for i in range(16):
-        d.gramian[i] = 0.0
+    clear(d.gramian)
     for n in range(5):
         write_move(d, w, part * NODES[n])
         for i in range(16):

@@ -25,7 +25,7 @@ from .guards import (
 )
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
-from .stages import cut_step, keep_rates, make_step, solve_motion, weighed_rate
+from .stages import cut_step, keep_end, keep_rates, make_step, solve_motion, weighed_rate
 from .step_size import AFRESH, longest_step, size_afresh, try_short_step, try_steps
 
 # stage inside the step at which the force on the bearing is seen
@@ -192,9 +192,12 @@ def begin_step(d, x, w):
         recall(m, x.now)
     else:
         solve_motion(d, x, w)
+    if x.rates_cached != 0.0 and d.losses != 0.0:
+        keep_end(d, x, w)
+    else:
+        keep_rates(d, x, w, 0)
     x.rates_cached = 0.0
     w.momentum, w.energy = m.momentum, m.energy
-    keep_rates(d, x, w, 0)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
 
 
@@ -211,9 +214,9 @@ def take_over(d, x, w, sigma):
     else:
         cut_step(d, x, w, sigma)
         kept = sigma
+    x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     if d.losses == 0.0:
         balance(d, x, w)
-        x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     commit(d, x, w)
     see_peaks(x, w, kept)
 

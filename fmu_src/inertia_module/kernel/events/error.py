@@ -4,7 +4,7 @@ import math
 
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, OPEN, WOUND, is_open, is_wound
-from ..links import kinetic_energy, response, shaft_frequency
+from ..links import response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from .stages import (
     LOST,
@@ -180,7 +180,7 @@ def step_error(d, x, w, fastest):
     momentum = momentum_passed(d) * moved
     energy = 0.0
     if counts(d, x, w, WORK_IN):
-        energy = OF_ENERGY * kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
+        energy = OF_ENERGY * (w.energy + 0.5 * d.J3 * x.omega3 * x.omega3)
         energy = max(energy, FROM_REST * momentum * moved)
     for number in range(moving + len(HELD_SUMS)):
         n = MOTION[number] if number < moving else HELD_SUMS[number - moving]

@@ -12,9 +12,9 @@ depends, change and error are weighed sums of f + J U over the stages.
 
 from ..equations.losses import SHAFT
 from ..equations.motion import take_state
-from ..equations.states import LOCKED, WOUND
+from ..equations.states import LOCKED, WOUND, is_open
 from ..tableau import PARTS, THIRDS
-from .stages import MOTION, how_many_move, keep_rates, prescribe_link1, solve_changed, solve_motion, weigh
+from .stages import MOTION, keep_rates, prescribe_link1, solve_changed, solve_motion, weigh
 
 STAGES = 8
 GAMMA = 0.21193756319429014
@@ -72,7 +72,9 @@ SUMS = (
 
 
 def differentiate_by(d, x, w, n, apart):
-    """Derivatives of all rates by one of what moves, by a difference."""
+    """Derivatives of all rates by one of what moves, by a difference; it is one more that is solved for."""
+    w.moves[int(w.moving)] = n
+    w.moving += 1.0
     m = d.machine
     take_state(d, x)
     before = m.numbers[PLACES[n]]
@@ -95,7 +97,10 @@ def differentiate_by(d, x, w, n, apart):
 
 
 def differentiate(d, x, w):
-    """Derivatives of all rates by what moves at the beginning of the step."""
+    """Derivatives of all rates by what moves at the beginning of the step, and what that is.
+
+    What is held, or goes with another, does not: the stages leave it as it is.
+    """
     start = w.rates[0]
     speed = APART * max(abs(x.omega1), abs(x.omega2), abs(x.omega3))
     torque = abs(start.drive) + abs(start.output) + abs(start.housing) + abs(w.load)
@@ -104,13 +109,12 @@ def differentiate(d, x, w):
         speed = APART
     if torque == 0.0:
         torque = APART
-    for n in range(MOVING):
-        for which in range(len(start.numbers)):
-            w.slopes[n].numbers[which] = 0.0
+    w.moving = 0.0
     differentiate_by(d, x, w, MOVE_Q, APART)
     if d.by_torque != 0.0 or w.prescribed != 0.0:
         differentiate_by(d, x, w, MOVE_1, speed)
-    differentiate_by(d, x, w, MOVE_2, speed)
+    if x.housing_state != LOCKED:
+        differentiate_by(d, x, w, MOVE_2, speed)
     if x.output_state != LOCKED:
         differentiate_by(d, x, w, MOVE_3, speed)
     differentiate_by(d, x, w, MOVE_TWIST, torque / d.stiffness)
@@ -120,56 +124,53 @@ def differentiate(d, x, w):
     differentiate_by(d, x, w, MOVE_RELATIVE, slow)
     if x.housing_state == WOUND:
         differentiate_by(d, x, w, MOVE_HOUSING, torque / d.housing_stiffness)
+    elif is_open(x.housing_state) and d.housing_engagement_angle > 0.0:
+        differentiate_by(d, x, w, MOVE_HOUSING, APART)
     if x.output_state == WOUND:
         differentiate_by(d, x, w, MOVE_OUTPUT, torque / d.freewheel_stiffness)
+    elif is_open(x.output_state) and d.output_engagement_angle > 0.0:
+        differentiate_by(d, x, w, MOVE_OUTPUT, APART)
     if d.weight != 0.0:
         differentiate_by(d, x, w, MOVE_THETA, APART)
 
 
-def factorise(d, w, count):
-    """Factors of 1 / (GAMMA h) - J, with row pivots and reciprocal diagonal, into w.matrix and w.pivots."""
+def place_of(w, i):
+    """Place in FOLLOWED of the quantity that moves as number i of this step."""
+    return MOTION[int(w.moves[i])]
+
+
+def invert(w, count):
+    """Inverse of 1 / (GAMMA h) - J into w.matrix, by Gauss and Jordan with row pivots."""
     own = 1.0 / (GAMMA * w.step)
     a = w.matrix
-    for i in range(count):
-        for j in range(count):
-            a[MOVING * i + j] = -w.slopes[j].numbers[MOTION[i]]
-        a[MOVING * i + i] += own
+    for j in range(count):
+        slopes = w.slopes[int(w.moves[j])].numbers
+        for i in range(count):
+            a[MOVING * i + j] = -slopes[place_of(w, i)]
+        a[MOVING * j + j] += own
     for i in range(count):
         pivot = i
         for n in range(i + 1, count):
             if abs(a[MOVING * n + i]) > abs(a[MOVING * pivot + i]):
                 pivot = n
         w.pivots[i] = pivot
-        if pivot != i:
-            for j in range(count):
-                a[MOVING * i + j], a[MOVING * pivot + j] = a[MOVING * pivot + j], a[MOVING * i + j]
-        scale = 1.0 / a[MOVING * i + i]
-        a[MOVING * i + i] = scale
-        for n in range(i + 1, count):
-            factor = scale * a[MOVING * n + i]
-            a[MOVING * n + i] = factor
-            if factor != 0.0:
-                for j in range(i + 1, count):
+        scale = 1.0 / a[MOVING * pivot + i]
+        a[MOVING * pivot + i] = 1.0
+        for j in range(count):
+            scaled = scale * a[MOVING * pivot + j]
+            a[MOVING * pivot + j] = a[MOVING * i + j]
+            a[MOVING * i + j] = scaled
+        for n in range(count):
+            factor = a[MOVING * n + i]
+            if n != i and factor != 0.0:
+                a[MOVING * n + i] = 0.0
+                for j in range(count):
                     a[MOVING * n + j] -= factor * a[MOVING * i + j]
-
-
-def solve(w, count):
-    """Solve for the stage of what moves whose right side is in w.right_side, there."""
-    a, b = w.matrix, w.right_side
-    for i in range(count):
-        pivot = int(w.pivots[i])
-        if pivot != i:
-            b[i], b[pivot] = b[pivot], b[i]
-    for i in range(count):
-        known = b[i]
-        for n in range(i + 1, count):
-            b[n] -= a[MOVING * n + i] * known
     for back in range(count):
         i = count - 1 - back
-        known = a[MOVING * i + i] * b[i]
-        b[i] = known
-        for n in range(i):
-            b[n] -= a[MOVING * n + i] * known
+        pivot = int(w.pivots[i])
+        for n in range(count):
+            a[MOVING * n + i], a[MOVING * n + pivot] = a[MOVING * n + pivot], a[MOVING * n + i]
 
 
 def weigh_motion(d, w, weights, begin, count, factor, sums):
@@ -187,19 +188,22 @@ def solve_stage(d, w, stage, kept, count):
     rates, changes, b = w.rates[kept].numbers, w.stages[stage].numbers, w.right_side
     weigh_motion(d, w, C, (STAGES - 1) * stage, stage, 1.0 / w.step, changes)
     for i in range(count):
-        b[i] = changes[MOTION[i]] + rates[MOTION[i]]
-    solve(w, count)
+        b[i] = changes[place_of(w, i)] + rates[place_of(w, i)]
     for i in range(count):
-        changes[MOTION[i]] = b[i]
+        change = 0.0
+        for j in range(count):
+            change += w.matrix[MOVING * i + j] * b[j]
+        changes[place_of(w, i)] = change
 
 
 def weigh_sums(w, begin, sums, count):
     """Write changes over the step of all but what moves, or their errors, into sums (what moves: in vain)."""
     weigh(w.rates, SUMS, begin, KEPT, w.step, sums, 0, len(sums))
     for i in range(count):
-        slopes, known = w.slopes[i].numbers, SUMS[begin] * w.stages[0].numbers[MOTION[i]]
+        slopes, place = w.slopes[int(w.moves[i])].numbers, place_of(w, i)
+        known = SUMS[begin] * w.stages[0].numbers[place]
         for n in range(1, STAGES):
-            known += SUMS[begin + PARTS + n] * w.stages[n].numbers[MOTION[i]]
+            known += SUMS[begin + PARTS + n] * w.stages[n].numbers[place]
         for which in range(len(sums)):
             sums[which] += w.step * known * slopes[which]
 
@@ -208,8 +212,8 @@ def make_stiff_step(d, x, w, h):
     """All stages of the step h, and the changes of all that is followed; errors of sums are in w.inside."""
     w.step = h
     w.pair = THIRDS
-    count = MOVING if d.weight != 0.0 else how_many_move(d)
-    factorise(d, w, count)
+    count = int(w.moving)
+    invert(w, count)
     solve_stage(d, w, 0, 0, count)
     for stage in range(1, STAGES):
         weigh_motion(d, w, A, (STAGES - 1) * stage, stage, 1.0, w.change.numbers)
@@ -229,6 +233,8 @@ def set_part(d, x, w, sigma):
         inside = DENSE[n] + sigma * (DENSE[STAGES + n] + sigma * DENSE[2 * STAGES + n])
         w.weights[n] = sigma * (whole + (1.0 - sigma) * inside)
     weigh_motion(d, w, w.weights, 0, STAGES, 1.0, w.change.numbers)
+    if x.output_state == LOCKED:
+        w.change.omega3 = w.change.omega2
     prescribe_link1(d, x, w, w.change, sigma * w.step)
 
 

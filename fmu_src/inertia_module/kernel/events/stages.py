@@ -3,6 +3,7 @@
 w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
 """
 
+from ..accumulate import copy
 from ..equations.losses import write_powers_lost
 from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
@@ -140,7 +141,8 @@ def stages_of(d, x, w, first, last, lossy):
         m.omega2 = x.omega2 + h * omega2
         m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
         if lossy and d.weight != 0.0:
-            m.theta1 = x.theta1 + h * weighed_rate(w, row, n, THETA1)
+            mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
+            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1))
         if d.elastic != 0.0:
             m.twist = x.twist + h * weighed_rate(w, row, n, TWIST)
             m.relative = x.relative + h * weighed_rate(w, row, n, RELATIVE)
@@ -198,15 +200,10 @@ def solve_changed(d, x, w, changes):
     solve_motion(d, x, w)
 
 
-def evaluate_inside(d, x, w, changes, sigma, fewest):
-    """Evaluate the equations at the part sigma of the step in hand, its inside known, into d.machine.
-
-    Args:
-        changes: of what is followed up to there, written. fewest: see set_changes.
-    """
+def write_changes_inside(d, x, w, changes, sigma, fewest):
+    """Write the changes up to the part sigma of the step in hand, its inside known (see set_changes)."""
     write_inside_weights(sigma, w.weights)
     set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
-    solve_changed(d, x, w, changes)
 
 
 def exact_guard(d, x, w, which, sigma):
@@ -216,12 +213,24 @@ def exact_guard(d, x, w, which, sigma):
     if sigma == 1.0:
         value = values[END]
     elif sigma > 0.0:
-        evaluate_inside(d, x, w, w.inside, sigma, MOVING)
+        write_changes_inside(d, x, w, w.inside, sigma, MOVING)
+        solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
     return value - min(values[0], 0.0)
 
 
 def cut_step(d, x, w, sigma):
-    """Make the step in hand, its inside known, one of its part sigma."""
-    evaluate_inside(d, x, w, w.change, sigma, FEWEST)
+    """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
+    write_changes_inside(d, x, w, w.change, sigma, FEWEST)
     w.step *= sigma
+    if d.losses == 0.0:
+        solve_changed(d, x, w, w.change)
+
+
+def keep_end(d, x, w):
+    """Keep the rates at the end of the step in hand as those of stage 0."""
+    end = last_stage(int(w.pair))
+    copy(w.rates[0].numbers, w.rates[end].numbers)
+    for which in range(how_many_guards(d)):
+        w.watched[which].value[0] = w.watched[which].value[end]
+        w.watched[which].rate[0] = w.watched[which].rate[end]

@@ -3,6 +3,7 @@
 import math
 
 from ..codes import HELD
+from ..equations.states import is_wound
 from ..links import fastest_own_rate, shaft_frequency
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
@@ -22,9 +23,12 @@ STIFF, STIFF_SHARE = 4.0, 0.8
 # a swing of at most so many tolerances of the output's speed is let go of, by a stiff step of this phase,
 # where stiff ones may then grow to so much
 LET_GO, LET_GO_PHASE, WORTH = 5.0, 8.0, 100.0
-# steps are often as long as is stable, and a little longer are tried in vain
+# steps are often as long as is stable, and a little longer are tried in vain ...
 SAFETY = 0.8
 SHORT_SAFETY = 0.9
+# ... but not those that follow a swing of the shaft, by a phase between these: longer still they would soon
+# be stiff ones, and tried in vain
+SWUNG, NEARLY_STIFF = 1.0, 3.0
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 5.0
 # tries of a step before it is given up
@@ -135,7 +139,8 @@ def try_steps(d, x, w, limit):
         h = LET_GO_PHASE / own
     differentiated = False
     for attempt in range(REJECTIONS):
-        order, safety = 8.0, SAFETY
+        swings = SWUNG < h * own < NEARLY_STIFF and not is_wound(x)
+        order, safety = 8.0, SHORT_SAFETY if swings else SAFETY
         if h * own > STIFF:
             order, safety = 5.0, SHORT_SAFETY
             if not differentiated:
