@@ -51,7 +51,6 @@ OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 STATE = (
     *MOTION,
     *SUMS,
-    *PLAY,
     *("q_low", "drive_turns", "theta1_low", "input_turns"),
     *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
@@ -79,6 +78,7 @@ STATE = (
     # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
     # the accelerations and torques of this instant are kept (without losses)
     *("torques_continue", "prescribed", "load_prescribed", "rates_cached"),
+    *PLAY,
     ("now", NOW),
 )
 
@@ -102,10 +102,10 @@ SIDE = ("direction", "count", "end", "locks", "start", "thrown", "slow", ("knots
 # rest
 MACHINE = (
     *MOTION,
-    *PLAY,
     *("weight1", "weight_q", ("lost", CAUSES), "journals", "spun", "torque", "flow_sign", "margin"),
     # signs of the loads of all satellites, as one number, and by these what each adds to spun
     *("spin_signs", ("spun_by", SATELLITES)),
+    *PLAY,
     *NOW,
 )
 
