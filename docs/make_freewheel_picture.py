@@ -1,0 +1,117 @@
+"""Writes docs/freewheels.csv, draws docs/freewheels.png: what engagement angles of freewheels cost."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
+from inertia_module.memory import Module
+
+HERE = Path(__file__).parent
+PICTURE, TABLE = HERE / "freewheels.png", HERE / "freewheels.csv"
+DEGREES = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
+RATIOS = (0.2, 0.5, 0.8)
+COLOURS = (BLUE, GREEN, VERMILION)
+ANGLES = ("housing_engagement_angle", "output_engagement_angle")
+# next to it a pulse hardly changes the speed of the shaft, kg m^2
+HELD = 1e6
+# scene R1, the same with three satellites of a third of the mass each, and the planar module
+MECHANISMS = {
+    "R1": {},
+    "R1, three satellites": {"satellites": 3, "imbalance_mass": 1.0 / 3.0},
+    "planar": {"layout": "planar", "satellites": 3, "imbalance_mass": 0.8, "link2_inertia": 0.003},
+    "R1, springs": {
+        **{"fidelity": "elastic", "driven_inertia": HELD, "shaft_stiffness": 1e6, "shaft_damping": 20.0},
+        **{"housing_stiffness": 2e4, "housing_damping": 2.0},
+        **{"freewheel_stiffness": 2e4, "freewheel_damping": 2.0},
+    },
+}
+STYLES = {"R1": "-", "planar": "--", "R1, springs": ":"}
+# the speed matters to springs alone: without them torques and losses go with its square
+SPEED = 100.0
+# revolutions of link 1 to settle, to look at
+SETTLED, TURNS = 100, 600
+# largest indexing frequencies of sprag clutches, Hz: tension springs, meander springs
+LIMITS = {"tension springs": 10.0, "meander springs": 60.0}
+COLUMNS = (
+    *("mechanism", "ratio", "angle [deg]", "output torque [N.m]", "power lost [W]", "efficiency [1]"),
+    *("engagements of the housing freewheel a turn [1]", "engagements of the output freewheel a turn [1]"),
+)
+
+
+def measured(ratio, **parameters):
+    """Mean output torque, N m, power lost, W, engagements of both freewheels a turn of link 1."""
+    module = Module().start(
+        omega1=SPEED, load_torque=0.0, omega_out_start=ratio * SPEED, output_inertia=HELD, **parameters
+    )
+    turn = 2.0 * math.pi / SPEED
+    module.advance(SETTLED * turn)
+    counts = ("energy_lost", "housing_engagements", "output_engagements")
+    before = np.array(module.read(counts))
+    torque = 0.0
+    for _ in range(TURNS):
+        module.advance(turn)
+        torque += module["output_torque_mean"] / TURNS
+    lost, housing, output = (np.array(module.read(counts)) - before) / TURNS
+    return torque, lost / turn, housing, output
+
+
+def rows():
+    """Rows of COLUMNS; the efficiency is empty where no torque is passed."""
+    for name, mechanism in MECHANISMS.items():
+        for ratio in RATIOS:
+            for degrees in DEGREES:
+                angles = dict.fromkeys(ANGLES, math.radians(degrees))
+                torque, lost, housing, output = measured(ratio, **mechanism, **angles)
+                out = torque * ratio * SPEED
+                efficiency = out / (out + lost) if out > 0.0 else ""
+                yield name, ratio, degrees, torque, lost, efficiency, housing, output
+
+
+def read():
+    """The committed table: {(mechanism, ratio): columns from the angle on, shape (n, 6), nan where empty}."""
+    found = {}
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        _, *lines = csv.reader(file)
+    for name, ratio, *cells in lines:
+        found.setdefault((name, float(ratio)), []).append([float(cell or "nan") for cell in cells])
+    return {key: np.array(part) for key, part in found.items()}
+
+
+def draw(table):
+    """Efficiency and output torque over the engagement angle, engagements a second over the speed."""
+    figure = Figure(figsize=(11.0, 3.8), layout="constrained")
+    efficiency, torque, frequency = figure.subplots(1, 3)
+    for (name, ratio), columns in table.items():
+        if name not in STYLES:
+            continue
+        look = {"color": COLOURS[RATIOS.index(ratio)], "linestyle": STYLES[name]}
+        degrees = columns[:, 0]
+        efficiency.plot(degrees, 100.0 * columns[:, 3], **look, label=f"{name}, {ratio:g}")
+        torque.plot(degrees, columns[:, 1] / columns[0, 1], **look)
+    rpm = np.array([0.0, 3000.0])
+    for name in ("R1", "planar"):
+        for ratio in RATIOS:
+            turn = table[name, ratio][DEGREES.index(1.0), 4:].max()
+            look = {"color": COLOURS[RATIOS.index(ratio)], "linestyle": STYLES[name]}
+            frequency.plot(rpm, turn * rpm / 60.0, **look)
+    for name, limit in LIMITS.items():
+        frequency.axhline(limit, color=BLACK, linewidth=0.8)
+        frequency.text(3000.0, limit, name, ha="right", va="bottom", fontsize=8)
+    efficiency.set(xlabel="engagement angle [deg]", ylabel="efficiency [%]")
+    torque.set(xlabel="engagement angle [deg]", ylabel="output torque over that at 0", ylim=(0.0, 1.8))
+    frequency.set(xlabel="input speed [rpm]", ylabel="engagements a second at 1 deg [Hz]", ylim=(0.0, 90.0))
+    efficiency.legend(fontsize=7, title="ratio of the speeds", title_fontsize=7)
+    figure.savefig(PICTURE, dpi=110)
+
+
+if __name__ == "__main__":
+    with TABLE.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for row in rows():
+            writer.writerow(f"{cell:.4g}" if isinstance(cell, float) else cell for cell in row)
+    draw(read())
