@@ -143,7 +143,7 @@ IDEAL_CASES, GENERAL_CASES = (
 )
 
 
-def assert_same_motion(kernel, values, parts=(0.01, 0.05)):
+def assert_same_motion(kernel, values, parts=(0.01, 0.03)):
     """Angles, speeds, energies, torques and means at these times, or under (time, load)."""
     found, exact = started(kernel, values, tolerance=1e-12), reference(values)
     accuracy = 1e-8 if "housing_damping" in values else 1e-9
