@@ -161,8 +161,8 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
     before = set(tmp_path.iterdir())
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
     code = "from inertia_module.memory import DrivenShaft; DrivenShaft('compiled').load_kernel()"
-    running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(3)]
-    assert [process.wait() for process in running] == [0, 0, 0]
+    running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(2)]
+    assert [process.wait() for process in running] == [0, 0]
     assert len(set(tmp_path.iterdir()) - before) == 1
 
 

@@ -1,5 +1,6 @@
 """Orders: of signals that are known, of modules whose lines follow from their geometry, what is refused."""
 
+import functools
 import json
 import math
 import sys
@@ -53,6 +54,7 @@ def by_order(lines):
 # --- signals that are known ---
 
 
+@functools.cache
 def known(highest=None, turns=None, names=("x",)):
     """A run-up from 20 to 200 rad/s with two lines, a mean and a trend."""
     time = np.arange(0.0, 10.0, 2e-4)
@@ -84,7 +86,7 @@ def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
 
 
 def test_a_waterfall_tells_the_speed_of_each_window_whatever_the_signals_are(tmp_path):
-    found = known(names=("x", "input_speed"))
+    found = known(highest=8.0, names=("x", "input_speed"))
     rows, units = read_columns(found.write(tmp_path)["waterfall"])
     assert sorted(set(rows["speed"])) == found.speed.tolist()
     assert max(rows["input_speed"]) < 20.0  # an amplitude
@@ -226,16 +228,15 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
     scene = held(1.0, **PLANAR)
     swing = {"input_torque", "output_torque", "satellite_force_y", "satellite_force_z"}
     assert set(jobs.orders(scene, fmu).amplitude) == swing
-    for names in (["input_torque", "shaking_force_x", "omega1"], ["omega1"]):
+    for in_hz, names in ((True, ["input_torque", "shaking_force_x", "omega1"]), (False, ["omega1"])):
         found = jobs.orders(scene, fmu, signals=names)
         assert list(found.amplitude) == names
         assert found.largest()["omega1"] == []
-        for in_hz in (False, True):
-            figure = order_figure(found, "title", in_hz)
-            figure.savefig(tmp_path / "orders.png")
-            drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
-            assert len(drawn) == 2 * len(names)
-            assert drawn[-1].get_xlabel() == ("frequency [Hz]" if in_hz else "order, cycles a turn of link 1")
+        figure = order_figure(found, "title", in_hz)
+        figure.savefig(tmp_path / "orders.png")
+        drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+        assert len(drawn) == 2 * len(names)
+        assert drawn[-1].get_xlabel() == ("frequency [Hz]" if in_hz else "order, cycles a turn of link 1")
         assert read_columns(found.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * found.order.size
 
 
