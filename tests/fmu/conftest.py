@@ -36,11 +36,6 @@ LEVELS = {
 LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
 
 
-def sentence(variable, value):
-    """The whole refusal of a value, from the table of variables."""
-    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
-
-
 def pytest_generate_tests(metafunc):
     if "fmu_path" in metafunc.fixturenames:
         of_both = "model" in metafunc.fixturenames

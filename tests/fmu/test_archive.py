@@ -22,11 +22,12 @@ from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling.load import SHIPPED
 from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmu import builder, native_fmu, python_fmu
-from inertia_module.fmu.archive import DESCRIPTION, archive
+from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.native_fmu import guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.packed import content_of, with_content, with_words
 from tests.ready import HERE
 from tests.system.programs import command, process
 
@@ -41,11 +42,6 @@ PAPERS = {
     3: DOCUMENTATION | {"modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"} | ICONS,
 }
 LARGEST = 1_200_000
-
-
-def content_of(path):
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
 
 
 def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
@@ -260,17 +256,9 @@ def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, m
         assert sorted(tmp_path.iterdir()) == sorted(paths)
 
 
-def repacked(change):
-    """Change of a file: an FMU packed anew, with what another change makes of its content by name."""
-    return lambda path: path.write_bytes(archive(change(content_of(path))))
-
-
 def without(name):
-    return repacked(lambda content: {other: content[other] for other in content if other != name})
-
-
-def of_another_guid(content):
-    return content | {DESCRIPTION: content[DESCRIPTION].replace(b'guid="{', b'guid="{0')}
+    """Change of an FMU: it loses a file."""
+    return lambda path: with_content(path, {n: data for n, data in content_of(path).items() if n != name})
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
@@ -284,7 +272,7 @@ def test_fmu_just_built_is_current_whatever_the_date_and_nothing_is_packed_to_fi
 
 
 CHANGES = {
-    "another build": repacked(of_another_guid),
+    "another build": lambda path: with_words(path, path, DESCRIPTION, b'guid="{', b'guid="{0'),
     "no description": without(DESCRIPTION),
     "a platform less": without("binaries/linux64/InertiaModule.so"),
     "cut short": lambda path: path.write_bytes(path.read_bytes()[:1000]),

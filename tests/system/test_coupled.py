@@ -9,6 +9,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.loops import (
@@ -343,8 +344,7 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu, nam
             for n in range(40):
                 if n == 21 and load != 8.0:
                     coupled.set(load_torque=load)
-                    with pytest.raises(FmuError, match="load_torque"):
-                        coupled.advance(step)
+                    assert_refused("load_torque", coupled.advance, step)
                     coupled.set(load_torque=8.0)
                 coupled.advance(step)
             ends.append((coupled.engine.state, *coupled.read(("omega_out", "energy_in"))))
@@ -358,6 +358,5 @@ def test_an_implicit_step_refused_half_way_is_taken_back(fmu, monkeypatch):
         names = ("omega_out", "energy_in", "input_angle")
         before = coupled.fmu.time, coupled.engine.state, coupled.read(names)
         monkeypatch.setattr(coupled.fmu, "jacobian", Mock(side_effect=FmuError("no derivative")))
-        with pytest.raises(FmuError, match="no derivative"):
-            coupled.advance(1e-3)
+        assert_refused("no derivative", coupled.advance, 1e-3)
         assert (coupled.fmu.time, coupled.engine.state, coupled.read(names)) == before

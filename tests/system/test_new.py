@@ -9,16 +9,16 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
+from refused import assert_refused
 
 from inertia_module import __version__
-from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
 from inertia_module.compiling import CompilationUnavailable, load
 from inertia_module.contract.models import MODELS
 from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
-from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene import load_scene
 from tests.system.programs import command, left, process
 
 ROOT = Path(__file__).parents[2]
@@ -83,8 +83,7 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
     parts = {"speed_control_report.py", "fit_rig_data.py"}
     assert sorted(path for path in files if path.name not in parts) == sorted(examples().values())
     assert example("planar.py").suffix == ".py"
-    with pytest.raises(Refused, match=r"is plenary \(did you mean planar\?\)"):
-        example("plenary")
+    assert_refused(r"is plenary \(did you mean planar\?\)", example, "plenary")
 
 
 def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
@@ -103,8 +102,7 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
             r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
         ),
     ):
-        with pytest.raises(SceneError, match=sentence):
-            load_scene(example("planar"), [given])
+        assert_refused(sentence, load_scene, example("planar"), [given])
     options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
     summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)

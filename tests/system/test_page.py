@@ -560,7 +560,7 @@ def test_run_leaves_the_page_beside_its_table(fmu, tmp_path):
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
 
 
-def test_page_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
+def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
     (tmp_path / "folder.html").mkdir()
     (tmp_path / "file").write_text("a file")
@@ -572,6 +572,8 @@ def test_page_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path,
         (TEMPLATE, ("view", ENGINE), "folder.html", "the page must be a file, is the folder "),
         (TEMPLATE, ("view", ENGINE), "page.txt", "the page must be a file with the ending .html, is "),
         (TEMPLATE, ("view", ENGINE), "file/page.html", "file must be a folder that can be written to"),
+        (TEMPLATE, ("report", ENGINE), "report.pdf", "the report must be a file with the ending .html, is "),
+        (TEMPLATE, ("report", ENGINE), "file/report.html", "file must be a folder that can be written to"),
         (missing, ("view", REFERENCE), "page.html", told),
         (missing, ("run", REFERENCE, "--view"), "page.html", told),
     ):

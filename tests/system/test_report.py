@@ -14,7 +14,7 @@ from inertia_module.kernel import layout
 from inertia_module.memory import Module
 from inertia_module.scene import Scene, load_any_scene, run_scene, run_shaft_scene
 from tests.system.chromium import FONTS, REFERENCE, set_font
-from tests.system.programs import command, left
+from tests.system.programs import left
 
 EXAMPLES = REFERENCE.parent
 SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
@@ -171,16 +171,6 @@ def test_duty_counts_what_the_run_counts(reported):
     # each engages once a pulse, which is four changes; the shortest of them fall between the points
     for row in (housing, output):
         assert float(row[1]) == pytest.approx(125 / 4, abs=3.0)
-
-
-def test_report_that_cannot_be_written_costs_no_run(tmp_path, monkeypatch):
-    monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
-    (tmp_path / "file").write_text("a file")
-    for place, words in (("report.pdf", "with the ending .html"), ("file/report.html", "can be written to")):
-        done = command("report", REFERENCE, "-o", tmp_path / place)
-        assert done.exit_code == 1
-        assert words in done.stderr
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path):

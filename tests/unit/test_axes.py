@@ -4,6 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
@@ -78,10 +79,8 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     axes = axes_of(["imbalance_mass=1:2"], scene)
-    with pytest.raises(Refused, match="number of points for a grid"):
-        grid(axes)
-    with pytest.raises(Refused, match="must be latin:COUNT or sobol:COUNT"):
-        shares_sampled(1, "random:10", 0)
+    assert_refused("number of points for a grid", grid, axes)
+    assert_refused("must be latin:COUNT or sobol:COUNT", shares_sampled, 1, "random:10", 0)
     with pytest.raises(Refused, match="at most 10000000 points"):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
 
@@ -170,8 +169,7 @@ FREE = [
     "read, keys, words", [(axes_of, *one) for one in VARIED] + [(free_keys, *one) for one in FREE]
 )
 def test_keys_that_cannot_be_varied_or_free_are_one_sentence(scene, read, keys, words):
-    with pytest.raises(Refused, match=words):
-        read(keys.split(", ") if keys else [], scene)
+    assert_refused(words, read, keys.split(", ") if keys else [], scene)
 
 
 # --- columns ---
@@ -222,5 +220,4 @@ def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
     ],
 )
 def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
-    with pytest.raises(Refused, match=words):
-        measurement(table(**columns), scene)
+    assert_refused(words, measurement, table(**columns), scene)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME, COMPUTED
@@ -25,7 +26,7 @@ from inertia_module.fidelity.trials import (
     with_worst,
 )
 from inertia_module.harness.simulate import Result
-from inertia_module.scene import SceneError, load_scene, run_scene
+from inertia_module.scene import load_scene, run_scene
 
 SCENE = load_scene(example("reference")).replaced(
     mechanism={"fidelity": "auto"},
@@ -60,13 +61,11 @@ def test_another_fidelity_can_be_asked_for():
     auto = rigid.with_fidelity("auto", 0.05)
     assert auto.chooses_fidelity
     assert auto.accuracy.error == 0.05
-    with pytest.raises(SceneError, match=r"mechanism\.fidelity must be .*, is 'ideal'"):
-        rigid.with_fidelity("ideal")
+    assert_refused(r"mechanism\.fidelity must be .*, is 'ideal'", rigid.with_fidelity, "ideal")
 
 
 def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
-    with pytest.raises(SceneError, match="must be chosen first"):
-        run_scene(SCENE, tmp_path / "none.fmu")
+    assert_refused("must be chosen first", run_scene, SCENE, tmp_path / "none.fmu")
 
 
 # --- the levels of fidelity ---

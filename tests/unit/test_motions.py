@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from refused import assert_refused
 from scenes import (
     ACCOUNTS,
     DRIVEN,
@@ -21,7 +22,7 @@ from scenes import (
 from inertia_module.compiling.ir import llvm_text
 from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.kernel import codes
-from inertia_module.memory import DrivenShaft, Module, Refused
+from inertia_module.memory import DrivenShaft, Module
 
 EVENTS = ("rigid", "elastic")
 STEPS = [0.01] * 5 + [1e-3] * 20 + [0.05] * 5
@@ -143,8 +144,7 @@ def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
         "zeros": bytes(len(saved)),
     }
     for name, state in damaged.items():
-        with pytest.raises(Refused, match="the state must be one saved by this build, "):
-            module.restore(state)
+        assert_refused("the state must be one saved by this build, ", module.restore, state)
         assert module.save() == saved, name
 
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import assert_refused
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.figures.scenes import scene_figure
-from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
+from inertia_module.scene import load_any_scene, load_scene, run_scene, run_shaft_scene
 from studies.papers.karetin import Geometry, dynamic_mode, exact
 from studies.papers.lysenko import EXAMPLE
 from studies.papers.lysenko import exact as lysenko_at
@@ -103,13 +104,11 @@ def test_hub_by_table_with_a_load(built):
     ],
 )
 def test_one_line_says_what_is_wrong(key, value, line):
-    with pytest.raises(SceneError, match=f"^{SHAFT.name}: {line}"):
-        load_any_scene(SHAFT, {key: value})
+    assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 
 
 def test_a_scene_of_a_shaft_is_none_of_the_module():
-    with pytest.raises(SceneError, match=r"there is no such key .there are title"):
-        load_scene(SHAFT)
+    assert_refused(r"there is no such key .there are title", load_scene, SHAFT)
     done = CliRunner().invoke(app, ["run", str(SHAFT), "--fidelity", "rigid"])
     assert done.exit_code == 1
     assert "--fidelity, --error and --view must come with a scene of the module" in done.output

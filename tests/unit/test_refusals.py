@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from refused import refusal, sentence
 from scenes import ENGINE, advanced, started
 
 from inertia_module.contract.variables import (
@@ -17,7 +18,7 @@ from inertia_module.contract.variables import (
     REAL,
     with_causality,
 )
-from inertia_module.memory import NO_STATE, DrivenShaft, Module, Refused
+from inertia_module.memory import NO_STATE, DrivenShaft, Module
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
@@ -33,20 +34,6 @@ def bad_values(variable):
         yield from (variable.minimum - 1, math.nextafter(variable.minimum, -math.inf))
     if variable.maximum is not None:
         yield from (variable.maximum + 1, math.nextafter(variable.maximum, math.inf), 1e300)
-
-
-def sentence(variable, value):
-    """The whole refusal of a value, from the table of variables."""
-    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
-
-
-def refusal(action, *arguments, **values):
-    """What an action is refused with; "" where it is not."""
-    try:
-        action(*arguments, **values)
-    except Refused as error:
-        return str(error)
-    return ""
 
 
 @pytest.mark.parametrize("instance_type", [Module, DrivenShaft])

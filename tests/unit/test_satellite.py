@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 from inertia_module.common.examples import example
 from inertia_module.memory import Module
-from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene import load_scene
 from inertia_module.scene.reading import scene_text
 
 SIZES = {
@@ -152,5 +153,4 @@ def test_parameters_that_follow_are_ordinary_ones_and_written_as_sizes(tmp_path)
     ],
 )
 def test_what_contradicts_a_body_is_refused_in_a_sentence(key, value, sentence):
-    with pytest.raises(SceneError, match=sentence):
-        of_sizes(PLANAR).with_keys({f"mechanism.{key}": value})
+    assert_refused(sentence, of_sizes(PLANAR).with_keys, {f"mechanism.{key}": value})

@@ -1,0 +1,27 @@
+"""Refusals: what the table of variables says of a value, and what an action says that is refused."""
+
+import re
+
+from inertia_module.common.errors import Refused
+
+
+def sentence(variable, value):
+    """The whole refusal of a value, from the table of variables."""
+    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
+
+
+def refusal(action, *arguments, **values):
+    """The line that an action is refused with; "" where it is not."""
+    said = ""
+    try:
+        action(*arguments, **values)
+    except Refused as error:
+        said = str(error)
+    assert "\n" not in said
+    return said
+
+
+def assert_refused(words, action, *arguments, **values):
+    """That an action is refused in a line with these words, a regular expression."""
+    said = refusal(action, *arguments, **values)
+    assert re.search(words, said), said
