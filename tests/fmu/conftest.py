@@ -140,7 +140,7 @@ class Instance:
         self.fmu.doStep(self.time, h)
 
     def is_discarded(self, h):
-        """Whether the step is answered by fmi2Discard."""
+        """Try a step; True if it is answered by fmi2Discard."""
         try:
             self.try_step(h)
         except FMICallException as error:

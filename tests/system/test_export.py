@@ -205,7 +205,7 @@ TOOLBOX = "fmu_manipulation_toolbox"
 
 
 def tool(name, *arguments, folder):
-    """What one of the tools says."""
+    """Run one of the tools; its output."""
     done = process("-m", f"{TOOLBOX}.cli.{name}", *arguments, folder=folder)
     return done.stdout + done.stderr
 

@@ -335,14 +335,14 @@ STEP, STEPS = 1e-3, 200
 
 
 def options(values):
-    """What simulate takes, from parameters and inputs in one."""
+    """Options of simulate, from parameters and inputs in one table."""
     parameters = {name: float(value) for name, value in values.items() if name not in INPUTS}
     inputs = {name: values[name] for name in INPUTS if name in values}
     return {"parameters": parameters, "inputs": inputs, "step": STEP, "steps": STEPS, "outputs": READ}
 
 
 def native(built, given, over_time=lambda time: {}):
-    """The same run in the native FMU, with inputs and their rates over time: rows of READ."""
+    """Run the native FMU so, with inputs and their rates over time: columns of READ."""
     start = {name: value for name, (value, _) in over_time(0.0).items()}
     with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"] | start) as fmu:
         rows = [fmu.read(READ)]
@@ -502,7 +502,7 @@ def check_page(page):
 
 
 def table_of(scene, fmu, folder):
-    """What a scene is run to."""
+    """Run a scene by the command; its table."""
     left("run", scene, "-o", folder, "--fmu", fmu)
     return Result.from_csv(folder / "table.csv")
 

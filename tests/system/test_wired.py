@@ -116,7 +116,7 @@ def elastic(built):
 
 
 def stepped(nodes, way, step, steps, look):
-    """What `look` finds in the two FMUs after each step, and the FMUs' own energies over the seam."""
+    """Results of `look` at the two FMUs after each step, and the energies they passed each other."""
     found = []
     with WiredFmus(nodes, (SPEED, TORQUE), step, JACOBI if way == WITH_DERIVATIVES else way) as system:
         both = system.fmus["module"], system.fmus["shaft"]

@@ -1,4 +1,4 @@
-"""What jobs are given: ranges and lists of keys, free keys, measured columns; what is refused."""
+"""Ranges and lists of keys, free keys and measured columns of jobs; their refusals."""
 
 from collections import Counter
 

@@ -101,7 +101,7 @@ def table_of(parameters, omega1, kernel):
 
 
 def block(table, omega1, speed_ratio):
-    """What a lookup block makes of a table: input and output torque."""
+    """Input and output torque of a lookup block with this table."""
     k = np.interp(speed_ratio, table.speed_ratio, table.capacity_factor)
     taken = (omega1 / k) ** 2
     return taken, np.interp(speed_ratio, table.speed_ratio, table.torque_ratio) * taken

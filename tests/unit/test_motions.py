@@ -1,4 +1,4 @@
-"""What holds of every motion: each invariant over one table of scenes (scenes.motions)."""
+"""Invariants of motion, each over one table of scenes (scenes.motions)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What is imported from the package itself: there, typed, documented argument by argument."""
+"""Public names of the package: there, typed, documented argument by argument."""
 
 import ast
 import inspect

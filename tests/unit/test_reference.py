@@ -247,7 +247,7 @@ def test_accounts_are_held_to_the_tolerance_whatever_the_steps(compiled, name):
 
 
 def test_links_part_at_the_same_instant_at_any_tolerance(compiled):
-    """What is left of their friction has a kink a moment before; 1e-5 s later the slip shows when it was."""
+    """Their friction has a kink a moment before; 1e-5 s later the slip shows when they parted."""
     values = {**SCENES["planar"], "fidelity": 3, "mesh_efficiency": 0.1}
     exact, time = reference(values), 0.4084517
     exact.advance(time)

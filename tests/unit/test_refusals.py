@@ -24,7 +24,7 @@ NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
 
 def bad_values(variable):
-    """What lies just outside the range of a variable, and what is no number at all."""
+    """Values just outside the range of a variable, and those that are no numbers."""
     yield from NO_NUMBERS
     if variable.kind in (INTEGER, ENUMERATION, BOOLEAN):
         yield from (0.5, 1.5, -1)
