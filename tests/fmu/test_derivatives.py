@@ -190,10 +190,7 @@ def test_absurd_rates_are_discarded(instance, name, rate):
         (lambda i: i.directional(("omega2",), ("omega2",), (1.0,)), "must be that of an input, is "),
         # a known at the start alone
         (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "must be that of an input, is "),
-        (
-            lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),
-            "a direction must be finite, is nan",
-        ),
+        (lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)), "direction must be finite, is nan"),
         (lambda i: i.rates("omega2", order=2), "order of a derivative of omega2 must be 1, is 2"),
         (lambda i: i.rates("energy_in"), "must be that of an output, is "),
         (lambda i: i.set_rates(omega2=1.0), "must be that of an input, is "),

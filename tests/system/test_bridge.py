@@ -222,10 +222,7 @@ NO_SYSTEM = [
     ({"parameters": {"input_hold": "linear"}}, "'motion' input_hold must be constant, is linear"),
     ({"outputs": ["energy_in"]}, "energy_in state must be 'whole', is 'motion': it is a sum since"),
     ({"outputs": ["imbalance_acceleration_y"]}, "depends on the angle of link 1"),
-    (
-        {"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]},
-        "depends on the angle of the drive",
-    ),
+    ({"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]}, "angle of the drive"),
     ({"outputs": ["omega5"]}, "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
     ({"inputs": ["omega2"]}, r"input omega2 must be one of the FMU .did you mean"),
     ({"parameters": BY_TORQUE}, "with drive = torque an input must be drive_torque, is omega1"),

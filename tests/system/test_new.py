@@ -97,10 +97,7 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     )
     for given, sentence in (
         ("imbalance_mass", r"what is set must be given as KEY=VALUE, is 'imbalance_mass'"),
-        (
-            "imbalance_mas=1",
-            r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
-        ),
+        ("imbalance_mas=1", r"planar.toml: mechanism.imbalance_mas = 1: .*did you mean imbalance_mass"),
     ):
         assert_refused(sentence, load_scene, example("planar"), [given])
     options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")

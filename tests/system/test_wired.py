@@ -79,14 +79,8 @@ def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         system.set("shaft", load_torque=3.0)
         for refused, words in (
-            (
-                lambda: system.set("module", load_torque=3.0),
-                r"module\.load_torque must be an input that no wire drives: shaft",
-            ),
-            (
-                lambda: system.set("engine", omega1=1.0),
-                "engine must be an FMU of the system .there are module, shaft",
-            ),
+            (lambda: system.set("module", load_torque=3.0), r"module\.load_torque must be .* no wire drives"),
+            (lambda: system.set("engine", omega1=1.0), "engine must be an FMU of .*there are module, shaft"),
             (lambda: system.run(0.01, [("engine", "omega1")]), "engine must be an FMU"),
             (lambda: system.run(0.0105, ENDS), "whole number of steps of 0.001 s after 0 s, is 0.0105 s"),
             (lambda: system.run(-1.0, ENDS), "is -1 s"),

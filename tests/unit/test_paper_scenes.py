@@ -94,11 +94,7 @@ def test_hub_by_table_with_a_load(built):
         ("drive", TABLE, "with shaft.nu drive.kind must be 'stepping', is 'table'"),
         ("shaft.nu", 0, "shaft.nu must be a number above 0, is 0"),
         ("shaft.imbalance_mass", 1, "shaft.imbalance_mass = 1: there is no such key"),
-        (
-            "shaft",
-            {"shaft_stiffness": -1},
-            "shaft.shaft_stiffness must be between 1e-06 and 10{15} .*, is -1",
-        ),
+        ("shaft", {"shaft_stiffness": -1}, "shaft.shaft_stiffness must be between 1e-06 .*, is -1"),
         ("drive", {"kind": "ramp"}, "drive.kind must be one of 'stepping', 'table', is 'ramp'"),
         ("run.outputs", ["omega2"], "run.outputs .*, has 'omega2' .did you mean omega_out"),
     ],

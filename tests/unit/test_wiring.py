@@ -62,15 +62,9 @@ BAD = [
     ({"wires": [SPEED]}, f"module.load_torque {NOTHING}"),
     ({"given": {"shaft": ["load_torque"]}}, f"module.omega1 {NOTHING}"),
     ({"wires": [*BOTH, SPEED]}, "shaft.hub_speed must be driven by one of them, is driven by"),
-    (
-        {"wires": [*BOTH, TORQUE._replace(input="drive_torque")]},
-        "the input must be omega1, drive_torque has no effect",
-    ),
+    ({"wires": [*BOTH, TORQUE._replace(input="drive_torque")]}, "drive_torque has no effect"),
     ({"wires": [SPEED, TORQUE._replace(source="axle")]}, "axle must be an FMU of the system (there"),
-    (
-        {"wires": [SPEED._replace(output="omega_3"), TORQUE]},
-        "omega_3 must be an output of module (did you mean omega2?)",
-    ),
+    ({"wires": [SPEED._replace(output="omega_3"), TORQUE]}, "omega_3 must be an output of module (did you"),
     ({"wires": [SPEED._replace(input="omega1"), TORQUE]}, "omega1 must be an input of shaft (there"),
     ({"wires": [SPEED._replace(output="omega1"), TORQUE]}, "omega1 must be an output of module ("),
     ({"given": {**GIVEN, "shaft": ["torque"]}}, "torque must be an input of shaft ("),
