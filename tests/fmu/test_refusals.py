@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
-from refused import assert_refused, sentence
+from refused import COMBINATIONS, assert_refused, sentence
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -45,19 +45,6 @@ CALLS = {
     "setting balancer": ("before terminate", set(PHASES[:3])),
     "setting link2_inertia": ("before the end of initialization", set(PHASES[:2])),
 }
-# parameters that do not go together
-TOGETHER = [
-    {"link2_inertia": 0.0},
-    {"link2_inertia": 0.0, "a": 0.7, "b": 0.7},
-    {"link2_inertia": 0.0, "imbalance_mass": 0.0},
-    {"layout": 1, "link2_inertia": 0.0, "eccentricity": 0.0},
-    {"omega2_start": -1.0},
-    {"omega2_start": 2.0, "omega_out_start": 1.0},
-    {"output_freewheel": False, "omega_out_start": 1.0},
-    {"drive": 1},
-    {"drive": 1, "fidelity": 0, "input_inertia": 1.0},
-    {"fidelity": 1, "housing_freewheel": False},
-]
 
 
 def in_phase(instance, phase):
@@ -156,7 +143,7 @@ def test_all_that_cannot_be_at_the_start_is_named_at_once(fmu_path, given, said)
 
 
 def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_model(instance):
-    for parameters in TOGETHER:
+    for parameters, _ in COMBINATIONS:
         with pytest.raises(Refused) as caught:
             Module("plain").start(**parameters)
         said = instance.refusal(lambda values=parameters: instance.start(**values))

@@ -29,22 +29,19 @@ def test_public_name_is_what_it_says_and_no_module_beside_it_is_taken_by_type_ch
     assert not (folder / f"{name}.py").exists()
 
 
-def test_stub_for_type_checkers_names_the_same():
+def test_stub_for_type_checkers_names_the_same_and_an_unknown_name_is_an_attribute_error():
     stub = ast.parse(Path(inertia_module.__file__).with_suffix(".pyi").read_text())
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     found = {alias.name: node.module for node in imports for alias in node.names}
     assert found == PUBLIC
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        _ = inertia_module.nothing
 
 
 def test_import_of_the_package_loads_nothing_else():
     code = "import sys, inertia_module; print([name for name in sys.modules if 'inertia' in name])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "['inertia_module']"
-
-
-def test_unknown_name_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
-        _ = inertia_module.nothing
 
 
 def functions():
