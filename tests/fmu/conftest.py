@@ -15,10 +15,6 @@ from inertia_module.harness.loading import Log, Slave, callbacks_of
 # the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
-TUNED = {
-    **{"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2},
-    **{"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5, "kinematic_ratio": 0.7},
-}
 R1 = REFERENCE
 FIXED = {"method": 1, "max_step": 1e-3}
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
