@@ -5,7 +5,7 @@ import zipfile
 from inertia_module.fmu.archive import archive
 
 
-def content_of(path):
+def files_of(path):
     """Bytes by name."""
     with zipfile.ZipFile(path) as packed:
         return {name: packed.read(name) for name in packed.namelist()}
@@ -19,6 +19,6 @@ def with_content(path, content):
 
 def with_words(path, fmu, name, old, new):
     """A copy of an FMU in which other bytes stand in one of its files, where these stood first."""
-    content = content_of(fmu)
+    content = files_of(fmu)
     assert old in content[name]
     return with_content(path, content | {name: content[name].replace(old, new, 1)})

@@ -27,7 +27,7 @@ from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, 
 from inertia_module.fmu.native_fmu import guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
-from tests.packed import content_of, with_content, with_words
+from tests.packed import files_of, with_content, with_words
 from tests.ready import HERE
 from tests.system.programs import command, process
 
@@ -58,12 +58,12 @@ def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
         assert info.filename.isascii()
         assert info.external_attr >> 16 == 0o644  # readable and nothing more
         assert info.compress_type == zipfile.ZIP_DEFLATED
-    assert content_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
+    assert files_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
 
 
 def check_native(folder, fmu, targets):
     libraries = {library_path(fmu, target) for target in targets}
-    assert content_of(folder / fmu.file_name).keys() == PAPERS[fmu.fmi] | libraries
+    assert files_of(folder / fmu.file_name).keys() == PAPERS[fmu.fmi] | libraries
 
 
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
@@ -81,7 +81,7 @@ def test_fmus_for_all_platforms_are_small_and_hold_all_libraries(built_for_all):
 
 
 def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
-    content = content_of(built / PYTHON_FMU.file_name)
+    content = files_of(built / PYTHON_FMU.file_name)
     assert content.keys() > PAPERS[2]
     needed = content["documentation/externalDependencies.txt"].decode()
     assert "Python 3.11" in needed
@@ -258,7 +258,7 @@ def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, m
 
 def without(name):
     """Change of an FMU: it loses a file."""
-    return lambda path: with_content(path, {n: data for n, data in content_of(path).items() if n != name})
+    return lambda path: with_content(path, {n: data for n, data in files_of(path).items() if n != name})
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
@@ -466,7 +466,7 @@ def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no
     for file in (*FMUS, WEB_KERNEL):
         path = built_for_all / file.file_name
         assert (other / file.file_name).read_bytes() == path.read_bytes(), file.file_name
-        libraries = content_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
+        libraries = files_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
         for name in [name for name in libraries if not name.endswith((".py", ".txt", ".html"))]:
             for told in (str(tmp_path), str(PACKAGE_FOLDER), user, "somebody", "kernel.o", "tables.o"):
                 assert told.encode() not in libraries[name], name

@@ -16,7 +16,7 @@ from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
 from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.loading import Log, callbacks_of
 from inertia_module.memory import Module
-from tests.packed import content_of, with_words
+from tests.packed import files_of, with_words
 from tests.system.programs import process
 
 from .conftest import LEVELS, R1
@@ -399,7 +399,7 @@ def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_pa
 
 def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
     fmu, table = built / "InertiaModulePy.fmu", "contract/variables.py"
-    (file,) = (name for name in content_of(fmu) if name.endswith(table))
+    (file,) = (name for name in files_of(fmu) if name.endswith(table))
     # a start value that cannot be built
     path = with_words(tmp_path / "x.fmu", fmu, file, b'evenly spread", 1,', b'evenly spread", 6,')
     # in a process of its own: pythonfmu shares the code of FMUs that were loaded before

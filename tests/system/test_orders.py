@@ -283,6 +283,9 @@ def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
     assert abs(math.sin(phases[0] - phases[1])) == pytest.approx(1.0, abs=1e-3)
 
 
+RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0}
+
+
 @pytest.mark.parametrize(
     "drive, options, words",
     [
@@ -294,11 +297,7 @@ def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
         ({}, {"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
         ({}, {"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
         ({}, {"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
-        (
-            {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0},
-            {"begin": 0.0},
-            "not at 0 s",
-        ),
+        (RAMP, {"begin": 0.0}, "not at 0 s"),
         ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
     ],
 )

@@ -104,9 +104,8 @@ def test_result_of_a_scene_is_a_table_too(tmp_path):
     assert (found["omega"] == found.record["omega"]).all()
     assert "omega" in found
     assert "alpha" not in found
-    assert (
-        found.to_csv(tmp_path / "t.csv").read_bytes() == found.table.to_csv(tmp_path / "u.csv").read_bytes()
-    )
+    written = [one.to_csv(tmp_path / "t.csv").read_bytes() for one in (found, found.table)]
+    assert written[0] == written[1]
     with pytest.raises(ValueError, match=r"omga must be a column \(did you mean omega\?\)"):
         found["omga"]
 
@@ -114,9 +113,7 @@ def test_result_of_a_scene_is_a_table_too(tmp_path):
 def test_number_that_a_summary_has_not_is_told():
     remarks = {"time_to_50_kmh": "is not reached: 40 km/h is the most"}
     found = of_scene(quantities={"efficiency": Quantity(0.5, "")}, remarks=remarks)
-    with pytest.raises(
-        KeyError, match=r"^eficiency must be a number of the summary .did you mean efficiency"
-    ):
+    with pytest.raises(KeyError, match=r"^eficiency must be a number of .*did you mean efficiency"):
         found.summary["eficiency"]
     with pytest.raises(ValueError, match=r"^time_to_50_kmh is not reached: 40 km/h is the most"):
         found.summary["time_to_50_kmh"]

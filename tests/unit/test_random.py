@@ -102,6 +102,8 @@ def less_lost(values):
 
 
 PULLING = showing(housing_torque=lambda m, _: -1.0 if m["load_torque"] < 0.0 else m["housing_torque"])
+REGAINING = showing(energy_lost_journal=lambda m, _: -m["energy_lost_journal"])
+DRAGGING = showing(housing_torque=lambda m, _: m["housing_torque"] + m["housing_drag"])
 SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(m["omega1"]) > 50.0 else 1.0))
 
 
@@ -116,16 +118,8 @@ SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(
         ("finite", "", showing(input_torque_mean=math.nan)),
         ("OverflowError: too large", "", raising(OverflowError("too large"))),
         (VIRTUAL_WORK, "mesh_efficiency", faulty(told=less_lost)),
-        (
-            "lost energy regained",
-            "journal_friction",
-            showing(energy_lost_journal=lambda m, _: -m["energy_lost_journal"]),
-        ),
-        (
-            "torque or slip is 0",
-            "housing_drag",
-            showing(housing_torque=lambda m, _: m["housing_torque"] + m["housing_drag"]),
-        ),
+        ("lost energy regained", "journal_friction", REGAINING),
+        ("torque or slip is 0", "housing_drag", DRAGGING),
     ],
 )
 def test_planted_failure_is_found(planted, asked, invariant):

@@ -175,9 +175,8 @@ def test_speed_under_control_has_the_unit_of_its_load(tmp_path):
     scene = read(changed(shaft, "[run]", 'integral_gain = "2 1/s"\n[run]'))
     assert scene.measured == "omega_out"
     assert scene.controller.integral_gain == 2.0
-    assert (
-        read(changed(CLOSED, "[run]", 'integral_gain = "2 rad/m/s"\n[run]')).controller.integral_gain == 2.0
-    )
+    a_way = read(changed(CLOSED, "[run]", 'integral_gain = "2 rad/m/s"\n[run]'))
+    assert a_way.controller.integral_gain == 2.0
     assert scene.controller.reference.speed == pytest.approx(20.0 * math.pi)
     (tmp_path / "wanted.csv").write_text("time [min],speed [km/h]\n0,0\n1,36\n")
     filed = changed(CLOSED, 'kind = "constant", speed = "36 km/h"', 'kind = "table", file = "wanted.csv"')
