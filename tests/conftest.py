@@ -61,6 +61,12 @@ def built(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def fmu(built):
+    """The FMU of the module."""
+    return built / "InertiaModule.fmu"
+
+
+@pytest.fixture(scope="session")
 def built_for_all(tmp_path_factory):
     """Folder with all FMUs for every platform: a test that asks for it is slow."""
     from inertia_module.fmu.builder import build

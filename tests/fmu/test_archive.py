@@ -185,14 +185,9 @@ def temporary(tmp_path, monkeypatch):
     return folder
 
 
-@pytest.fixture(scope="module")
-def module(built):
-    return built / "InertiaModule.fmu"
-
-
-def test_instances_of_a_process_share_one_folder_that_the_last_one_removes(module, temporary):
-    with Fmu(module) as first:
-        with Fmu(module) as second:
+def test_instances_of_a_process_share_one_folder_that_the_last_one_removes(fmu, temporary):
+    with Fmu(fmu) as first:
+        with Fmu(fmu) as second:
             second.advance(0.01)
             assert len(list(temporary.iterdir())) == 1
         first.advance(0.01)
@@ -200,13 +195,13 @@ def test_instances_of_a_process_share_one_folder_that_the_last_one_removes(modul
     assert not list(temporary.iterdir())
 
 
-def test_what_cannot_be_instantiated_leaves_nothing(module, temporary, tmp_path):
+def test_what_cannot_be_instantiated_leaves_nothing(fmu, temporary, tmp_path):
     broken = tmp_path / "broken.fmu"
-    broken.write_bytes(module.read_bytes()[:-100])
+    broken.write_bytes(fmu.read_bytes()[:-100])
     with pytest.raises(FmuError):
         Fmu(broken)
     with pytest.raises(FmuError):
-        Fmu(module, parameters={"imbalance_mass": -1.0})
+        Fmu(fmu, parameters={"imbalance_mass": -1.0})
     assert not list(temporary.iterdir())
 
 
@@ -223,16 +218,16 @@ def test_an_fmu_built_anew_is_seen(built, tmp_path):
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_instances_that_nobody_closes_leave_nothing_when_their_process_ends(end, module, temporary, built):
+def test_instances_that_nobody_closes_leave_nothing_when_their_process_ends(end, fmu, temporary, built):
     code, status = ENDS[end]
     other = f"other = {str(built / 'DrivenShaft.fmu')!r}; "
-    process("-c", FORGOTTEN.format(path=str(module)) + other + code, statuses=(status,))
+    process("-c", FORGOTTEN.format(path=str(fmu)) + other + code, statuses=(status,))
     assert not list(temporary.iterdir())
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows ends processes without telling them")
-def test_the_command_leaves_nothing_when_it_is_told_to_end(module, temporary):
-    command = [sys.executable, "-c", FORGOTTEN.format(path=str(module)) + WAITS]
+def test_the_command_leaves_nothing_when_it_is_told_to_end(fmu, temporary):
+    command = [sys.executable, "-c", FORGOTTEN.format(path=str(fmu)) + WAITS]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout.readline() == "ready\n"
         assert len(list(temporary.iterdir())) == 1

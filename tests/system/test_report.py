@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from scenes import MECHANISMS
 
 from inertia_module.figures import report
 from inertia_module.figures.mechanism import mechanism_figure
@@ -187,14 +188,7 @@ def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path):
 
 
 def test_planar_sketch_is_to_scale():
-    values = {
-        "layout": 1,
-        "sun_radius": 0.05,
-        "satellite_radius": 0.03,
-        "eccentricity": 0.02,
-        "satellites": 3,
-    }
-    (along,) = mechanism_figure(values).axes
+    (along,) = mechanism_figure(MECHANISMS["planar"]).axes
     sun, arm, satellite, path, imbalance = (np.array(line.get_data()) for line in along.lines[:5])
     assert np.hypot(*sun) == pytest.approx(50.0)
     assert arm[:, 1] == pytest.approx([0.0, 80.0])
