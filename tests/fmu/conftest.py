@@ -15,10 +15,6 @@ from inertia_module.harness.loading import Log, Slave, callbacks_of
 # the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
-TUNED = {
-    **{"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2},
-    **{"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5, "kinematic_ratio": 0.7},
-}
 R1 = REFERENCE
 FIXED = {"method": 1, "max_step": 1e-3}
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
@@ -34,11 +30,6 @@ LEVELS = {
     "elastic with losses": {**ELASTIC, **ALL_LOSSES, **WIND_UP},
 }
 LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
-
-
-def sentence(variable, value):
-    """The whole refusal of a value, from the table of variables."""
-    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
 
 
 def pytest_generate_tests(metafunc):
@@ -145,7 +136,7 @@ class Instance:
         self.fmu.doStep(self.time, h)
 
     def is_discarded(self, h):
-        """Whether the step is answered by fmi2Discard."""
+        """Try a step; True if it is answered by fmi2Discard."""
         try:
             self.try_step(h)
         except FMICallException as error:

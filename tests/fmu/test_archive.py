@@ -22,11 +22,12 @@ from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling.load import SHIPPED
 from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmu import builder, native_fmu, python_fmu
-from inertia_module.fmu.archive import DESCRIPTION, archive
+from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.native_fmu import METADATA, guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
+from tests.packed import files_of, with_content, with_words
 from tests.ready import HERE
 from tests.system.programs import command, process
 
@@ -44,11 +45,6 @@ PAPERS = {
 LARGEST = 1_200_000
 
 
-def content_of(path):
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
 def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
     with zipfile.ZipFile(fmu_path) as archive:
         assert archive.testzip() is None
@@ -63,11 +59,11 @@ def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
         assert info.filename.isascii()
         assert info.external_attr >> 16 == 0o644  # readable and nothing more
         assert info.compress_type == zipfile.ZIP_DEFLATED
-    assert content_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
+    assert files_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
 
 
 def check_native(folder, fmu, targets):
-    content = content_of(folder / fmu.file_name)
+    content = files_of(folder / fmu.file_name)
     extra = {name for name in content if name.startswith("extra/org.")}
     assert extra >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
     libraries = {library_path(fmu, target) for target in targets}
@@ -89,7 +85,7 @@ def test_fmus_for_all_platforms_are_small_and_hold_all_libraries(built_for_all):
 
 
 def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
-    content = content_of(built / PYTHON_FMU.file_name)
+    content = files_of(built / PYTHON_FMU.file_name)
     assert content.keys() > PAPERS[2]
     needed = content["documentation/externalDependencies.txt"].decode()
     assert "Python 3.11" in needed
@@ -194,14 +190,9 @@ def temporary(tmp_path, monkeypatch):
     return folder
 
 
-@pytest.fixture(scope="module")
-def module(built):
-    return built / "InertiaModule.fmu"
-
-
-def test_instances_of_a_process_share_one_folder_that_the_last_one_removes(module, temporary):
-    with Fmu(module) as first:
-        with Fmu(module) as second:
+def test_instances_of_a_process_share_one_folder_that_the_last_one_removes(fmu, temporary):
+    with Fmu(fmu) as first:
+        with Fmu(fmu) as second:
             second.advance(0.01)
             assert len(list(temporary.iterdir())) == 1
         first.advance(0.01)
@@ -209,13 +200,13 @@ def test_instances_of_a_process_share_one_folder_that_the_last_one_removes(modul
     assert not list(temporary.iterdir())
 
 
-def test_what_cannot_be_instantiated_leaves_nothing(module, temporary, tmp_path):
+def test_what_cannot_be_instantiated_leaves_nothing(fmu, temporary, tmp_path):
     broken = tmp_path / "broken.fmu"
-    broken.write_bytes(module.read_bytes()[:-100])
+    broken.write_bytes(fmu.read_bytes()[:-100])
     with pytest.raises(FmuError):
         Fmu(broken)
     with pytest.raises(FmuError):
-        Fmu(module, parameters={"imbalance_mass": -1.0})
+        Fmu(fmu, parameters={"imbalance_mass": -1.0})
     assert not list(temporary.iterdir())
 
 
@@ -232,16 +223,16 @@ def test_an_fmu_built_anew_is_seen(built, tmp_path):
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_instances_that_nobody_closes_leave_nothing_when_their_process_ends(end, module, temporary, built):
+def test_instances_that_nobody_closes_leave_nothing_when_their_process_ends(end, fmu, temporary, built):
     code, status = ENDS[end]
     other = f"other = {str(built / 'DrivenShaft.fmu')!r}; "
-    process("-c", FORGOTTEN.format(path=str(module)) + other + code, statuses=(status,))
+    process("-c", FORGOTTEN.format(path=str(fmu)) + other + code, statuses=(status,))
     assert not list(temporary.iterdir())
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows ends processes without telling them")
-def test_the_command_leaves_nothing_when_it_is_told_to_end(module, temporary):
-    command = [sys.executable, "-c", FORGOTTEN.format(path=str(module)) + WAITS]
+def test_the_command_leaves_nothing_when_it_is_told_to_end(fmu, temporary):
+    command = [sys.executable, "-c", FORGOTTEN.format(path=str(fmu)) + WAITS]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout.readline() == "ready\n"
         assert len(list(temporary.iterdir())) == 1
@@ -265,17 +256,9 @@ def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, m
         assert sorted(tmp_path.iterdir()) == sorted(paths)
 
 
-def repacked(change):
-    """Change of a file: an FMU packed anew, with what another change makes of its content by name."""
-    return lambda path: path.write_bytes(archive(change(content_of(path))))
-
-
 def without(name):
-    return repacked(lambda content: {other: content[other] for other in content if other != name})
-
-
-def of_another_guid(content):
-    return content | {DESCRIPTION: content[DESCRIPTION].replace(b'guid="{', b'guid="{0')}
+    """Change of an FMU: it loses a file."""
+    return lambda path: with_content(path, {n: data for n, data in files_of(path).items() if n != name})
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
@@ -289,7 +272,7 @@ def test_fmu_just_built_is_current_whatever_the_date_and_nothing_is_packed_to_fi
 
 
 CHANGES = {
-    "another build": repacked(of_another_guid),
+    "another build": lambda path: with_words(path, path, DESCRIPTION, b'guid="{', b'guid="{0'),
     "no description": without(DESCRIPTION),
     "a platform less": without("binaries/linux64/InertiaModule.so"),
     "cut short": lambda path: path.write_bytes(path.read_bytes()[:1000]),
@@ -483,7 +466,7 @@ def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no
     for file in (*FMUS, WEB_KERNEL):
         path = built_for_all / file.file_name
         assert (other / file.file_name).read_bytes() == path.read_bytes(), file.file_name
-        libraries = content_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
+        libraries = files_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
         for name in [name for name in libraries if not name.endswith((".py", ".txt", ".html"))]:
             for told in (str(tmp_path), str(PACKAGE_FOLDER), user, "somebody", "kernel.o", "tables.o"):
                 assert told.encode() not in libraries[name], name

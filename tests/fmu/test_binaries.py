@@ -45,7 +45,7 @@ def required_by(fmi):
 
 
 def read(path, processor="X86_64"):
-    """What lief reads, with the names it needs and offers, and where its loader writes addresses."""
+    """Library read by lief: names it needs and offers, and sections its loader writes addresses to."""
     whole = lief.MachO.parse(str(path))  # which has to stay as long as a part of it
     if path.suffix == ".dylib":
         (binary,) = (part for part in whole if part.header.cpu_type.name == processor)
@@ -79,7 +79,7 @@ def glibc_versions(library):
 
 
 def is_ad_hoc(signature):
-    """Whether a signature of macOS holds a directory of the code, marked as ad hoc."""
+    """True if a signature of macOS holds a directory of the code, marked as ad hoc."""
     magic, _, count = struct.unpack_from(">III", signature)
     assert magic == SIGNATURE
     blobs = dict(struct.unpack_from(">II", signature, 12 + 8 * n) for n in range(count))

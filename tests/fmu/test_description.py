@@ -115,7 +115,7 @@ def test_choices_are_enumerations_with_their_numbers(description, model):
 
 
 def dependencies(description):
-    """What outputs depend on at the start, by name."""
+    """Dependencies of the outputs at the start, by name."""
     return {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
 
 

@@ -8,11 +8,11 @@ from functools import partial
 
 import pytest
 from fmpy import simulate_fmu
-from scenes import MECHANISMS
+from scenes import MECHANISMS, TUNED
 
 from inertia_module.memory import DrivenShaft, Module
 
-from .conftest import BY_TORQUE, LEVELS, R1, TUNED
+from .conftest import BY_TORQUE, LEVELS, R1
 
 SCENES = {
     "bevel": {

@@ -93,7 +93,7 @@ def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_pat
 
 
 def said_at(location, description, folder):
-    """What the FMU says to a host that gives a location of the resources; None if it makes an instance."""
+    """Message to a host that gives a location of the resources; None if an instance is made."""
     fmu = FMU2Slave(
         guid=description.guid,
         unzipDirectory=str(folder),

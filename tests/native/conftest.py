@@ -41,7 +41,7 @@ def system_compiler(flags=()):
 
 
 def run(command, **environment):
-    """What a program prints.
+    """Run a program; its output.
 
     Raises:
         AssertionError: it fails; with what it says.
@@ -80,7 +80,7 @@ class Workshop:
             (folder / name).write_text(text)
 
     def flags(self):
-        """What every compilation takes: language, warnings as errors, headers, name of the kernel."""
+        """Options of every compilation: language, warnings as errors, headers, name of the kernel."""
         headers = ["-I", str(SHELL_FOLDER), "-I", str(SOURCES), "-I", str(self.folder)]
         symbol = f"-DKERNEL={self.fmu.model.symbol}"
         return ["-std=c99", "-O1", *WARNINGS, *headers, "-isystem", str(header_folder()), symbol]
@@ -114,7 +114,7 @@ class Workshop:
         return self.objects[file, flags]
 
     def call(self, *command):
-        """What a compiler says that is run in the folder."""
+        """Run a compiler in the folder; its messages."""
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr[-3000:]
         return done.stderr

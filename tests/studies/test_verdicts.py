@@ -54,7 +54,7 @@ def test_sound_module_at_ordinary_values_is_exact(sound):
         (showing(omega_out=lambda module, step: step), "degraded", "long against short steps"),
         # all step sizes share it: it shows against the tight run
         (
-            showing(energy_out=lambda module, _: module["energy_out"] * (1.0 + 1e5 * module["tolerance"])),
+            showing(energy_out=lambda m, _: m["energy_out"] * (1.0 + 1e5 * m["tolerance"])),
             "degraded",
             "error",
         ),

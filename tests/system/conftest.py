@@ -68,12 +68,6 @@ def page(still):
     return still.at("")
 
 
-@pytest.fixture(scope="session")
-def fmu(built):
-    """The FMU of the module."""
-    return built / "InertiaModule.fmu"
-
-
 class Cluster:
     """A scheduler and workers as processes of their own, started as docs/sweep.md says."""
 

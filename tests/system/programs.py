@@ -26,7 +26,7 @@ def command(*arguments, folder=None):
 
 
 def left(*arguments):
-    """What a command says, which must have done its work."""
+    """Output of a command, which must succeed."""
     done = command(*arguments)
     assert done.exit_code == 0, done.output
     return done.stdout

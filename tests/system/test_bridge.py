@@ -6,6 +6,7 @@ from pathlib import Path
 import control as ct
 import numpy as np
 import pytest
+from refused import assert_refused
 from scenes import ELASTIC
 
 from inertia_module import bridge
@@ -18,7 +19,7 @@ from inertia_module.contract.variables import (
     SINCE_START,
     with_causality,
 )
-from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.harness.fmu import Fmu
 from studies.coupling import URBAN_MODULE
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
@@ -120,8 +121,7 @@ def test_same_state_and_input_give_the_same_whatever_came_before(built, name, pa
         # another place, a read, a refused step, another instance and a copy in between
         one.system.dynamics(0.0, one.start, [120.0, 0.0])
         one.system.output(0.0, one.start, u)
-        with pytest.raises(FmuError, match="omega1"):
-            one.system.dynamics(0.0, x, [np.nan, 0.0])
+        assert_refused("omega1", one.system.dynamics, 0.0, x, [np.nan, 0.0])
         assert (other.system.dynamics(5.0, x, u) == first).all()
         assert (one.system.dynamics(7.0, x, u) == first).all()
         assert (one.system.copy(name="copy").dynamics(0.0, x, u) == first).all()
@@ -222,10 +222,7 @@ NO_SYSTEM = [
     ({"parameters": {"input_hold": "linear"}}, "'motion' input_hold must be constant, is linear"),
     ({"outputs": ["energy_in"]}, "energy_in state must be 'whole', is 'motion': it is a sum since"),
     ({"outputs": ["imbalance_acceleration_y"]}, "depends on the angle of link 1"),
-    (
-        {"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]},
-        "depends on the angle of the drive",
-    ),
+    ({"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]}, "angle of the drive"),
     ({"outputs": ["omega5"]}, "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
     ({"inputs": ["omega2"]}, r"input omega2 must be one of the FMU .did you mean"),
     ({"parameters": BY_TORQUE}, "with drive = torque an input must be drive_torque, is omega1"),

@@ -4,7 +4,6 @@ import importlib
 import json
 import os
 import sys
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -16,8 +15,10 @@ from inertia_module.cli import app, show
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
 from inertia_module.fidelity.trials import print_levels
+from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.harness.results import Result
+from tests.packed import with_words
 from tests.system.programs import command, process
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -111,13 +112,8 @@ def test_check_finds_no_problem_in_ours(built, tmp_path, fmu):
 
 
 def test_check_tells_what_is_wrong_with_another(built, tmp_path):
-    broken = tmp_path / "broken.fmu"
-    with zipfile.ZipFile(built / "InertiaModule.fmu") as old, zipfile.ZipFile(broken, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'unit="rad/s"', b'unit="furlong"', 1)
-            new.writestr(name, content)
+    units = b'unit="rad/s"', b'unit="furlong"'
+    broken = with_words(tmp_path / "broken.fmu", built / "InertiaModule.fmu", DESCRIPTION, *units)
     done = command("check", broken, "--json")
     assert done.exit_code == 1
     assert any("furlong" in problem for problem in json.loads(done.stdout)["problems"])

@@ -9,6 +9,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.loops import (
@@ -34,10 +35,13 @@ PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
 SPEED, TORQUE_STEP = 100.0, 1.0
 
 
+one_piece = study.one_piece
+
+
 @cache
 def reference(name, ratio):
-    """Course of a case in one piece."""
-    return study.one_piece(study.CASES[name](ratio))
+    """Course of a case in one piece, which takes seconds."""
+    return one_piece(study.CASES[name](ratio))
 
 
 def engine(**values):
@@ -128,22 +132,17 @@ def test_interface_inertia_is_that_of_a_rolling_satellite():
 # --- accuracy ---
 
 
-@pytest.mark.parametrize(
-    "name, ratio, scheme, step, bound",
-    [
-        *((name, 0.5, Scheme.IMPLICIT, 1e-4, 1.9e-5) for name in study.CASES),
-        # by torque with steps that meet the samples
-        *(("planar", 0.3, None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)),
-        *(("bevel", 5.0, None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)),
-    ],
-)
-def test_coupling_tends_to_the_one_piece_reference(fmu, name, ratio, scheme, step, bound):
+@pytest.mark.parametrize("name, ratio, close", [("planar", 0.5, 1.9e-5), ("bevel", 5.0, 1e-4)])
+def test_coupling_tends_to_the_one_piece_reference(fmu, name, ratio, close):
     case, expected = study.CASES[name](ratio), reference(name, ratio)
-    found = course(case, scheme, step, fmu, 1e-10)
-    assert np.abs(found.omega1 - expected.omega1).max() < bound * case.speed
-    assert np.abs(found.omega_out - expected.omega_out).max() < bound * expected.omega_out.max()
-    assert found.work == pytest.approx(expected.work, rel=bound)
-    assert abs(found.ledger.defect) < bound * expected.work
+    # by torque in steps that meet the samples
+    by_torque = [(None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)]
+    for scheme, step, bound in [(Scheme.IMPLICIT, 1e-4, close), *by_torque]:
+        found = course(case, scheme, step, fmu, 1e-10)
+        assert np.abs(found.omega1 - expected.omega1).max() < bound * case.speed
+        assert np.abs(found.omega_out - expected.omega_out).max() < bound * expected.omega_out.max()
+        assert found.work == pytest.approx(expected.work, rel=bound)
+        assert abs(found.ledger.defect) < bound * expected.work
 
 
 def test_by_torque_steps_that_miss_the_samples_see_the_speed_late(fmu):
@@ -210,7 +209,10 @@ def test_a_plant_in_substeps_is_a_plant_in_steps(fmu):
 # --- the study and its page ---
 
 
-def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheapest(fmu, tmp_path):
+def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheapest(
+    fmu, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(study, "one_piece", lambda case: reference(case.name, case.ratio))
     rows = study.coupling_map(fmu, quick=True)
     told = {tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)}
     for row in (row for row in rows if row.step == 1e-3):
@@ -314,11 +316,7 @@ ROTOR = torque_driven({}, 0.1)
         (ROTOR, by_speed(), "drive of the FMU must be speed for CoupledEngine, is torque"),
         ({"input_inertia": 0.1}, by_torque(), "must be torque for TorqueDrivenEngine, is speed"),
         (ROTOR, by_torque(inertia=0.2), "input_inertia of the FMU must be at least 0.2 kg.m2"),
-        (
-            ROTOR,
-            lambda fmu: by_torque()(fmu).set(drive_torque=5.0),
-            "drive_torque = 5 N.m cannot be set, the engine gives it",
-        ),
+        (ROTOR, lambda fmu: by_torque()(fmu).set(drive_torque=5.0), "drive_torque = 5 N.m cannot be set"),
     ],
 )
 def test_an_engine_that_does_not_fit_the_module_is_refused(fmu, parameters, make, sentence):
@@ -342,8 +340,7 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu, nam
             for n in range(40):
                 if n == 21 and load != 8.0:
                     coupled.set(load_torque=load)
-                    with pytest.raises(FmuError, match="load_torque"):
-                        coupled.advance(step)
+                    assert_refused("load_torque", coupled.advance, step)
                     coupled.set(load_torque=8.0)
                 coupled.advance(step)
             ends.append((coupled.engine.state, *coupled.read(("omega_out", "energy_in"))))
@@ -357,6 +354,5 @@ def test_an_implicit_step_refused_half_way_is_taken_back(fmu, monkeypatch):
         names = ("omega_out", "energy_in", "input_angle")
         before = coupled.fmu.time, coupled.engine.state, coupled.read(names)
         monkeypatch.setattr(coupled.fmu, "jacobian", Mock(side_effect=FmuError("no derivative")))
-        with pytest.raises(FmuError, match="no derivative"):
-            coupled.advance(1e-3)
+        assert_refused("no derivative", coupled.advance, 1e-3)
         assert (coupled.fmu.time, coupled.engine.state, coupled.read(names)) == before

@@ -4,7 +4,6 @@ import functools
 import io
 import json
 import re
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -24,6 +23,7 @@ from inertia_module.harness.system import Node, WiredFmus
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
+from tests.packed import files_of
 from tests.ready import HERE
 from tests.system.programs import needs, printed, process, programs
 
@@ -112,9 +112,9 @@ def test_container_runs_to_the_numbers_of_a_plain_loop(exported):
 
 def test_ssp_file_obeys_the_schemas_and_keeps_to_what_all_readers_understand(exported):
     path = exported.folder / "system.ssp"
+    packed = files_of(path)
     system = read_ssd(str(path)).system  # validates structure and values against the schemas of SSP 1.0
-    with zipfile.ZipFile(path) as packed:
-        assert b'startTime="0.0" stopTime="1.0"' in packed.read("SystemStructure.ssd")
+    assert b'startTime="0.0" stopTime="1.0"' in packed["SystemStructure.ssd"]
     assert system.connectors == []  # libcosim and Ecos refuse connections to them
     assert {
         (c.startElement, c.startConnector, c.endElement, c.endConnector) for c in system.connections
@@ -125,9 +125,8 @@ def test_ssp_file_obeys_the_schemas_and_keeps_to_what_all_readers_understand(exp
         assert {(part.name, c.name) for c in component.connectors if c.kind == "input"} == wired & {
             (part.name, c.name) for c in component.connectors
         }
-        with zipfile.ZipFile(path) as packed:
-            fmu = io.BytesIO(packed.read(component.source))
-        described = {variable.name: variable for variable in read_model_description(fmu).modelVariables}
+        description = read_model_description(io.BytesIO(packed[component.source]))
+        described = {variable.name: variable for variable in description.modelVariables}
         [values] = component.parameterBindings[0].parameterValues
         assert values.name == "initialValues"
         assert {p.name for p in values.parameters} == part.values.keys()
@@ -146,9 +145,9 @@ def test_container_describes_itself_as_fmi_2_wants(exported):
         f"{part}.{output}" for part, output in exported.plan.outputs
     ]
     assert variables["module.omega_out"].unit == "rad/s"
-    with zipfile.ZipFile(exported.folder / "container.fmu") as packed:
-        assert b"canHandleMultipleSetPerTimeInstant" not in packed.read("modelDescription.xml")
-        assert packed.read("binaries/darwin64/container_fmu.dylib")[:8] == bytes.fromhex("cafebabe00000002")
+    packed = files_of(exported.folder / "container.fmu")
+    assert b"canHandleMultipleSetPerTimeInstant" not in packed["modelDescription.xml"]
+    assert packed["binaries/darwin64/container_fmu.dylib"][:8] == bytes.fromhex("cafebabe00000002")
 
 
 @pytest.mark.parametrize("exported", ["driven by torque"], indirect=True)
@@ -179,11 +178,8 @@ def test_a_mechanism_without_a_shaft_is_one_fmu(exported):
 
 def test_an_export_has_libraries_for_all_platforms(built_for_all, tmp_path):
     export(make_plan("planar", *SYSTEMS["module alone"], STEP, STOP), tmp_path)
-    with (
-        zipfile.ZipFile(tmp_path / "osp" / "InertiaModule.fmu") as ours,
-        zipfile.ZipFile(built_for_all / "InertiaModule.fmu") as theirs,
-    ):
-        assert ours.namelist() == theirs.namelist()
+    ours, theirs = (files_of(folder / "InertiaModule.fmu") for folder in (tmp_path / "osp", built_for_all))
+    assert list(ours) == list(theirs)
 
 
 def test_scenes_are_exported_with_their_mechanism_drive_and_start():
@@ -205,7 +201,7 @@ TOOLBOX = "fmu_manipulation_toolbox"
 
 
 def tool(name, *arguments, folder):
-    """What one of the tools says."""
+    """Run one of the tools; its output."""
     done = process("-m", f"{TOOLBOX}.cli.{name}", *arguments, folder=folder)
     return done.stdout + done.stderr
 

@@ -9,16 +9,16 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
+from refused import assert_refused
 
 from inertia_module import __version__
-from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
 from inertia_module.compiling import CompilationUnavailable, load
 from inertia_module.contract.models import MODELS
 from inertia_module.fmu import builder
 from inertia_module.memory import Module, choose_kernel
-from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene import load_scene
 from tests.system.programs import command, left, process
 
 ROOT = Path(__file__).parents[2]
@@ -83,8 +83,7 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
     parts = {"speed_control_report.py", "fit_rig_data.py"}
     assert sorted(path for path in files if path.name not in parts) == sorted(examples().values())
     assert example("planar.py").suffix == ".py"
-    with pytest.raises(Refused, match=r"is plenary \(did you mean planar\?\)"):
-        example("plenary")
+    assert_refused(r"is plenary \(did you mean planar\?\)", example, "plenary")
 
 
 def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
@@ -93,18 +92,13 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     found = scene.parameters()
     assert (found["imbalance_mass"], found["satellites"]) == (1.5, 2)
     assert (scene.drive.omega1, scene.run.outputs) == (50.0, ["omega2"])
-    assert (
-        load_scene(example("planar"), {"mechanism": scene.tables["mechanism"]}).mechanism == scene.mechanism
-    )
+    whole = {"mechanism": scene.tables["mechanism"]}
+    assert load_scene(example("planar"), whole).mechanism == scene.mechanism
     for given, sentence in (
         ("imbalance_mass", r"what is set must be given as KEY=VALUE, is 'imbalance_mass'"),
-        (
-            "imbalance_mas=1",
-            r"planar.toml: mechanism.imbalance_mas = 1: .* \(did you mean imbalance_mass\?\)",
-        ),
+        ("imbalance_mas=1", r"planar.toml: mechanism.imbalance_mas = 1: .*did you mean imbalance_mass"),
     ):
-        with pytest.raises(SceneError, match=sentence):
-            load_scene(example("planar"), [given])
+        assert_refused(sentence, load_scene, example("planar"), [given])
     options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
     summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)
@@ -161,8 +155,8 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
     before = set(tmp_path.iterdir())
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
     code = "from inertia_module.memory import DrivenShaft; DrivenShaft('compiled').load_kernel()"
-    running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(3)]
-    assert [process.wait() for process in running] == [0, 0, 0]
+    running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(2)]
+    assert [process.wait() for process in running] == [0, 0]
     assert len(set(tmp_path.iterdir()) - before) == 1
 
 
@@ -211,9 +205,7 @@ def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_co
     page = sdist / "fmu_src" / "inertia_module" / "page"
     page.mkdir(parents=True)
     (sdist / "PKG-INFO").touch()
-    with pytest.raises(
-        FileNotFoundError, match=r"make dist builds what a wheel needs: build/InertiaModule.fmu"
-    ):
+    with pytest.raises(FileNotFoundError, match=r"builds what a wheel needs: build/InertiaModule.fmu"):
         forced(sdist)
     (sdist / "build").symlink_to(built)
     (page / "template.html").touch()

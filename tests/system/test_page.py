@@ -335,14 +335,14 @@ STEP, STEPS = 1e-3, 200
 
 
 def options(values):
-    """What simulate takes, from parameters and inputs in one."""
+    """Options of simulate, from parameters and inputs in one table."""
     parameters = {name: float(value) for name, value in values.items() if name not in INPUTS}
     inputs = {name: values[name] for name in INPUTS if name in values}
     return {"parameters": parameters, "inputs": inputs, "step": STEP, "steps": STEPS, "outputs": READ}
 
 
 def native(built, given, over_time=lambda time: {}):
-    """The same run in the native FMU, with inputs and their rates over time: rows of READ."""
+    """Run the native FMU so, with inputs and their rates over time: columns of READ."""
     start = {name: value for name, (value, _) in over_time(0.0).items()}
     with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"] | start) as fmu:
         rows = [fmu.read(READ)]
@@ -425,9 +425,8 @@ def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built)
 
 def test_integrate_is_simulate_in_slices_with_angles_whole(still):
     given = options({**scenes.PLANAR, "tolerance": 1e-12})  # which takes some slices
-    request = {**given, "duration": 4.0}
-    run = still.page.evaluate(INTEGRATE, request)
-    at_once = still.simulate({**given, "steps": 4000})
+    run = still.page.evaluate(INTEGRATE, {**given, "duration": 2.0})
+    at_once = still.simulate({**given, "steps": 2000})
     assert run["complete"]
     assert run["calls"] > 1
     assert run["time"] == at_once["time"]
@@ -503,7 +502,7 @@ def check_page(page):
 
 
 def table_of(scene, fmu, folder):
-    """What a scene is run to."""
+    """Run a scene by the command; its table."""
     left("run", scene, "-o", folder, "--fmu", fmu)
     return Result.from_csv(folder / "table.csv")
 
@@ -561,7 +560,7 @@ def test_run_leaves_the_page_beside_its_table(fmu, tmp_path):
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
 
 
-def test_page_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
+def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
     (tmp_path / "folder.html").mkdir()
     (tmp_path / "file").write_text("a file")
@@ -573,6 +572,8 @@ def test_page_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path,
         (TEMPLATE, ("view", ENGINE), "folder.html", "the page must be a file, is the folder "),
         (TEMPLATE, ("view", ENGINE), "page.txt", "the page must be a file with the ending .html, is "),
         (TEMPLATE, ("view", ENGINE), "file/page.html", "file must be a folder that can be written to"),
+        (TEMPLATE, ("report", ENGINE), "report.pdf", "the report must be a file with the ending .html, is "),
+        (TEMPLATE, ("report", ENGINE), "file/report.html", "file must be a folder that can be written to"),
         (missing, ("view", REFERENCE), "page.html", told),
         (missing, ("run", REFERENCE, "--view"), "page.html", told),
     ):

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
-from inertia_module.common.errors import Refused
-from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.harness.fmu import Fmu
 from inertia_module.harness.simulate import drive
 from inertia_module.harness.system import GAUSS_SEIDEL, JACOBI, Node, WiredFmus
-from inertia_module.harness.wires import Wire, WiringError
 
 EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "two_fmus.py"))
 SHAFT, (SPEED, TORQUE) = EXAMPLE["SHAFT"], EXAMPLE["WIRES"]
@@ -66,53 +65,33 @@ def test_jacobi_does_not_depend_on_the_order_of_the_fmus_and_gauss_seidel_does(n
     assert ends(GAUSS_SEIDEL, forward) != ends(GAUSS_SEIDEL, backward)
 
 
-def by_torque(module, drive):
-    parameters = HUB | {"drive": drive, "input_inertia": "0.2 kg.m2"}
-    return module._replace(parameters=parameters, inputs={"drive_torque": 9.0, "omega1": 1.0})
-
-
 def test_bad_wires_are_refused_before_an_fmu_is_loaded(nodes, monkeypatch):
-    idle = Wire("shaft", "omega_out", "module", "omega1")
-    driven = nodes | {"module": by_torque(nodes["module"], "torque")}
     monkeypatch.setattr("inertia_module.harness.system.Fmu", lambda *_: pytest.fail("an FMU was loaded"))
-    with pytest.raises(WiringError, match=r"module\.load_torque must be driven by"):
-        WiredFmus(nodes, (SPEED,), 1e-3)
-    with pytest.raises(WiringError, match="the input must be drive_torque, omega1 has no effect"):
-        WiredFmus(driven, (SPEED, TORQUE, idle), 1e-3)
-    with pytest.raises(WiringError, match="order must be Jacobi or Gauss-Seidel, is 'implicit'"):
-        WiredFmus(nodes, (SPEED, TORQUE), 1e-3, "implicit")
-    with pytest.raises(FmuError, match="no such file"):
-        WiredFmus(nodes | {"shaft": Node("nothing.fmu")}, (SPEED, TORQUE), 1e-3)
+    assert_refused(r"module\.load_torque must be driven by", WiredFmus, nodes, (SPEED,), 1e-3)
+    assert_refused("order must be .*, is 'implicit'", WiredFmus, nodes, (SPEED, TORQUE), 1e-3, "implicit")
+    assert_refused("no such file", WiredFmus, nodes | {"shaft": Node("nothing.fmu")}, (SPEED, TORQUE), 1e-3)
 
 
 def test_what_a_system_cannot_do_is_said_in_a_sentence(nodes):
-    with pytest.raises(FmuError, match="drive must be one of speed, torque"):
-        WiredFmus(nodes | {"module": by_torque(nodes["module"], "much")}, (SPEED, TORQUE), 1e-3)
+    driven = Node(nodes["module"].path, HUB | {"drive": "much"}, {"drive_torque": 9.0, "omega1": 1.0})
+    driven = nodes | {"module": driven}
+    assert_refused("drive must be one of speed, torque", WiredFmus, driven, (SPEED, TORQUE), 1e-3)
     with WiredFmus(nodes, (SPEED, TORQUE), 1e-3) as system:
         system.set("shaft", load_torque=3.0)
         for refused, words in (
-            (
-                lambda: system.set("module", load_torque=3.0),
-                r"module\.load_torque must be an input that no wire drives: shaft",
-            ),
-            (
-                lambda: system.set("engine", omega1=1.0),
-                "engine must be an FMU of the system .there are module, shaft",
-            ),
+            (lambda: system.set("module", load_torque=3.0), r"module\.load_torque must be .* no wire drives"),
+            (lambda: system.set("engine", omega1=1.0), "engine must be an FMU of .*there are module, shaft"),
             (lambda: system.run(0.01, [("engine", "omega1")]), "engine must be an FMU"),
             (lambda: system.run(0.0105, ENDS), "whole number of steps of 0.001 s after 0 s, is 0.0105 s"),
             (lambda: system.run(-1.0, ENDS), "is -1 s"),
         ):
-            with pytest.raises(Refused, match=words):
-                refused()
+            assert_refused(words, refused)
         assert system.time == 0.0
         system.advance()
         system.set("module", omega1=1e9)
-        with pytest.raises(FmuError, match=r"module: .*omega1 must be .*, is 1000000000"):
-            system.advance()
+        assert_refused(r"module: .*omega1 must be .*, is 1000000000", system.advance)
     for refused in (lambda: system.run(0.01, ENDS), system.advance, lambda: system.set("module", omega1=1.0)):
-        with pytest.raises(Refused, match="module must be an FMU of a system that is open"):
-            refused()
+        assert_refused("module must be an FMU of a system that is open", refused)
 
 
 # --- in each of the ways, against the elastic module in one piece ---
@@ -131,7 +110,7 @@ def elastic(built):
 
 
 def stepped(nodes, way, step, steps, look):
-    """What `look` finds in the two FMUs after each step, and the FMUs' own energies over the seam."""
+    """Results of `look` at the two FMUs after each step, and the energies they passed each other."""
     found = []
     with WiredFmus(nodes, (SPEED, TORQUE), step, JACOBI if way == WITH_DERIVATIVES else way) as system:
         both = system.fmus["module"], system.fmus["shaft"]

@@ -27,7 +27,7 @@ def of_pulses(kernel, values, omega1, ratio):
 
 
 def of_map(kernel, values, omega1, ratio):
-    """The same by fidelity averaged."""
+    """These numbers by fidelity averaged."""
     module = Module(kernel).start(
         **{**values, "fidelity": 1, "output_inertia": 1e6},
         omega1=omega1,

@@ -89,6 +89,9 @@ LOSSES = {
 }
 ALL_LOSSES = {name: value for one in LOSSES.values() for name, value in one.items()}
 FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
+# parameters that change between steps
+SHAFT = {"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5}
+TUNED = {**FRICTION, **SHAFT, "kinematic_ratio": 0.7}
 WIND_UP = {
     "housing_stiffness": 2e4,
     "housing_damping": 2.0,

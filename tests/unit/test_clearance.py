@@ -1,4 +1,4 @@
-"""What cannot be built is warned of: satellites that overlap, an imbalance outside its satellite."""
+"""Warnings of mechanisms that cannot be built: overlapping satellites, an imbalance outside its satellite."""
 
 import math
 

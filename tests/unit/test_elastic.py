@@ -128,7 +128,7 @@ def test_weights_of_sums_are_those_that_the_stages_give_what_nothing_depends_on(
 
 
 def exact_step(scene, h):
-    """The same by the explicit pair, in sixteen steps."""
+    """Changes by the explicit pair, in sixteen steps."""
     d, x, w = driving(scene)
     total = np.zeros(len(MOTION))
     for _ in range(16):

@@ -89,10 +89,7 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
         (lambda: Governor(-1.0, 0.0), "proportional_gain must be a finite number from 0, is -1.0"),
         (lambda: Governor(1.0, 0.0, 0.0), "sample_time must be a positive number of seconds, is 0.0"),
         (lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)), "breakpoints that rise"),
-        (
-            lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)),
-            "greatest must be 1 torques, one for each speed, is 2",
-        ),
+        (lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)), "must be 1 torques, one for each speed, is 2"),
         (lambda: EngineMap((0.0,), (1.0,), (-1.0,)), "drag must be finite torques from 0 N.m, has -1.0"),
         (lambda: engine().after(0.0, LoadTorque(0.0)), "step must be a positive number of seconds, is 0.0"),
     ],

@@ -99,7 +99,7 @@ def to_try():
 
 
 def objections(verdict):
-    """What is wrong with a verdict, by the bounds and the known limits."""
+    """Objections to a verdict, by the bounds and the known limits."""
     known = [limit for limit in LIMITS if limit.covers(verdict.case)]
     refusals = [limit.refused for limit in known if limit.refused]
     if verdict.outcome == "broken":
@@ -113,7 +113,7 @@ def objections(verdict):
 
 
 def alike(cell, told):
-    """Whether another machine may have measured a cell: the same verdict, errors within a power of ten."""
+    """True if another machine may have measured a cell: equal verdicts, errors within a power of ten."""
     if (cell.outcome, cell.reason) != (told.outcome, told.reason) or None in (cell.power, told.power):
         return cell == told
     return abs(cell.power - told.power) <= 1

@@ -4,8 +4,8 @@ import csv
 import math
 
 import pytest
+from refused import assert_refused
 
-from inertia_module.common.errors import Refused
 from inertia_module.jobs.evaluation import Batch, Evaluator, Row, Task, write_tables
 
 pytest.importorskip("distributed")
@@ -36,8 +36,7 @@ def test_what_was_kept_is_there_bit_for_bit_and_what_a_kill_cut_off_is_missing(t
 
 def test_results_of_another_task_are_not_mixed_in(tmp_path):
     evaluator(tmp_path)
-    with pytest.raises(Refused, match="another scene"):
-        evaluator(tmp_path, "other")
+    assert_refused("another scene", evaluator, tmp_path, "other")
 
 
 def test_tables_have_units_and_leave_out_what_there_is_not(tmp_path):

@@ -43,7 +43,7 @@ def ends(level, by_torque, **losses):
 
 
 def found(level, name, by_torque=False):
-    """What a level makes of a parameter."""
+    """Effect of a parameter at a level: yes, no or refused."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
     except Refused as error:

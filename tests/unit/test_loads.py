@@ -66,7 +66,7 @@ def test_nothing_is_known_of_a_step_before_the_first(compiled, layout):
     missing=(),
 )
 def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene):
-    duration, steps = 0.04, 3200
+    duration, steps = 0.04, 1600
     scene = scene | {"load_torque": 3.0, "drive_angle_start": 1.0, "tolerance": 1e-10}
     one, many = (started(compiled, scene) for _ in range(2))
     ramp = 0.0 if scene.get("drive") else 700.0
@@ -82,7 +82,7 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
         for name, value in zip(names, begin, strict=True):
             means[name] += 0.5 * (value + many[name]) / steps
         largest = max(largest, abs(many["mesh_torque"]), abs(many["input_torque"]))
-        squares += many["output_torque"] ** 2 / steps
+        squares += 0.5 * (begin[3] ** 2 + many["output_torque"] ** 2) / steps
         peak = max(peak, abs(many["output_torque"]))
     turned = means.pop("omega_out") * duration
     if scene.get("drive"):
@@ -94,7 +94,7 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
     assert one["loss_power_mean"] * duration == pytest.approx(one["energy_lost"], rel=1e-12)
     if one["fidelity"] != 1 and not one["method"]:
         ripple = max(0.0, squares - one["output_torque_mean"] ** 2) ** 0.5
-        assert one["torque_ripple"] == pytest.approx(ripple, rel=1e-3)
+        assert one["torque_ripple"] == pytest.approx(ripple, rel=2e-3)
         # looked at in the stages of the steps alone
         assert 0.95 * peak <= one["torque_peak"] <= 1.001 * peak
 

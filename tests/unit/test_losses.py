@@ -6,6 +6,7 @@ Their motion is held to the reference in test_reference.py, their invariants in 
 from itertools import product
 
 import pytest
+from refused import assert_refused
 from scenes import (
     ACCOUNTS,
     ALL_LOSSES,
@@ -26,7 +27,7 @@ from inertia_module.contract.variables import BY_NAME
 from inertia_module.kernel import codes
 from inertia_module.kernel.equations import satellites
 from inertia_module.kernel.inertia import reduced_inertia
-from inertia_module.memory import Module, Refused
+from inertia_module.memory import Module
 
 LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start": 100.0}
 
@@ -218,10 +219,8 @@ def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
 
 def test_meshes_that_jam_are_refused():
     askew = {"a": 1.4, "b": 0.7, "satellite_mesh_efficiency": 0.1, "link2_inertia": 1e-6}
-    with pytest.raises(
-        Refused, match=r"the meshes jam .* satellite_mesh_efficiency must be higher, are 1 and 0.1"
-    ):
-        started("plain", SCENES["bevel"], askew)
+    words = "the meshes jam .* satellite_mesh_efficiency must be higher, are 1 and 0.1"
+    assert_refused(words, started, "plain", SCENES["bevel"], askew)
 
 
 @pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])

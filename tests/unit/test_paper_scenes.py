@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import assert_refused
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
 from inertia_module.figures.scenes import scene_figure
-from inertia_module.scene import SceneError, load_any_scene, load_scene, run_scene, run_shaft_scene
+from inertia_module.scene import load_any_scene, load_scene, run_scene, run_shaft_scene
 from studies.papers.karetin import Geometry, dynamic_mode, exact
 from studies.papers.lysenko import EXAMPLE
 from studies.papers.lysenko import exact as lysenko_at
@@ -93,23 +94,17 @@ def test_hub_by_table_with_a_load(built):
         ("drive", TABLE, "with shaft.nu drive.kind must be 'stepping', is 'table'"),
         ("shaft.nu", 0, "shaft.nu must be a number above 0, is 0"),
         ("shaft.imbalance_mass", 1, "shaft.imbalance_mass = 1: there is no such key"),
-        (
-            "shaft",
-            {"shaft_stiffness": -1},
-            "shaft.shaft_stiffness must be between 1e-06 and 10{15} .*, is -1",
-        ),
+        ("shaft", {"shaft_stiffness": -1}, "shaft.shaft_stiffness must be between 1e-06 .*, is -1"),
         ("drive", {"kind": "ramp"}, "drive.kind must be one of 'stepping', 'table', is 'ramp'"),
         ("run.outputs", ["omega2"], "run.outputs .*, has 'omega2' .did you mean omega_out"),
     ],
 )
 def test_one_line_says_what_is_wrong(key, value, line):
-    with pytest.raises(SceneError, match=f"^{SHAFT.name}: {line}"):
-        load_any_scene(SHAFT, {key: value})
+    assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 
 
 def test_a_scene_of_a_shaft_is_none_of_the_module():
-    with pytest.raises(SceneError, match=r"there is no such key .there are title"):
-        load_scene(SHAFT)
+    assert_refused(r"there is no such key .there are title", load_scene, SHAFT)
     done = CliRunner().invoke(app, ["run", str(SHAFT), "--fidelity", "rigid"])
     assert done.exit_code == 1
     assert "--fidelity, --error and --view must come with a scene of the module" in done.output

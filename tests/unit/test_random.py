@@ -19,7 +19,7 @@ from studies.stability.motion import LEVELS, Figure, Motion, Segment, run
 from studies.stability.random_motions import REFERENCE, VIRTUAL_WORK, Finding, Outcome, draw_motion, examine
 
 SEED = 1
-EACH, WITH_REFERENCE = 12, 3
+EACH, WITH_REFERENCE = 8, 3
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
 
 
@@ -80,9 +80,9 @@ def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch
     assert compared >= 1 or level.method != EVENT or level.fidelity not in (RIGID, ELASTIC)
 
 
-@pytest.mark.parametrize("losses, digest", [(False, "b6ce0baa2cecf152"), (True, "ee8fcc9760b71cfb")])
+@pytest.mark.parametrize("losses, digest", [(False, "20da135932acea32"), (True, "7284a0e2ba68557b")])
 def test_number_of_a_seed_is_the_motion_that_the_documentation_counts(losses, digest):
-    drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(200)]
+    drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(50)]
     text = json.dumps([motion.as_dict() for motion in drawn])
     assert hashlib.sha256(text.encode()).hexdigest()[:16] == digest
     assert [Motion.of(motion.as_dict()) for motion in drawn] == drawn
@@ -102,6 +102,8 @@ def less_lost(values):
 
 
 PULLING = showing(housing_torque=lambda m, _: -1.0 if m["load_torque"] < 0.0 else m["housing_torque"])
+REGAINING = showing(energy_lost_journal=lambda m, _: -m["energy_lost_journal"])
+DRAGGING = showing(housing_torque=lambda m, _: m["housing_torque"] + m["housing_drag"])
 SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(m["omega1"]) > 50.0 else 1.0))
 
 
@@ -116,16 +118,8 @@ SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(
         ("finite", "", showing(input_torque_mean=math.nan)),
         ("OverflowError: too large", "", raising(OverflowError("too large"))),
         (VIRTUAL_WORK, "mesh_efficiency", faulty(told=less_lost)),
-        (
-            "lost energy regained",
-            "journal_friction",
-            showing(energy_lost_journal=lambda m, _: -m["energy_lost_journal"]),
-        ),
-        (
-            "torque or slip is 0",
-            "housing_drag",
-            showing(housing_torque=lambda m, _: m["housing_torque"] + m["housing_drag"]),
-        ),
+        ("lost energy regained", "journal_friction", REGAINING),
+        ("torque or slip is 0", "housing_drag", DRAGGING),
     ],
 )
 def test_planted_failure_is_found(planted, asked, invariant):

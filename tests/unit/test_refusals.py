@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from refused import COMBINATIONS, refusal, sentence
 from scenes import ENGINE, advanced, started
 
 from inertia_module.contract.variables import (
@@ -17,13 +18,13 @@ from inertia_module.contract.variables import (
     REAL,
     with_causality,
 )
-from inertia_module.memory import NO_STATE, DrivenShaft, Module, Refused
+from inertia_module.memory import NO_STATE, DrivenShaft, Module
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
 
 def bad_values(variable):
-    """What lies just outside the range of a variable, and what is no number at all."""
+    """Values just outside the range of a variable, and those that are no numbers."""
     yield from NO_NUMBERS
     if variable.kind in (INTEGER, ENUMERATION, BOOLEAN):
         yield from (0.5, 1.5, -1)
@@ -33,20 +34,6 @@ def bad_values(variable):
         yield from (variable.minimum - 1, math.nextafter(variable.minimum, -math.inf))
     if variable.maximum is not None:
         yield from (variable.maximum + 1, math.nextafter(variable.maximum, math.inf), 1e300)
-
-
-def sentence(variable, value):
-    """The whole refusal of a value, from the table of variables."""
-    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
-
-
-def refusal(action, *arguments, **values):
-    """What an action is refused with; "" where it is not."""
-    try:
-        action(*arguments, **values)
-    except Refused as error:
-        return str(error)
-    return ""
 
 
 @pytest.mark.parametrize("instance_type", [Module, DrivenShaft])
@@ -152,39 +139,6 @@ def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing
     assert said == sentence(BY_NAME["tolerance"], 7.0)
     assert module.save() == before
     assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain, is 'fast'"
-
-
-# parameters that do not go together, and how the sentence begins or what is in it
-RECTIFIER = "with fidelity = 1 (averaged) housing_freewheel and output_freewheel must both be 1, are "
-LINK_2 = "link2_inertia must be above 0 by more than rounding, is "
-COMBINATIONS = [
-    ({"fidelity": 1, "housing_freewheel": False}, RECTIFIER + "0 and 1: "),
-    ({"fidelity": 1, "output_freewheel": False}, RECTIFIER + "1 and 0: "),
-    ({"fidelity": 1, "housing_freewheel": False, "output_freewheel": False}, RECTIFIER + "0 and 0: "),
-    ({"link2_inertia": 0.0}, LINK_2 + "0: "),
-    ({"link2_inertia": 0.0, "a": 0.7, "b": 0.7, "epsilon": 1.0}, "a = 0.7, b = 0.7, "),
-    ({"link2_inertia": 1e-20}, LINK_2 + f"{1e-20:.16g}: "),
-    ({"link2_inertia": 0.0, "imbalance_mass": 0.0, "a": 2.0}, "imbalance_mass = 0 " + LINK_2),
-    ({"link2_inertia": 0.0, "layout": 1, "eccentricity": 0.0}, "eccentricity = 0, "),
-    ({"drive": 1, "input_inertia": 0.0}, "with drive = 1 (torque) input_inertia"),
-    ({"drive": 1, "input_inertia": 1e-20}, "with drive = 1 (torque) input_inertia"),
-    (
-        {"drive": 1, "input_inertia": 0.2, "fidelity": 0},
-        "with drive = 1 (torque) fidelity must be 1",
-    ),
-    (
-        {"omega2_start": -1.0, "omega_out_start": 5.0},
-        "with the housing freewheel omega2_start must be at least 0, is -1",
-    ),
-    (
-        {"omega2_start": 2.0, "omega_out_start": 1.0},
-        "with the output freewheel omega_out_start must be at least omega2_start = 2, is 1",
-    ),
-    (
-        {"omega2_start": 2.0, "omega_out_start": 3.0, "output_freewheel": False},
-        "without the output freewheel omega_out_start must be omega2_start = 2, is 3",
-    ),
-]
 
 
 def test_combination_that_cannot_be_is_refused_by_name_value_and_what_is_allowed(compiled):

@@ -59,11 +59,6 @@ def scene(stop=0.5, step=0.001, outputs=None, **tables):
     return R1.replaced(run=run, **tables)
 
 
-@pytest.fixture(scope="module")
-def fmu(built):
-    return built / "InertiaModule.fmu"
-
-
 def table(**last):
     """A table of two rows, all zeros but what is given for the second."""
     columns = {name: np.array([0.0, last.get(name, 0.0)]) for name in (*SUMMARISED, "load_torque", *last)}

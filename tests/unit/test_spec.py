@@ -3,8 +3,8 @@
 import math
 
 import pytest
+from refused import assert_refused
 
-from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
 from inertia_module.jobs.design import (
     NAMED,
@@ -80,11 +80,7 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
         ("1:4", "0:4", "satellites must be a whole number between 1"),
         ('speed = "1000 rpm", ', "", "stall_torque must be given speed, is given none of it"),
         ("omega_out_final = {", "omega_out_final = { ratio = 0.5,", "no speed and no ratio, is given ratio"),
-        (
-            "stall_torque",
-            "stal_torque",
-            r"is given speed: it is no figure at a speed \(did you mean stall_torque\?\)",
-        ),
+        ("stall_torque", "stal_torque", r"it is no figure at a speed \(did you mean stall_torque\?\)"),
         ("20 N.m", "20 kg", "stall_torque.minimum must be a number in N.m, is '20 kg'"),
         ("20 N.m", "lots", "stall_torque.minimum must be a number in N.m, is 'lots'"),
         (', minimum = "20 N.m"', "", "must have a minimum, a maximum or a goal"),
@@ -109,8 +105,7 @@ def test_one_to_three_figures_have_a_goal(read):
     more = "".join(
         f'torque_{name} = {{ speed = 9, ratio = 0, goal = "least" }}\n' for name in ("ripple", "peak")
     )
-    with pytest.raises(SceneError, match="1 to 3, is 4"):
-        read(SPEC.replace("[search]", f"{more}[search]"))
+    assert_refused("1 to 3, is 4", read, SPEC.replace("[search]", f"{more}[search]"))
 
 
 def row(torque, speed, mass):
@@ -276,9 +271,7 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     assert lost.startswith(
         "no checked design of 1 meets all limits, 1 of 2 designs do at 'averaged'; the nearest"
     )
-    assert (
-        "none came nearer in the last 8 generations of 3 starts" in verdict([short], [], False, {}).verdict()
-    )
+    assert "none came nearer in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "not at its end when search.longest = 600 s was over" in verdict([short], [], True, {}).verdict()
 
 
@@ -318,5 +311,4 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
     assert Mechanism({}).total_imbalance_mass == 1.0
     Mechanism({**planar, "eccentricity": 0.06}).check_room()
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
-        with pytest.raises(Refused, match=name):
-            Mechanism({**planar, name: value}).check_room()
+        assert_refused(name, Mechanism({**planar, name: value}).check_room)

@@ -4,6 +4,7 @@ import math
 from contextlib import suppress
 
 import pytest
+from refused import assert_refused
 from scenes import (
     ACCOUNTS,
     ALL_LOSSES,
@@ -154,10 +155,8 @@ def test_energy_audit_shows_the_error_and_closes_with_the_step(compiled, scene):
 def test_what_fixed_steps_cannot_do_is_refused(compiled):
     sentence = "with method = 1 .timestepping. housing_stiffness and freewheel_stiffness must be 0"
     for name in ("housing_stiffness", "freewheel_stiffness"):
-        with pytest.raises(Refused, match=sentence):
-            started(compiled, fidelity=3, method=1, **{name: WIND_UP[name]})
+        assert_refused(sentence, started, compiled, fidelity=3, method=1, **{name: WIND_UP[name]})
     module = started(compiled, SCENES["bevel"], method=1, max_step=1e-7)
     before = module.save()
-    with pytest.raises(Refused, match="communication step = 100 s is abandoned"):
-        module.advance(100.0)
+    assert_refused("communication step = 100 s is abandoned", module.advance, 100.0)
     assert module.save() == before

@@ -2,6 +2,7 @@
 
 import pytest
 from fmpy import read_model_description
+from refused import assert_refused
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.fmu.description import model_description
@@ -45,8 +46,7 @@ def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both, drive
     check(both, given={**GIVEN, "module": ["omega1", "load_torque"]})
     for names in (["drive_torque"], ["drive_torque", "omega1"]):
         check(both, given={**GIVEN, "module": names}, drive=drive)
-    with pytest.raises(WiringError, match=r"module\.drive_torque must be driven by a wire"):
-        check(both, drive=drive)
+    assert_refused(r"module\.drive_torque must be driven by a wire", check, both, drive=drive)
     idle = Wire("module", "omega_out", "module", "omega1")
     with pytest.raises(WiringError, match="the input must be drive_torque, omega1 has no effect"):
         check(both, [*BOTH, idle], {**GIVEN, "module": ["drive_torque"]}, drive=drive)
@@ -62,15 +62,9 @@ BAD = [
     ({"wires": [SPEED]}, f"module.load_torque {NOTHING}"),
     ({"given": {"shaft": ["load_torque"]}}, f"module.omega1 {NOTHING}"),
     ({"wires": [*BOTH, SPEED]}, "shaft.hub_speed must be driven by one of them, is driven by"),
-    (
-        {"wires": [*BOTH, TORQUE._replace(input="drive_torque")]},
-        "the input must be omega1, drive_torque has no effect",
-    ),
+    ({"wires": [*BOTH, TORQUE._replace(input="drive_torque")]}, "drive_torque has no effect"),
     ({"wires": [SPEED, TORQUE._replace(source="axle")]}, "axle must be an FMU of the system (there"),
-    (
-        {"wires": [SPEED._replace(output="omega_3"), TORQUE]},
-        "omega_3 must be an output of module (did you mean omega2?)",
-    ),
+    ({"wires": [SPEED._replace(output="omega_3"), TORQUE]}, "omega_3 must be an output of module (did you"),
     ({"wires": [SPEED._replace(input="omega1"), TORQUE]}, "omega1 must be an input of shaft (there"),
     ({"wires": [SPEED._replace(output="omega1"), TORQUE]}, "omega1 must be an output of module ("),
     ({"given": {**GIVEN, "shaft": ["torque"]}}, "torque must be an input of shaft ("),
@@ -108,5 +102,4 @@ def test_kinds_have_to_match(both, tmp_path):
         b' start="0.0" />'
     )
     other = described(DRIVEN_SHAFT, tmp_path / "other", (real, b'<Integer start="0" />'))
-    with pytest.raises(WiringError, match="both ends must be of one kind, are Real and Integer"):
-        check(both | {"shaft": other})
+    assert_refused("both ends must be of one kind, are Real and Integer", check, both | {"shaft": other})
