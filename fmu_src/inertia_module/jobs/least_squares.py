@@ -33,8 +33,10 @@ NOTHING = 1e-2
 CONFIDENCE = 0.95
 # an end that is not there after so many steps, each twice the one before, is none
 MOST_STEPS = 12
-# excess of chi-squared where the scene refuses a value
-REFUSED = 1e12
+# the first of them, in standard errors
+FARTHER = 2.2
+# excess where the scene refuses a value
+REFUSED = 1e6
 # of an interval, so much is an end uncertain
 EXACT = 1e-2
 
@@ -226,20 +228,23 @@ class End:
         problem = self.problem
         place = next(n for n, key in enumerate(problem.keys) if key.name == name)
         key, others = problem.keys[place], np.arange(self.point.size) != place
-        allowed = self.chi_squared * (1.0 + float(f.ppf(CONFIDENCE, 1, self.freedom)) / self.freedom)
-        along = self.covariance[others, place] / self.covariance[place, place]
-        along = np.where(np.isfinite(along), along, 0.0)
+        allowed = math.sqrt(float(f.ppf(CONFIDENCE, 1, self.freedom)) * self.chi_squared / self.freedom)
+        spread = self.covariance[:, place]
+        along = np.nan_to_num(spread[others] / spread[place], posinf=0.0, neginf=0.0)
 
         def excess(u: float) -> float:
-            """Least chi-squared for a value of the variable, over what is allowed."""
+            """Root of what chi-squared has grown by at a value, over what is allowed: nearly a line."""
             held = problem.holding({name: key.value(u)})
             start = np.clip(self.point[others] + along * (u - self.point[place]), *held.limits)
             if not np.isfinite(held.residuals(start)).all():
                 return REFUSED
-            return held.solve(start, self.steps[others], "3-point", ROUGHLY).chi_squared - allowed
+            least = held.solve(start, self.steps[others], "3-point", ROUGHLY).chi_squared
+            return math.sqrt(max(least - self.chi_squared, 0.0)) - allowed
 
         low, high = key.limits
-        inside, step = float(self.point[place]), float(self.steps[place])
+        inside, step = float(self.point[place]), FARTHER * self.errors[name] / abs(key.span)
+        if not math.isfinite(step):
+            step = float(self.steps[place])
         ends = _end(excess, inside, -step, low), _end(excess, inside, step, high)
         least, greatest = sorted(map(key.value, ends))
         return least, greatest

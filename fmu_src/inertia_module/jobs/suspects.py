@@ -22,7 +22,7 @@ from ..contract.variables import PARAMETER, REAL, VARIABLES, Group
 from ..scene import Scene
 from ..scene.keys import MECHANISM, unit_of
 from .axes import Free
-from .least_squares import STEP, End
+from .least_squares import STEP, End, Problem
 from .measurement import CLOCK, GAIN, OFFSET, SHIFT, Measurement
 
 Array = NDArray[np.float64]
@@ -49,8 +49,8 @@ CHANGE, NO_CHANGE, TRIES = 5.0, 0.5, 5
 # longest step of it, in sizes of the suspect
 LONGEST = 1e5
 # evidence from which on a suspect is fitted in full, and share of that of one that explains all; passes over
-# the noise then, and what ends them
-WORTH, SHARE, AGAIN, ENOUGH = 10.0, 0.3, 3, 1e-5
+# the noise then, what ends them, and the share that it changes by where they are enough
+WORTH, SHARE, AGAIN, ENOUGH, SETTLED = 10.0, 0.3, 3, 1e-4, 0.02
 
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:
@@ -351,12 +351,10 @@ def _in_full(end: End, key: Free, point: Array) -> Suspect | None:
     try:
         for _ in range(AGAIN):
             other = problem.solve(np.clip(point, *problem.limits), steps, slopes, ENOUGH)
-            problem, point, steps, slopes = (
-                problem.with_noise_of(other.point),
-                other.point,
-                other.steps,
-                "3-point",
-            )
+            point, noisy = other.point, problem.with_noise_of(other.point)
+            if slopes == "3-point" and np.allclose(noisy.sigma, problem.sigma, rtol=SETTLED):
+                break
+            problem, steps, slopes = noisy, other.steps, "3-point"
     except Refused:
         return None
     # over the noise of the fit, as what the fit leaves is
@@ -364,6 +362,17 @@ def _in_full(end: End, key: Free, point: Array) -> Suspect | None:
     weight = np.append(weight, np.ones(end.residuals.size - weight.size))
     rest, over = other.residuals * weight, other.slopes * weight[:, None]
     return _suspect(Leftover.of(end), dataclasses.replace(other, residuals=rest, slopes=over, ended=True))
+
+
+def _nearer(problem: Problem, start: Array) -> Array:
+    """A point with the last variable where residuals are least, were they linear, if that is true."""
+    last = np.eye(start.size)[-1]
+    residuals = problem.residuals(start)
+    slope = problem.residuals(start + last) - residuals
+    there = start - last * (slope @ residuals) / max(slope @ slope, 1e-300)
+    there = np.clip(there, *problem.limits)
+    less = np.sum(problem.residuals(there) ** 2) < np.sum(residuals**2)
+    return there if less else start
 
 
 def tried(end: End, keys: Sequence[Free], start: Array) -> list[Suspect]:
@@ -403,5 +412,5 @@ def tried(end: End, keys: Sequence[Free], start: Array) -> list[Suspect]:
     if first is not None and first.autocorrelation > whole:
         for name, key in end.problem.rig.data.sensors.items():
             if name in by_name:
-                take(_in_full(end, key, np.append(start, 1.0)))
+                take(_in_full(end, key, _nearer(end.problem.with_key(key), np.append(start, 1.0))))
     return sorted(found.values(), key=lambda one: -one.evidence)
