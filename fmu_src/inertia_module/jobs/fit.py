@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -202,39 +202,25 @@ class FitResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Give the result for machines: what is not known is None."""
-        return {
-            "parameters": {
-                one.name: {
-                    "value": one.value,
-                    "unit": one.unit,
-                    "interval": _known(one.interval),
-                    "rests_on": one.rests_on,
-                    "holds": one.holds,
-                    "if_all_else_is_right": {
-                        "interval": _known(one.narrow),
-                        "standard_error": _known([one.error])[0],
-                    },
-                    "doubt": one.doubt,
-                }
-                for one in self.parameters
-            },
-            "correlations": [[*pair, number] for pair, number in self.correlations.items()],
-            "noise": {
-                name: {
-                    "value": value,
-                    "unit": self.measurement.table.units[name],
-                    "estimated": name in self.estimated,
-                }
-                for name, value in self.noise.items()
-            },
-            "chi_squared": self.chi_squared,
-            "suspects": [asdict(one) | {"error": _known([one.error])[0]} for one in self.suspects],
-            "causes": [one.name for one in self.causes],
-            "values": self.measurement.number,
-            "searches_that_agree": list(self.same_end),
-            "runs": self.runs,
-            "warnings": self.warnings,
-        }
+        units = self.measurement.table.units
+        told: dict[str, Any] = _known(
+            {
+                "parameters": {one.name: asdict(one) for one in self.parameters},
+                "correlations": [[*pair, number] for pair, number in self.correlations.items()],
+                "noise": {
+                    name: {"value": value, "unit": units[name], "estimated": name in self.estimated}
+                    for name, value in self.noise.items()
+                },
+                "chi_squared": self.chi_squared,
+                "suspects": [asdict(one) for one in self.suspects],
+                "causes": [one.name for one in self.causes],
+                "values": self.measurement.number,
+                "searches_that_agree": self.same_end,
+                "runs": self.runs,
+                "warnings": self.warnings,
+            }
+        )
+        return told
 
     def lines(self) -> dict[str, str]:
         """Give the lines of the printed table, by heading."""
@@ -272,8 +258,13 @@ class FitResult:
         }
 
 
-def _known(values: Iterable[float]) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values]
+def _known(value: Any) -> Any:
+    """What JSON can say of tables, lists and numbers: None for what is infinite."""
+    if isinstance(value, dict):
+        return {name: _known(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_known(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def fit(

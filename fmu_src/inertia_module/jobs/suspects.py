@@ -11,8 +11,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -240,10 +239,6 @@ class Suspect:
         other = self.name.startswith((OFFSET, GAIN, SHIFT))
         return self.name if self.usual or other else f"{self.name}=0:{3.0 * abs(self.value):.1g}"
 
-    def as_dict(self) -> dict[str, Any]:
-        """Give it for machines: what is not known is None."""
-        return {**asdict(self), "error": self.error if math.isfinite(self.error) else None}
-
     @property
     def told(self) -> str:
         """Line on its value and on what it would do to the answers."""
@@ -384,33 +379,30 @@ def tried(end: End, keys: Sequence[Free], start: Array) -> list[Suspect]:
     Args:
         end: of the fit. keys: the suspects. start: point at which the fit began, of the keys at its end.
     """
-    found = {key.name: one for key in keys for one in [_freed(end, key)] if one is not None}
-    whole, by_name = by_chance(len(end.problem.rig.data.table)), {key.name: key for key in keys}
+    freed = [one for one in (_freed(end, key) for key in keys) if one is not None]
+    by_name, full = {key.name: key for key in keys}, dict[str, Suspect]()
+    left, chance = Leftover.of(end), by_chance(len(end.problem.rig.data.table))
+    most, following = 0.0, left.following(left.values)
 
-    def best() -> Suspect | None:
-        full = [one for one in found.values() if one.confirmed]
-        return max(full, key=lambda one: one.evidence, default=None)
+    def fit(key: Free, point: Array) -> None:
+        """Fit a suspect in full and keep the best of it and of all."""
+        nonlocal most, following
+        one = _in_full(end, key, point)
+        if one is not None and (one.name not in full or one.evidence > full[one.name].evidence):
+            full[one.name] = one
+            if one.evidence > most:
+                most, following = one.evidence, one.autocorrelation
 
-    def take(one: Suspect | None) -> None:
-        if one is None:
-            return
-        before = found.get(one.name)
-        if before is None or not before.confirmed or before.evidence < one.evidence:
-            found[one.name] = one
-
-    for one in sorted(found.values(), key=lambda one: -one.evidence):
-        first = best()
-        least = WORTH
-        if first is not None and first.autocorrelation <= whole:
-            least = max(least, min(first.evidence - EXCLUDED, SHARE * first.evidence))
-        if one.evidence > least and one.value != one.usual:
+    for one in sorted(freed, key=lambda one: -one.evidence):
+        enough = min(most - EXCLUDED, SHARE * most) if following <= chance else 0.0
+        if one.evidence > max(WORTH, enough) and one.value != one.usual:
             # near 1, as variables are to be
             key = dataclasses.replace(by_name[one.name], span=one.value - one.usual)
             point = [k.variable(one.answers[k.name][0]) for k in end.problem.keys]
-            take(_in_full(end, key, np.array([*point, 2.0])))
-    first = best()
-    if first is not None and first.autocorrelation > whole:
+            fit(key, np.array([*point, 2.0]))
+    if following > chance:
         for name, key in end.problem.rig.data.sensors.items():
             if name in by_name:
-                take(_in_full(end, key, _nearer(end.problem.with_key(key), np.append(start, 1.0))))
+                fit(key, _nearer(end.problem.with_key(key), np.append(start, 1.0)))
+    found = {one.name: one for one in freed} | full
     return sorted(found.values(), key=lambda one: -one.evidence)
