@@ -242,11 +242,6 @@ class Free(Axis):
     deviation: float = math.inf
 
     @property
-    def identifier(self) -> str:
-        """The name as one word."""
-        return self.name.replace(".", "_")
-
-    @property
     def limits(self) -> tuple[float, float]:
         """Least and greatest value of the variable."""
         low, high = sorted(map(self.variable, (self.low, self.high)))

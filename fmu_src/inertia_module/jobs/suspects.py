@@ -49,7 +49,7 @@ CHANGE, NO_CHANGE, TRIES = 5.0, 0.5, 5
 LONGEST = 1e5
 # evidence from which on a suspect is fitted in full, and share of that of one that explains all; passes over
 # the noise then, what ends them, and the share that it changes by where they are enough
-WORTH, SHARE, AGAIN, ENOUGH, SETTLED = 10.0, 0.3, 3, 1e-4, 0.02
+WORTH, SHARE, AGAIN, ENOUGH, SETTLED = 10.0, 0.3, 3, 1e-5, 0.02
 
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:
@@ -262,15 +262,11 @@ def causes(suspects: Sequence[Suspect]) -> list[Suspect]:
     return [one for one in suspects if one.evidence > max(best - AS_GOOD, least)]
 
 
-def valley(end: End, key: Free) -> tuple[Array, Array] | None:
-    """Slopes along a suspect while the others give way to it; None where it changes nothing.
+def _slope(end: End, key: Free) -> tuple[Array, bool] | None:
+    """Slope of the residuals along a suspect, and if any of it is told alone; None where it changes nothing.
 
-    A step that is as long as the data allow counts what a tangent does not: where the others make up for
-    nearly all of it, the little that is left is not of the curvature alone.
-
-    Returns:
-        (slopes of the residuals, shape (residuals,), 0 where the others make up for all of it; those of
-        the others, shape (variables of the end,)).
+    The others give way to it, and a step that is as long as the data then allow counts what a tangent does
+    not: where the others make up for nearly all of it, the little that is left is not of the curvature alone.
     """
     problem, (low, high) = end.problem.with_key(key), key.limits
     along, back, found = np.zeros(end.point.size), -np.linalg.pinv(end.slopes), None
@@ -282,7 +278,9 @@ def valley(end: End, key: Free) -> tuple[Array, Array] | None:
             # what the scene refuses, it may take nearer
             step *= 0.1
             continue
-        first, found = found is None, (step, change, along)
+        first, moved = found is None, step * end.slopes @ along
+        found = (change - moved) / step, moved / step, np.linalg.norm(change) > NO_CHANGE
+        nothing = np.linalg.norm(change - moved) < NO_CHANGE
         more = back @ change / step
         size = float(np.linalg.norm(change + step * end.slopes @ more))
         if not first and 0.5 * CHANGE < size < 2.0 * CHANGE:
@@ -290,26 +288,22 @@ def valley(end: End, key: Free) -> tuple[Array, Array] | None:
         along = along + more
         step *= float(np.clip(CHANGE / max(size, 1e-12), 1e-3, longer))
         longer = 10.0
-    if found is None:
+    if found is None or nothing:
         return None
-    step, change, along = found
-    if np.linalg.norm(change - step * end.slopes @ along) < NO_CHANGE:
-        return None
-    return change / step * (np.linalg.norm(change) > NO_CHANGE), along
+    slope, made_up, alone = found
+    return (slope, True) if alone else (-made_up, False)
 
 
 def _freed(end: End, key: Free) -> Suspect | None:
     """A suspect freed as far as residuals are linear; None of what changes nothing."""
-    found = valley(end, key)
+    found = _slope(end, key)
     if found is None:
         return None
-    slope, along = found
-    left = Leftover.of(end)
-    slopes = np.column_stack([end.slopes, slope - end.slopes @ along])
+    slope, alone = found
+    left, slopes = Leftover.of(end), np.column_stack([end.slopes, slope])
     changes, rest = left.solved(slopes, (key.limits[0] - 1.0, key.limits[1] - 1.0))
-    point = np.append(end.point, 1.0) + changes
-    other = End(end.problem.with_key(key), point, rest, slopes, False)
-    return _suspect(left, other, math.inf if not slope.any() else 0.0)
+    other = End(end.problem.with_key(key), np.append(end.point, 1.0) + changes, rest, slopes, False)
+    return _suspect(left, other, 0.0 if alone else math.inf)
 
 
 def _suspect(left: Leftover, other: End, error: float = 0.0) -> Suspect:
