@@ -27,7 +27,7 @@ from ..scene.reading import scene_text
 from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
 from .evaluation import read
 from .least_squares import PASSES, End, Problem
-from .measurement import GAIN, Measurement, Rig, measurement
+from .measurement import Measurement, Rig, measurement
 from .suspects import (
     AS_GOOD,
     CHANCE,
@@ -170,9 +170,13 @@ class FitResult:
             found.append(
                 f"residuals of {name} are autocorrelated (lag-1 {one:.2f}): the model has a systematic error"
             )
-        # of a gain that says so it is told below
-        alone = any(one.name.startswith(GAIN) and one.other_unit for one in self.causes)
+        # of the one column in another unit it is told below
+        alone = any(one.other_unit and self._whole(one) for one in self.causes)
         return [*(self.units_doubted if related and not alone else ()), *found, *self._verdict()]
+
+    def _whole(self, one: Suspect) -> bool:
+        """Tell whether a suspect leaves nothing that is systematic."""
+        return one.autocorrelation <= by_chance(len(self.computed))
 
     def _verdict(self) -> list[str]:
         """The sentence on what would explain the residuals."""
@@ -180,7 +184,7 @@ class FitResult:
             return []
         first, *others = self.causes
         before, after = first.chi_squared
-        whole = "" if first.autocorrelation <= by_chance(len(self.computed)) else " in part"
+        whole = "" if self._whole(first) else " in part"
         answers = ", ".join(
             f"{name} would be {value:.5g}, not {self[name].value:.5g}"
             for name, (value, _, _) in first.answers.items()
@@ -259,7 +263,7 @@ class FitResult:
 
 
 def _known(value: Any) -> Any:
-    """What JSON can say of tables, lists and numbers: None for what is infinite."""
+    """Tables, lists and numbers as JSON can say them: None for what is infinite."""
     if isinstance(value, dict):
         return {name: _known(one) for name, one in value.items()}
     if isinstance(value, list | tuple):
@@ -373,7 +377,7 @@ def _run(
     scene = rig.scene.with_keys(point)
     start = np.array([key.variable(key.start) for key in best.problem.keys])
     # their values are those of the scene as it is
-    suspects = tried(best, list(map(stage, suspected(scene, data, {*so, *values}))), start)
+    suspects = tried(best, suspected(scene, data, {*so, *values}), start, stage)
     computed, names = rig.computed(values), data.columns
     return FitResult(
         scene=scene,

@@ -81,7 +81,7 @@ class Measurement:
 
     @property
     def estimated(self) -> NDArray[np.bool_]:
-        """Whether the noise of a column is found from its residuals, shape (columns,)."""
+        """Columns whose noise is found from their residuals, shape (columns,)."""
         return np.array([name not in self.noise for name in self.columns])
 
     @property
@@ -116,7 +116,8 @@ class Measurement:
         for other in (self.table.units[column], *UNITS):
             with contextlib.suppress(ValueError):  # it is of another kind
                 ratios[other] = factor_between(heading, other)
-        off, unit = min((abs(gain / ratio - 1.0), other) for other, ratio in ratios.items() if ratio != 1.0)
+        found = [(abs(gain / ratio - 1.0), other) for other, ratio in ratios.items() if ratio != 1.0]
+        off, unit = min(found, default=(near, ""))
         return f"its numbers are in {unit}, not in {heading}" if off < near else ""
 
 

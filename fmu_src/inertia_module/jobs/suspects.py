@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,8 +35,6 @@ FALSE_ALARM = 0.01
 # of the ratio of likelihoods, as chi-squared: what explains as much but for this is not told apart, and
 # what explains less by more than that is out of the question
 AS_GOOD, EXCLUDED = 6.0, 12.0
-# passes that find the noise that is left
-PASSES = 20
 # of normal noise in standard errors: 95 %
 WITHIN = 1.96
 # residuals whose autocorrelation at lag 1 is as much as this are not the noise of a sensor
@@ -105,20 +103,17 @@ class Leftover:
 
     @classmethod
     def of(cls, end: End) -> Leftover:
-        """What a fit leaves."""
+        """Residuals of a fit at its end."""
         data = end.problem.rig.data
         place = np.full(end.residuals.size, -1)
         place[: data.number] = np.nonzero(data.counted)[1]
         return cls(end.residuals, place, data.estimated)
 
-    def scatter(self, left: Array) -> Array:
-        """Noise that is left in each column, over that before; 1 where the noise is known."""
-        rms = [math.sqrt(np.mean(left[self.place == n] ** 2)) for n in range(len(self.estimated))]
-        return np.where(self.estimated, np.maximum(rms, 1e-12), 1.0)
-
     def weights(self, left: Array) -> Array:
-        """Weight of each residual by the noise that is left, shape (residuals,)."""
-        return 1.0 / np.append(self.scatter(left), 1.0)[self.place]
+        """Weight of each residual by the noise that is left in its column, shape (residuals,)."""
+        rms = [math.sqrt(np.mean(left[self.place == n] ** 2)) for n in range(len(self.estimated))]
+        scatter = np.where(self.estimated, np.maximum(rms, 1e-12), 1.0)
+        return 1.0 / np.append(scatter, 1.0)[self.place]
 
     def following(self, left: Array) -> float:
         """Largest autocorrelation of a column in residuals that are left."""
@@ -139,28 +134,6 @@ class Leftover:
             following = max(lag_one(after), 0.0)
             total += gained * (1.0 - following) / (1.0 + following)
         return total
-
-    def solved(self, slopes: Array, limits: tuple[float, float]) -> tuple[Array, Array]:
-        """Free one more variable, as far as residuals are linear.
-
-        Args:
-            slopes: of the residuals, shape (residuals, variables), that of the suspect last. limits: of its
-                change.
-
-        Returns:
-            (changes, shape (variables,); the residuals left).
-        """
-        left = np.ones_like(self.values)
-        for _ in range(PASSES):
-            weights = self.weights(left)
-            weighed = slopes * weights[:, None]
-            changes: Array = np.asarray(np.linalg.lstsq(weighed, -self.values * weights, rcond=None)[0])
-            last = float(np.clip(changes[-1], *limits))
-            if last != changes[-1]:
-                held = -(self.values + last * slopes[:, -1]) * weights
-                changes = np.append(np.linalg.lstsq(weighed[:, :-1], held, rcond=None)[0], last)
-            left = self.values + slopes @ changes
-        return changes, left
 
     def ranges(self, left: Array, slopes: Array, limits: tuple[float, float]) -> tuple[Array, float]:
         """Compute by how much residuals left allow all variables to change, at 95 %.
@@ -296,14 +269,20 @@ def _slope(end: End, key: Free) -> tuple[Array, bool] | None:
 
 def _freed(end: End, key: Free) -> Suspect | None:
     """A suspect freed as far as residuals are linear; None of what changes nothing."""
+    from scipy.optimize import lsq_linear
+
     found = _slope(end, key)
     if found is None:
         return None
     slope, alone = found
-    left, slopes = Leftover.of(end), np.column_stack([end.slopes, slope])
-    changes, rest = left.solved(slopes, (key.limits[0] - 1.0, key.limits[1] - 1.0))
-    other = End(end.problem.with_key(key), np.append(end.point, 1.0) + changes, rest, slopes, False)
-    return _suspect(left, other, 0.0 if alone else math.inf)
+    problem, slopes = end.problem.with_key(key), np.column_stack([end.slopes, slope])
+    point = np.append(end.point, 1.0)
+    low, high = problem.limits
+    free = np.arange(point.size) == end.point.size
+    bounds = np.where(free, low - point, -math.inf), np.where(free, high - point, math.inf)
+    changes = lsq_linear(slopes, -end.residuals, bounds).x
+    other = End(problem, point + changes, end.residuals + slopes @ changes, slopes, False)
+    return _suspect(Leftover.of(end), other, 0.0 if alone else math.inf)
 
 
 def _suspect(left: Leftover, other: End, error: float = 0.0) -> Suspect:
@@ -364,7 +343,7 @@ def _nearer(problem: Problem, start: Array) -> Array:
     return there if less else start
 
 
-def tried(end: End, keys: Sequence[Free], start: Array) -> list[Suspect]:
+def tried(end: End, keys: Sequence[Free], start: Array, begun: Callable[[Free], Free]) -> list[Suspect]:
     """Free suspects in turn; what explains the most first, what changes nothing left out.
 
     What explains much is fitted in full, as long as it may explain as much as the best one. Where none
@@ -372,8 +351,9 @@ def tried(end: End, keys: Sequence[Free], start: Array) -> list[Suspect]:
 
     Args:
         end: of the fit. keys: the suspects. start: point at which the fit began, of the keys at its end.
+        begun: passes on a suspect that is looked at now.
     """
-    freed = [one for one in (_freed(end, key) for key in keys) if one is not None]
+    freed = [one for one in (_freed(end, key) for key in map(begun, keys)) if one is not None]
     by_name, full = {key.name: key for key in keys}, dict[str, Suspect]()
     left, chance = Leftover.of(end), by_chance(len(end.problem.rig.data.table))
     most, following = 0.0, left.following(left.values)
