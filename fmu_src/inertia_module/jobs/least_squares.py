@@ -97,13 +97,18 @@ class Problem:
         return replace(self, sigma=np.where(data.estimated & (found > 0.0), found, self.sigma))
 
     def solve(
-        self, start: Array, steps: ArrayLike = STEP, slopes: str = "2-point", enough: float = ENOUGH
+        self,
+        start: Array,
+        steps: ArrayLike = STEP,
+        slopes: str = "2-point",
+        enough: float = ENOUGH,
+        exact: bool = False,
     ) -> End:
         """Search from a point.
 
         Args:
             start: a point. steps: of the differences, one or one a variable. slopes: by differences to one
-                side or, "3-point", to both. enough: see ENOUGH.
+                side or, "3-point", to both. enough: see ENOUGH. exact: for what all has an influence.
 
         Raises:
             Refused: the scene refuses the point, or so much about it that there are no slopes.
@@ -121,7 +126,7 @@ class Problem:
                 diff_step=steps,
                 x_scale="jac",
                 # lsmr soon ends where something has no influence, but takes no single variable
-                tr_solver="lsmr" if start.size > 1 else "exact",
+                tr_solver="exact" if exact or start.size == 1 else "lsmr",
                 ftol=enough,
                 xtol=enough,
                 max_nfev=MOST_ITERATIONS,

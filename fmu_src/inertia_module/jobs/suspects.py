@@ -174,7 +174,8 @@ class Suspect:
             where it is told only together with what is free. usual: the value in the fit. unit: "" for none.
         other_unit: of a gain, that it is that of another unit, or "". evidence: see Leftover.evidence.
         chi_squared: of the residuals before and after, by the noise that is left.
-        answers: value and both ends of the interval of 95 % of each free key then, SI, by name.
+        answers: value and both ends of the interval of 95 % of each free key then, SI, by name; with any one
+            more suspect free if this one is a cause.
         autocorrelation: largest of the residuals left, of a column.
         confirmed: whether it was fitted in full; else as far as the residuals are linear.
     """
@@ -211,6 +212,14 @@ class Suspect:
         """Text that frees it in a fit, as the command takes it."""
         other = self.name.startswith((OFFSET, GAIN, SHIFT))
         return self.name if self.usual or other else f"{self.name}=0:{3.0 * abs(self.value):.1g}"
+
+    def within(self, more: Sequence[Suspect]) -> Suspect:
+        """This suspect, its answers as far as any one of others, freed with it, lets them go."""
+        answers = {}
+        for name, (value, low, high) in self.answers.items():
+            ends = [one.answers[name][1:] for one in more if math.isfinite(one.error)]
+            answers[name] = (value, min([low, *(e[0] for e in ends)]), max([high, *(e[1] for e in ends)]))
+        return dataclasses.replace(self, answers=answers)
 
     @property
     def told(self) -> str:
@@ -313,12 +322,12 @@ def _suspect(left: Leftover, other: End, error: float = 0.0) -> Suspect:
     )
 
 
-def _in_full(end: End, key: Free, point: Array) -> Suspect | None:
-    """A suspect fitted in full from a point, the noise found anew; None where the scene refuses it."""
+def _in_full(end: End, key: Free, point: Array) -> tuple[Suspect, End] | None:
+    """A suspect fitted in full from a point, the noise found anew, and the end of that; None if refused."""
     problem, steps, slopes = end.problem.with_key(key), np.asarray(STEP), "2-point"
     try:
         for _ in range(AGAIN):
-            other = problem.solve(np.clip(point, *problem.limits), steps, slopes, ENOUGH)
+            other = problem.solve(np.clip(point, *problem.limits), steps, slopes, ENOUGH, exact=True)
             point, noisy = other.point, problem.with_noise_of(other.point)
             if slopes == "3-point" and np.allclose(noisy.sigma, problem.sigma, rtol=SETTLED):
                 break
@@ -329,7 +338,8 @@ def _in_full(end: End, key: Free, point: Array) -> Suspect | None:
     weight = (other.problem.sigma / end.problem.sigma)[problem.rig.data.counted]
     weight = np.append(weight, np.ones(end.residuals.size - weight.size))
     rest, over = other.residuals * weight, other.slopes * weight[:, None]
-    return _suspect(Leftover.of(end), dataclasses.replace(other, residuals=rest, slopes=over, ended=True))
+    over_all = dataclasses.replace(other, residuals=rest, slopes=over, ended=True)
+    return _suspect(Leftover.of(end), over_all), other
 
 
 def _nearer(problem: Problem, start: Array) -> Array:
@@ -354,18 +364,19 @@ def tried(end: End, keys: Sequence[Free], start: Array, begun: Callable[[Free], 
         begun: passes on a suspect that is looked at now.
     """
     freed = [one for one in (_freed(end, key) for key in map(begun, keys)) if one is not None]
-    by_name, full = {key.name: key for key in keys}, dict[str, Suspect]()
+    by_name, full = {key.name: key for key in keys}, dict[str, tuple[Suspect, End]]()
     left, chance = Leftover.of(end), by_chance(len(end.problem.rig.data.table))
     most, following = 0.0, left.following(left.values)
 
     def fit(key: Free, point: Array) -> None:
         """Fit a suspect in full and keep the best of it and of all."""
         nonlocal most, following
-        one = _in_full(end, key, point)
-        if one is not None and (one.name not in full or one.evidence > full[one.name].evidence):
-            full[one.name] = one
-            if one.evidence > most:
-                most, following = one.evidence, one.autocorrelation
+        found = _in_full(end, key, point)
+        if found is None or (key.name in full and full[key.name][0].evidence > found[0].evidence):
+            return
+        full[key.name] = found
+        if found[0].evidence > most:
+            most, following = found[0].evidence, found[0].autocorrelation
 
     for one in sorted(freed, key=lambda one: -one.evidence):
         enough = min(most - EXCLUDED, SHARE * most) if following <= chance else 0.0
@@ -378,5 +389,11 @@ def tried(end: End, keys: Sequence[Free], start: Array, begun: Callable[[Free], 
         for name, key in end.problem.rig.data.sensors.items():
             if name in by_name:
                 fit(key, _nearer(end.problem.with_key(key), np.append(start, 1.0)))
-    found = {one.name: one for one in freed} | full
+    found = {one.name: one for one in freed} | {name: one for name, (one, _) in full.items()}
+    named = causes(list(found.values()))
+    if named and following <= chance:
+        # with it anything else may be otherwise too
+        for one, there in (full[cause.name] for cause in named if cause.name in full):
+            more = [_freed(there, key) for key in keys if key.name != one.name]
+            found[one.name] = one.within([other for other in more if other is not None])
     return sorted(found.values(), key=lambda one: -one.evidence)
