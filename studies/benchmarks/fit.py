@@ -96,11 +96,10 @@ def main():
                 told(kind, true, seed, scene, Path(folder), fmu) for seed in track(range(sets), kind.__name__)
             ]
             holds, named, other, narrow = np.sum(rows, axis=0)
-            either = sum(row[0] or row[1] for row in rows)
             neither = [seed for seed, row in enumerate(rows) if not (row[0] or row[1])]
             print(
                 f"{kind.__name__}: of {sets} sets the intervals hold the truth in {holds}, the cause is named in"
-                f" {named}, either in {either} (not in {neither}); only another cause is named in {other}; if"
+                f" {named}, either in {sets - len(neither)} (not in {neither}); only another cause is named in {other}; if"
                 f" all else is right they hold it in {narrow}",
                 flush=True,
             )
