@@ -153,7 +153,7 @@ class Leftover:
         size[size == 0.0] = math.inf
         inverse = np.linalg.pinv(weighed / size) / size[:, None]
         free, spread = -inverse @ (left * weights), inverse @ inverse.T
-        deviations = np.maximum(np.sqrt(np.diag(spread)), 1e-300)
+        deviations = np.maximum(np.sqrt(np.diag(spread)), 1e-30)
         last, share = deviations[-1], spread[:, -1] / deviations[-1]
         # in standard errors of the last one
         low, high = ((limit - free[-1]) / last for limit in limits)
