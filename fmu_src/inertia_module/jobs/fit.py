@@ -316,8 +316,7 @@ def fit(
         raise Refused(f"there must be more measured values than free keys, {len(keys)}, are {data.number}")
     if starts < 0:
         raise Refused(f"starts must be at least 0, is {starts}")
-    rig = Rig(base, data, fmu_file(fmu))
-    with rig.observer:
+    with Rig(base, data, fmu_file(fmu)) as rig:
         doubted = _units_doubted(rig, {key.name: key.start for key in given})
         try:
             found = _run(rig, keys, so, starts, seed, progress or (lambda share: None))

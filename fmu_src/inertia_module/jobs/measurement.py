@@ -283,7 +283,7 @@ class Observer(SceneRunner):
         return np.column_stack(values)
 
 
-class Rig:
+class Rig(Observer):
     """A scene as the sensors of a measurement see it.
 
     Args:
@@ -294,15 +294,15 @@ class Rig:
     """
 
     def __init__(self, scene: Scene, data: Measurement, fmu_path: Path) -> None:
+        super().__init__(fmu_path, data.columns, data.table.time)
         self.scene, self.data, self.runs, self.refused = scene, data, 0, ""
-        self.observer = Observer(fmu_path, data.columns, data.table.time)
         self._observed = functools.lru_cache(KEPT)(self._observe)
 
     def _observe(self, point: tuple[tuple[str, float], ...], shifts: tuple[float, ...]) -> Array:
         """Columns that the scene computes with keys, earlier by shifts, s; NaN where it refuses them."""
         self.runs += 1
         try:
-            return self.observer(self.scene.with_keys(dict(point)), shifts)
+            return self(self.scene.with_keys(dict(point)), shifts)
         except Refused as error:
             self.refused = str(error)
             return np.full(self.data.values.shape, np.nan)
