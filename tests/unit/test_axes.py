@@ -9,9 +9,9 @@ from refused import assert_refused
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
 from inertia_module.harness.results import Result
-from inertia_module.jobs.axes import Beside, axes_of, free_keys, grid, of_shares, shares_sampled
+from inertia_module.jobs.axes import Free, axes_of, free_keys, grid, of_shares, shares_sampled
 from inertia_module.jobs.evaluation import Row
-from inertia_module.jobs.fit import measurement
+from inertia_module.jobs.measurement import measurement
 from inertia_module.jobs.sweep import indices
 from inertia_module.scene import load_scene
 
@@ -110,7 +110,11 @@ def test_what_is_known_before_is_a_value_and_its_deviation(scene):
 
 
 def test_keys_beside_the_scene_have_their_own_value_unit_and_limits(scene):
-    beside = {"offset.omega2": Beside("rad/s", 0.0, 2.0), "shift.time": Beside("s", 0.0, 1e-3, 0.1)}
+    own = {"start": 0.0, "origin": 0.0}
+    beside = {
+        "offset.omega2": Free("offset.omega2", "rad/s", -np.inf, np.inf, **own, span=2.0),
+        "shift.time": Free("shift.time", "s", -0.1, 0.1, **own, span=1e-3),
+    }
     offset, shift = free_keys(["offset.omega2", "shift.time=-2 ms:5 ms"], scene, beside)
     assert (offset.start, offset.value(2.0), offset.limits) == (0.0, 2.0, (-np.inf, np.inf))
     assert (shift.low, shift.high, shift.start) == (pytest.approx(-2e-3), pytest.approx(5e-3), 0.0)
@@ -149,7 +153,7 @@ VARIED = [
 FREE = [
     ("", r"at least one key must be free, such as imbalance_mass=0.5:2, none is"),
     ("imbalance_mass=1,2", r"must be free within LOW:HIGH or VALUE \+- DEVIATION, is given '1,2'"),
-    ("imbalance_mass=1 +- 0", r"imbalance_mass must be known to a deviation above 0, is given '1 \+- 0'"),
+    ("imbalance_mass=1 +- -1", r"must be known to a deviation of at least 0, is given '1 \+- -1'"),
     ("imbalance_mass=1 +- 1 m", r"imbalance_mass: '1 m' must be a number in kg: m is not a unit for kg"),
     ("mesh_efficiency=2 +- 1", r"mesh_efficiency must be between 0.1 and 1, is '2'"),
     ("imbalance_mass=1:2:3", r"within LOW:HIGH, without a number of points, is given '1:2:3'"),

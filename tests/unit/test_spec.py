@@ -140,6 +140,22 @@ def test_the_front_is_what_no_other_design_is_better_than(read):
     assert (second, third) == ([worse], [worst])
 
 
+def test_what_another_search_found_is_better_only_within_the_limits_and_in_no_goal_worse(read):
+    judge = Judge(read(SPEC), UNITS)
+    # of torque, speed and mass
+    here = row(30.0, 20.0, 1.0)
+    for other, better in (
+        (row(30.0, 20.0, 0.9), True),
+        (row(25.0, 21.0, 1.0), True),
+        (here, False),
+        (row(30.0, 19.0, 0.5), False),
+        (row(10.0, 21.0, 0.5), False),
+        (row(30.0, 60.0, 0.5), False),
+    ):
+        assert (judge.better(here, [other]) is other) == better
+    assert judge.better(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).figures["omega_out_final"] == 25.0
+
+
 def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     path = tmp_path / "spec.toml"
     path.write_text(SPEC)

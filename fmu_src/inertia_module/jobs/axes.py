@@ -231,7 +231,8 @@ class Free(Axis):
     Attributes:
         start: value that a search begins at, SI. origin, span: the low end and the width of a range that was
             asked for; without one both are the start, or of its size. held: whether one was. deviation:
-            standard deviation of what is known of it before, about the start; infinite for nothing.
+            standard deviation of what is known of it before, about the start: infinite for nothing, 0 of what
+            is known to be the start.
     """
 
     start: float
@@ -239,11 +240,6 @@ class Free(Axis):
     span: float
     held: bool = False
     deviation: float = math.inf
-
-    @property
-    def identifier(self) -> str:
-        """The name as one word."""
-        return self.name.replace(".", "_")
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -264,29 +260,16 @@ class Free(Axis):
         return super().at(share) if self.held else self.start
 
 
-@dataclass(frozen=True)
-class Beside:
-    """A key of a fit that is none of the scene.
-
-    Attributes:
-        unit: "" for none. value: that changes nothing, SI. size: of a change that matters, SI. most: change.
-    """
-
-    unit: str
-    value: float
-    size: float
-    most: float = math.inf
-
-
 def free_keys(
-    free: Sequence[str] | Mapping[str, Range], scene: Scene, beside: Mapping[str, Beside] | None = None
+    free: Sequence[str] | Mapping[str, Range], scene: Scene, beside: Mapping[str, Free] | None = None
 ) -> list[Free]:
     """The free keys of a fit.
 
     Args:
         free: "NAME", "NAME=LOW:HIGH" (or log:LOW:HIGH, whose starts are even in the logarithm) or, where the
             value is known so well before, "NAME=VALUE +- DEVIATION" each, or by name such a text, (low, high)
-            or None. scene: whose values they begin at. beside: keys that are not the scene's, by name.
+            or None. scene: whose values they begin at. beside: keys that are not the scene's, by name, as
+            they are free without more.
 
     Raises:
         Refused: nothing is free, a key twice, or one that is not a number or has no such range.
@@ -299,9 +282,9 @@ def free_keys(
     return [_free(name, given, scene, known.get(name)) for name, given in pairs]
 
 
-def _free(name: str, given: Range, scene: Scene, beside: Beside | None) -> Free:
+def _free(name: str, given: Range, scene: Scene, beside: Free | None) -> Free:
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
-    unit, value = (beside.unit, beside.value) if beside else _unit_and_value(name, scene)
+    unit, value = (beside.unit, beside.start) if beside else _unit_and_value(name, scene)
     if value is None and variable is not None:
         value = variable.start
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
@@ -310,7 +293,7 @@ def _free(name: str, given: Range, scene: Scene, beside: Beside | None) -> Free:
         )
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     if beside:
-        low, high = value - beside.most, value + beside.most
+        low, high = beside.low, beside.high
     if given is not None:
         text = given if isinstance(given, str) else ":".join(map(repr, given))
 
@@ -320,11 +303,10 @@ def _free(name: str, given: Range, scene: Scene, beside: Beside | None) -> Free:
         known = _KNOWN.fullmatch(text)
         if known is not None:
             mean, deviation = float(number(known[1])), _number(name, known[2], unit)
-            if deviation <= 0.0:
-                raise Refused(f"{name} must be known to a deviation above 0, is given {text!r}")
-            return Free(
-                name, unit, low, high, start=mean, origin=mean, span=10.0 * deviation, deviation=deviation
-            )
+            if deviation < 0.0:
+                raise Refused(f"{name} must be known to a deviation of at least 0, is given {text!r}")
+            span = 10.0 * deviation or 1.0
+            return Free(name, unit, low, high, start=mean, origin=mean, span=span, deviation=deviation)
         if ":" not in text:
             raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
         held = _range(name, unit, text, number)
@@ -336,7 +318,7 @@ def _free(name: str, given: Range, scene: Scene, beside: Beside | None) -> Free:
         start = float(value) if inside else 0.5 * (held.low + held.high)
         return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
     if beside:
-        return Free(name, unit, low, high, start=value, origin=value, span=beside.size)
+        return beside
     if not value:
         # which says so if there is no such key
         scene.with_keys({name: 1.0})

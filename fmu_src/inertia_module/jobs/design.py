@@ -8,6 +8,7 @@ summary of a run. A judge says how far a design is from meeting it, and which de
 from __future__ import annotations
 
 import math
+import operator
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -402,6 +403,13 @@ class Judge:
         sign = {"least": 1.0, "greatest": -1.0}
         return [sign[goal] * row.figures.get(name, 0.0) for name, goal in self.spec.goals.items()]
 
+    def better(self, row: Row, others: Iterable[Row]) -> Row | None:
+        """The best of other rows that meet all limits, are no worse in any goal and better in one."""
+        costs = self.costs(row)
+        found = [one for one in others if self.meets(one) and self.costs(one) != costs]
+        found = [one for one in found if all(map(operator.le, self.costs(one), costs))]
+        return min(found, key=self.costs, default=None)
+
     def fronts(self, rows: Sequence[Row]) -> list[list[Row]]:
         """Rows by rank: the first ones are those that no other is better than in every goal."""
         from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
@@ -608,6 +616,10 @@ def design(
         fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
         picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
+        # what the journal has of searches by other seeds
+        own = [{**row.point, LEVEL: levels[1]} for row in rows]
+        there = [row for row in evaluator.rows.values() if row.point[LEVEL] == levels[1]]
+        others = [row for row in there if row.point not in own]
     finalists, speed = [], max(demand.speed for demand in read.figures.values()) or NOMINAL_SPEED
     for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
         if not again.refused:
@@ -615,6 +627,9 @@ def design(
             scene = scenes[levels[1]].with_keys({**row.point, "title": title})
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
             doubts = doubts_of(scene, again.figures, speed)
+            if better := judge.better(again, others):
+                goals = [f"{goal} {shown(better.figures[goal], judge.unit(goal))}" for goal in read.goals]
+                doubts["bettered by another search"] = f"whose designs are here too: {', '.join(goals)}"
             finalists.append(Finalist(row, again, scene, file, doubts))
     front = fronts[0] if fronts else []
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
