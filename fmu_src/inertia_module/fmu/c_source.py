@@ -117,7 +117,7 @@ class Function:
         self.places = {found[1]: (found[2], int(found[3])) for found in re.finditer(near, text)}
         # by block: what is set as it begins, with the values that blocks before it give
         self.phis: dict[str, list[tuple[str, str, dict[str, str]]]] = {}
-        found = self._match(rf"define .*?({TYPE}) ({NAME})\((.*)\)", head)
+        found = self._match(rf"define .*?(double|ptr|i\d+|void) ({NAME})\((.*)\)", head)
         arguments = []
         for one in parts(found[3]):
             kind, (name,) = self._operand(one)

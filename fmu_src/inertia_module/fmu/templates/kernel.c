@@ -14,6 +14,8 @@
 
 #if defined __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-but-set-variable"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-function"
 #endif
 
 typedef uint64_t word;

@@ -156,8 +156,8 @@ struct text *get_version(void)
     return &version;
 }
 
-/* Life. An intermediate update is never called for: while it is answered no function of a component can be called, so
- * a host could read nothing in it. */
+/* Life. An intermediate update is never called for: the draft lets hosts leave out the callback, and no component that
+ * imports it is linked by one that does. */
 EXPORT(CO_SIMULATION "[static]co-simulation-instance.instantiate-co-simulation")
 struct instantiated *instantiate(char *name, size_t name_length, char *token, size_t token_length, char *resources,
                                  size_t resources_length, int32_t visible, int32_t logging, int32_t event_mode,
