@@ -106,4 +106,4 @@ size: $(VENV)/.all ## print folders, files, lines, statements and budgets, draw 
 	$(BIN)/python -m studies.size --picture docs/house.png
 
 clean: ## remove what was built
-	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules
+	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules component/node_modules

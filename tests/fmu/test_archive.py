@@ -24,6 +24,8 @@ from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
+from inertia_module.fmu.component import MANIFEST, PLATFORM
+from inertia_module.fmu.linking import SHELL_FOLDER, shell_sources
 from inertia_module.fmu.native_fmu import METADATA, guid, library_path
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
@@ -42,7 +44,8 @@ PAPERS = {
     2: DOCUMENTATION | {"modelDescription.xml", "model.png"},
     3: DOCUMENTATION | {"modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"} | ICONS,
 }
-LARGEST = 1_200_000
+LARGEST = 1_800_000
+LICENCES = "documentation/licenses"
 
 
 def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
@@ -64,10 +67,18 @@ def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
 
 def check_native(folder, fmu, targets):
     content = files_of(folder / fmu.file_name)
-    extra = {name for name in content if name.startswith("extra/org.")}
-    assert extra >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
-    libraries = {library_path(fmu, target) for target in targets}
-    assert content.keys() == PAPERS[fmu.fmi] | libraries | extra
+    files = {name for name in content if name.startswith("extra/org.")}
+    assert files >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
+    files |= PAPERS[fmu.fmi] | {library_path(fmu, target) for target in targets}
+    if targets == TARGETS:
+        generated = {"kernel.c", "tables.c", "codes.h"} | (
+            {"buildDescription.xml"} if fmu.fmi == 3 else set()
+        )
+        shell = {path.name for path in (*shell_sources(fmu.fmi), *SHELL_FOLDER.glob("*.h"))}
+        files |= {f"sources/{name}" for name in shell | generated}
+        if fmu.fmi == 3:
+            files |= {MANIFEST, f"binaries/{PLATFORM}/{fmu.identifier}.wasm", f"{LICENCES}/fmi-ls-wasm.txt"}
+    assert content.keys() == files
 
 
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)

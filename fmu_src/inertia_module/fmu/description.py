@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from .. import __version__
 from ..contract.models import Model
 from ..contract.variables import (
@@ -50,7 +52,13 @@ def _values(variable: Variable) -> dict[str, str | None]:
 
 
 def model_description(
-    model: Model, identifier: str, guid: str, date: str, fmi: int = 2, python: bool = False
+    model: Model,
+    identifier: str,
+    guid: str,
+    date: str,
+    fmi: int = 2,
+    python: bool = False,
+    sources: Sequence[str] = (),
 ) -> bytes:
     """The XML of modelDescription.xml.
 
@@ -58,6 +66,7 @@ def model_description(
         model: what it describes. identifier: model identifier, the name of the binaries.
         guid: hash of the content. date: generation date and time, UTC, ending in Z.
         fmi: version of FMI, 2 or 3. python: whether pythonfmu passes the calls on, and what it can.
+        sources: names of C files that FMI 2.0 lists; FMI 3.0 has build_description.
     """
     variables = model.variables if fmi == 2 else (*model.variables, TIME)
     # FMI 2.0 counts variables from 1, FMI 3.0 has their value references
@@ -71,6 +80,7 @@ def model_description(
     values = {
         **{"model": model, "identifier": identifier, "guid": guid, "date": date, "version": __version__},
         **{"fmi": fmi, "python": str(python).lower(), "native": str(not python).lower()},
+        **{"sources": () if fmi == 3 else sources},
         **{"variables": variables, "values": _values, "initial": INITIAL, "tolerance": tolerance},
         **{"numbers": numbers, "at_start": at_start, "number": _number, "types_3": TYPES_3},
         "units": {name: exponents for name, exponents in UNITS.items() if name in units},
@@ -78,6 +88,16 @@ def model_description(
         "display_units": DISPLAY_UNITS,
     }
     return filled_xml(TEMPLATES / "modelDescription.xml", values)
+
+
+def build_description(identifier: str, sources: Sequence[str]) -> bytes:
+    """The XML of sources/buildDescription.xml: what FMI 3.0 compiles.
+
+    Args:
+        identifier: model identifier. sources: names of the C files.
+    """
+    values = {"identifier": identifier, "sources": sources}
+    return filled_xml(TEMPLATES / "buildDescription.xml", values)
 
 
 def terminals(model: Model) -> bytes:

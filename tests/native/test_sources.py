@@ -1,0 +1,42 @@
+"""The sources in the FMUs, compiled as an importer and as a strict compiler do."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from fmpy import build, extract, simulate_fmu
+
+from inertia_module.fmu.linking import header_folder
+from inertia_module.fmu.native_fmu import c_files
+
+from .conftest import FMUS, run, system_compiler
+
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wshadow", "-Wstrict-prototypes")
+
+
+def simulated(folder, **modes):
+    """Bits of what FMPy reads in a simulation."""
+    return simulate_fmu(str(folder), stop_time=0.3, output_interval=1e-3, **modes).tobytes()
+
+
+@pytest.mark.parametrize("identifier", FMUS)
+def test_fmpy_makes_a_library_of_them_that_has_the_bits_of_ours(identifier, built_for_all, tmp_path):
+    if shutil.which("cmake") is None:
+        pytest.skip("cmake is not installed")
+    system_compiler()
+    folder = Path(extract(str(built_for_all / f"{identifier}.fmu"), str(tmp_path / "fmu")))
+    modes = [{}]
+    if identifier == "InertiaModule3":
+        modes.append({"use_event_mode": True, "early_return_allowed": True})
+    ours = [simulated(folder, **mode) for mode in modes]
+    shutil.rmtree(folder / "binaries")
+    build.build_platform_binary(folder)
+    assert [simulated(folder, **mode) for mode in modes] == ours
+
+
+@pytest.mark.parametrize("identifier", FMUS)
+def test_they_are_c99_without_a_warning(identifier, built_for_all, tmp_path):
+    sources = Path(extract(str(built_for_all / f"{identifier}.fmu"), str(tmp_path / "fmu"))) / "sources"
+    files = [sources / name for name in c_files(str(path) for path in sources.iterdir())]
+    given = ["-std=c99", "-O1", "-fsyntax-only", *STRICT, "-isystem", header_folder()]
+    assert run([system_compiler(), *given, *files]) == ""
