@@ -66,6 +66,8 @@ class SteadyPulses(NamedTuple):
         ripple: RMS of the torque in the output freewheel about its mean, N m. peak: its largest, N m.
         bearing_force: the largest on the bearing of a satellite, N. loss: power lost, W.
         housing_engagements, output_engagements: of the freewheels, a turn of link 1.
+        housing_peak: largest torque in the housing freewheel, N m. housing_slip, output_slip: largest
+            overrunning speeds of the freewheels, rad/s.
     """
 
     output_torque: float
@@ -78,6 +80,9 @@ class SteadyPulses(NamedTuple):
     loss: float
     housing_engagements: float
     output_engagements: float
+    housing_peak: float
+    housing_slip: float
+    output_slip: float
 
 
 class SteadyMachine:
@@ -190,6 +195,7 @@ class SteadyMachine:
             module["satellite_force_peak"],
             lost / time,
             *(number / turned for number in engaged),
+            *module.read(("housing_torque_peak", "housing_slip_peak", "output_slip_peak")),
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:

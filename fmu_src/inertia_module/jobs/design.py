@@ -109,6 +109,11 @@ class Mechanism:
         chart = self.chart(speed)
         return float(chart.output_torque.min()) * speed**2 if chart.lock_up_torque[0] > 0.0 else 0.0
 
+    def engagement_frequency(self, speed: float, ratio: float) -> float:
+        """Engagements a second of the freewheel that engages more often, Hz; speed in rad/s."""
+        pulses = self.pulses(speed, ratio)
+        return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
+
     @property
     def satellite_ratio(self) -> float:
         """Speed of a satellite in its bearing over that of link 1 where link 2 is at rest: its fastest."""
@@ -161,6 +166,10 @@ NAMED = {
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
+    "engagement_frequency": Named("Hz", _BOTH, lambda m, w, i: m.engagement_frequency(w, i)),
+    "housing_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).housing_peak),
+    "housing_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).housing_slip),
+    "output_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).output_slip),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
     # all the way from stall on
     "bearing_force_peak": Named(
