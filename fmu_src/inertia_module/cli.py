@@ -1,7 +1,7 @@
 """The command ``inertia-module``: FMUs, scenes, jobs, what accuracy costs.
 
-What each command does besides its work: errors in one line, --json, files, the exit code. Libraries and rooms
-of the package are imported when a command runs: help needs none of them.
+Common to all commands: errors in one line, --json, files, the exit code. Libraries and modules of the package
+are imported when a command runs: help needs none of them.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ File = Path | None
 
 
 def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> Any:
-    """An option: its help, what stands for its value, its names where they are not that of the parameter."""
+    """Declare an option: help, placeholder of its value, names if they differ from the parameter's."""
     return typer.Option(*names, metavar=metavar, help=text, **more)
 
 
@@ -83,7 +83,7 @@ class Answer:
 
     Attributes:
         told: for machines. shown: to people, in this order. failed: whether the exit code is 1.
-        files: that were left, by name; a machine is told them as well, for people they are listed at the end.
+        files: that were written, by name; in the output of --json too, for people listed at the end.
     """
 
     told: dict[str, Any]
@@ -93,7 +93,7 @@ class Answer:
 
 
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
-    """Make a command of its work: with --json, errors in one line and the exit code."""
+    """Turn a function into a command: add --json, errors in one line and the exit code."""
 
     @functools.wraps(work)
     def run(as_json: bool, **options: Any) -> None:
@@ -135,7 +135,7 @@ def folder_for(output: Path | None, *default: str) -> Path:
 
 
 def show(one: Shown) -> None:
-    """Print one of what an answer shows."""
+    """Print one part of an answer."""
     if isinstance(one, str):
         typer.echo(one, err=isinstance(one, Aside))
         return
@@ -307,12 +307,12 @@ def run(
         Text, option('Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.')
     ] = None,
     fmu: FmuToRun = None,
-    view: Annotated[bool, option("Leave page.html too: see view.", None, "--view")] = False,
+    view: Annotated[bool, option("Write page.html too: see view.", None, "--view")] = False,
     keys: Keys = None,
 ) -> Answer:
     """Run a scene: table, summary and plot.
 
-    Leaves table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
+    Writes table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
     """
     from .contract.variables import COMPUTED
     from .page.html import html_file, template
@@ -357,7 +357,7 @@ def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -
 
 
 def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
-    """A scene at the fidelity asked for, or at one chosen by measuring, and then why."""
+    """Scene at the requested fidelity, or at one chosen by measuring, with the choice."""
     from .fidelity.trials import choose
 
     allowed = quantity_of("--error", error, "1", **ERROR)
@@ -379,7 +379,7 @@ def view(
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
-    """Leave a scene as a page that shows the machine moving.
+    """Write a scene as a page that shows the machine moving.
 
     It is one HTML file, with the kernel in it. What the page cannot integrate itself, a load that follows
     the motion or a controller, is run here first and played in it.
@@ -455,7 +455,7 @@ def tradeoff(
         Text, option('Recommend the cheapest level for an error: 1e-3, "1 %".', "ERROR")
     ] = None,
     wanted: Annotated[
-        Texts, option("Output that counts, instead of the scene's; may be repeated.", "NAME")
+        Texts, option("Output to judge by, instead of the scene's; may be repeated.", "NAME")
     ] = None,
     keys: Keys = None,
 ) -> Answer:
@@ -568,18 +568,18 @@ def orders(
     highest: Annotated[float | None, option("Highest order.", "ORDER")] = None,
     turns: Annotated[float | None, option("Turns of link 1 (or pulses) in a window: 1 / resolution.")] = None,
     begin: Annotated[
-        Text, option("Begin of what is looked at: '2 s' (where it turns).", "TIME", "--from")
+        Text, option("Begin of the time analysed: '2 s' (where it turns).", "TIME", "--from")
     ] = None,
-    end: Annotated[Text, option("Its end.", "TIME", "--to")] = None,
-    hz: Annotated[bool, option("Tell and draw Hz and rpm.", None, "--hz")] = False,
-    mat: Annotated[bool, option("Leave complex amplitudes as orders.mat.", None, "--mat")] = False,
-    uff: Annotated[bool, option("Leave them as orders.uff (data sets 58).", None, "--uff")] = False,
+    end: Annotated[Text, option("End of it.", "TIME", "--to")] = None,
+    hz: Annotated[bool, option("Use Hz and rpm in output and figure.", None, "--hz")] = False,
+    mat: Annotated[bool, option("Write complex amplitudes as orders.mat.", None, "--mat")] = False,
+    uff: Annotated[bool, option("Write them as orders.uff (data sets 58).", None, "--uff")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
     """Find the orders of torques, speeds and forces of a scene.
 
-    Runs it and leaves orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
+    Runs it and writes orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
     (out/orders/SCENE without -o).
     """
     from .common.extras import library
@@ -636,7 +636,7 @@ def fit(
 ) -> Answer:
     """Find the values of a scene's keys that fit a measurement.
 
-    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Leaves fitted.toml (a scene),
+    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Writes fitted.toml (a scene),
     residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
     """
     folder = folder_for(output, f"{scene.stem}_fit")
@@ -666,7 +666,7 @@ def fit(
 def sweep(
     scene: SceneFile,
     vary: Annotated[Texts, option("FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; repeat.", "NAME=RANGE")] = None,
-    sample: Annotated[Text, option("Not a grid: latin:200 or sobol:256 points.", "KIND:COUNT")] = None,
+    sample: Annotated[Text, option("Instead of a grid: latin:200, sobol:256 points.", "KIND:COUNT")] = None,
     sensitivity: Annotated[
         int | None, option("Sobol indices from N (keys + 2) runs, N a power of 2.", "N")
     ] = None,
@@ -680,7 +680,7 @@ def sweep(
 ) -> Answer:
     """Run a scene over values of its keys.
 
-    Leaves sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
+    Writes sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
     in journal.jsonl of the folder and is not done again.
     """
     from .figures.jobs import sweep_figure
@@ -720,7 +720,7 @@ def design(
 ) -> Answer:
     """Search the best designs within the limits of a specification.
 
-    Leaves pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
+    Writes pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
     and so on, in a folder (out/SPEC_design without -o).
     """
     from .jobs.design import read_spec

@@ -74,9 +74,7 @@ MESSAGES: Mapping[int, str] = {
         " imbalance rests in link 1 (a = b, or no eccentricity); drive_inertia or satellite_inertia above 0"
         " or a different from b helps too"
     ),
-    codes.BAD_START_HOUSING: (
-        "with the housing freewheel omega2_start must be at least 0, is {omega2_start}"
-    ),
+    codes.BAD_START_HOUSING: "with the housing freewheel omega2_start must be at least 0, is {omega2_start}",
     codes.BAD_START_OUTPUT: (
         f"with the output freewheel omega_out_start must be at least {named('omega2_start')}, is"
         " {omega_out_start}"

@@ -62,11 +62,9 @@ class Model:
         name: of the native FMU, of saved states. title: for people.
         description: one sentence without its full stop. variables: its table.
         call: its kernel as plain Python. records: fields of the kernel's p, d, u, x, y and w.
-        messages: what it says for each status of its kernel but OK (see messages.MESSAGES).
-        warnings: what it says of a mechanism that is accepted but cannot be built (see messages.WARNINGS).
-        traced: variables that a log of every step shows.
-        bounds: of the numbers in d and x that are used as an index or a choice.
-        terminals: the flanges.
+        messages: what it says for each status of its kernel but OK.
+        warnings: what it says of a mechanism that is accepted but cannot be built.
+        traced: variables that a log of every step shows. bounds: of d and x. terminals: the flanges.
     """
 
     name: str

@@ -1,8 +1,7 @@
 """The tables of variables of the models: all that is stated of a variable is in its row.
 
-The kernel's records have fields of these names (models.interface). The description and the shell of the FMU,
-argument checks, documentation and the page are made from it. Names and meanings are the contract of the
-models.
+Records of the kernel (models.interface), description and shell of the FMU, argument checks, documentation and
+the page are made from it. Names and meanings are the contract of the models.
 """
 
 from __future__ import annotations
@@ -136,10 +135,9 @@ class Variable:
     Attributes:
         name: name in the FMU. group: that it is listed in. unit: of UNITS ("" where it has none).
         description: one sentence. start: start value (None: calculated).
-        minimum, maximum, nominal: or None. causality: as in FMI 2.0.
-        variability: likewise; discrete is what changes at switches alone, for FMI 3.0 has that change in
-            events alone. kind: Real, Integer, Boolean or Enumeration.
-        enumeration: name in ENUMERATIONS, or "".
+        minimum, maximum, nominal: or None. kind: Real, Integer, Boolean or Enumeration.
+        causality, variability: as in FMI 2.0; discrete is what changes at switches alone, for FMI 3.0 has
+            that change in events alone. enumeration: name in ENUMERATIONS, or "".
         follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
         of_step: whether it is a mean or a peak of the last step, which has no rate.
         late: whether the kernel's STEP_ONLY leaves it out, for it takes more work than some steps do.
@@ -226,12 +224,10 @@ class Variable:
 
 # --- the module ---
 
-
 _input = partial(Variable, causality=INPUT)
 _output = partial(Variable, causality=OUTPUT)
 _local = partial(Variable, causality=LOCAL)
 _parameter = partial(Variable, causality=PARAMETER, variability=FIXED)
-# a parameter that may change between steps
 _tunable = partial(Variable, causality=PARAMETER, variability=TUNABLE)
 
 _INERTIA_LIMIT = 1e12

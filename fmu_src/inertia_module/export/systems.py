@@ -123,7 +123,7 @@ def make_plan(
 def typed(variable: Variable, value: float) -> tuple[str, str]:
     """(kind, value as text) of a variable in files of other tools; an enumeration as an Integer.
 
-    libcosim and Ecos know no enumerations, FMPy knows none by the names of their items.
+    libcosim and Ecos know no enumerations, FMPy does not accept item names.
     """
     if variable.kind == "Boolean":
         return "Boolean", "true" if value else "false"
@@ -259,7 +259,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder.
 
     Args:
-        plan: the system. folder: made if it is not there. progress: told each stage as it begins.
+        plan: the system. folder: made if it is not there. progress: called with each stage as it begins.
 
     Returns:
         Paths of the files.

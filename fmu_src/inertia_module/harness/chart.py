@@ -1,4 +1,4 @@
-"""Torque converter chart of a mechanism: what it makes of the input torque over the speed ratio.
+"""Torque converter chart of a mechanism: torque, efficiency and ripple over the speed ratio.
 
 The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
 (SAE J643). In a mechanism without losses everything goes with the square of the input speed as well, so
@@ -7,8 +7,8 @@ stall it passes torque and takes no power. Mechanisms differ in the torque they 
 that of one input speed, and a map tells torques, loss and efficiency over speed ratio and input speed.
 
 It is made of steady pulses at a speed ratio: of the rigid module, its output shaft held by a large inertia.
-Whatever is lost is in it: mean torques, and what is lost of the energy put in, over whole periods of the
-drive. Fidelity `averaged` has these means in a map, found once and interpolated.
+All losses are in it: mean torques, and the share of the energy put in that is lost, over whole periods of
+the drive. Fidelity `averaged` has these means in a map, found once and interpolated.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 HELD = 1e8
 # turns of the drive to average over: whole periods of the motion, or where that is long most of it
 FEWEST_TURNS, MOST_TURNS = 10, 100
-# turns of link 1 after which link 2 has come along where the shaft runs ahead
+# turns of link 1 after which link 2 has reached its speed where the shaft overruns link 1
 SETTLING_TURNS = 200
 # of the time of a period, which only decides what little of a pulse is missed at its end
 TIME_ERROR = 1e-8
@@ -93,7 +93,7 @@ class SteadyMachine:
         kernel: as in Module.
 
     Attributes:
-        ideal: whether it loses nothing and has no weight, so that all goes with the speed squared.
+        ideal: True without losses, weight, play and wind-up: torques are proportional to omega1^2.
 
     Raises:
         Refused: the parameters cannot be, or a freewheel is missing.
@@ -132,7 +132,7 @@ class SteadyMachine:
         return self._settled(omega1, ratio)[1]
 
     def _settled(self, omega1: float, ratio: float) -> tuple[Module, SteadyPulses]:
-        """The module after turns whose means are steady, and these; arguments as of at."""
+        """Run until the means are steady or TRIES are over; returns module and means. Arguments as of at."""
         speed = ratio * abs(omega1)
         for start in (0.0, speed):
             module = self._started(omega1, speed, start)
@@ -146,7 +146,7 @@ class SteadyMachine:
         return module, pulses
 
     def _samples(self, module: Module, omega1: float, names: Sequence[str]) -> Array:
-        """Outputs over the turns that come now, SAMPLES a turn where link 2 is held, shape (m, names)."""
+        """Outputs over the next turns of the drive, SAMPLES a turn where link 2 is held, shape (m, names)."""
         turn, begun, found = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
         while abs(_drive_angle(module) - begun) < self._turns * math.tau:
             module.advance(turn / SAMPLES)
@@ -163,14 +163,14 @@ class SteadyMachine:
         return float(torques.std()), float(np.abs(torques).max())
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Bounds of the time that the turns take, s."""
+        """Shortest and longest time that the turns of a mean can take, s."""
         slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
         # link 2 turns between 0 and the speed of the shaft
         moved = 1.0 - ratio if omega1 > 0.0 else 1.0 + ratio
         return 0.999 * slowest / max(moved, 1.0), 1.001 * slowest / min(moved, 1.0)
 
     def _over_turns(self, module: Module, omega1: float, ratio: float) -> SteadyPulses:
-        """Means over the turns that come now."""
+        """Run on over the next turns and return the means over them."""
         between = self._times(omega1, ratio)
         begun, angle = module.save(), _drive_angle(module)
         counted = ("energy_in", "energy_lost", "housing_engagements", "output_engagements")
@@ -199,7 +199,7 @@ class SteadyMachine:
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Compute mean torques on the load and of link 1, N m, where the shaft runs ahead: of what rubs.
+        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns link 1.
 
         Args:
             omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, above 1.
@@ -222,7 +222,7 @@ class SteadyMachine:
         return float(np.linalg.norm(self._samples(module, omega1, parts), axis=1).max())
 
     def lock_up_torque(self, omega1: float) -> float:
-        """Find the largest torque on the load at which the drive can stand still in link 1, N m; stick apart.
+        """Find the largest load torque, N m, at which the drive stays at rest in link 1, without stiction.
 
         That of the imbalances, - k I' omega1^2 / 2, less the viscous friction of link 2 and output shaft.
         """
@@ -269,8 +269,8 @@ class TorqueConverterChart:
         efficiency: output over input power, 1.
         link2_ratio: mean speed of link 2 over the input speed.
         ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
-        lock_up_torque: what lock-up at ratio 1 can hold, stick apart, N m s^2, the same in all rows;
-            0 where it is not reached.
+        lock_up_torque: largest load torque that lock-up at ratio 1 holds, without stiction, N m s^2, the
+            same in all rows; 0 where it is not reached.
         housing_engagements, output_engagements: of the freewheels, a turn of link 1, in lock-up those just
             before it; None where they were not asked for.
     """
@@ -293,7 +293,7 @@ class TorqueConverterChart:
 
     @property
     def lossless(self) -> bool:
-        """Tell whether nothing is lost at any ratio."""
+        """Tell whether the efficiency is 1 at all ratios."""
         return bool((self.efficiency == 1.0).all())
 
     @property
@@ -304,7 +304,7 @@ class TorqueConverterChart:
     def summary(
         self, omega1: float | None = None, indexing: Mapping[str, float] = MappingProxyType({})
     ) -> dict[str, float]:
-        """The numbers to compare mechanisms by.
+        """Characteristic numbers of the chart, for comparing mechanisms.
 
         Args:
             omega1: speed of the input, rad/s; without it torques are over its square, engagements over turns.
@@ -389,7 +389,7 @@ def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> Ste
     """Map of a mechanism from a tenth of an input speed up to that.
 
     Args:
-        machine: of the mechanism. omega1: rad/s, not 0. progress: told the share done.
+        machine: of the mechanism. omega1: rad/s, not 0. progress: called with the share done.
     """
     speeds, rows = omega1 * MAP_SPEEDS, []
     for speed in speeds:

@@ -50,7 +50,7 @@ class Report:
 
     Attributes:
         problems: one line each; empty if all is well. warnings: that it logs, and what is not done.
-        facts: what it is, by heading. outputs: last value of each output stepped to.
+        facts: properties of the FMU by heading. outputs: last value of each output stepped to.
         references: what it deviates from the results that it carries along.
     """
 

@@ -45,10 +45,10 @@ NO_STEPS, NO_INPUTS = np.empty(0), np.empty((0, 0))
 
 
 class Closing:
-    """Context that closes itself at the end of a with statement."""
+    """Context manager that calls close at its end."""
 
     def close(self) -> None:
-        """Free what it holds."""
+        """Release the resources."""
         raise NotImplementedError
 
     def __enter__(self) -> Self:
@@ -85,7 +85,7 @@ def run(
         plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
         inputs: by name, for each step, shape (steps,). outputs: names.
         rows: for the outputs at the start and after each step, shape (steps + 1, outputs).
-        progress: told how much of the run is done (0 to 1).
+        progress: called with the share of the run that is done, 0 to 1.
 
     Raises:
         Refused: as set, advance and read of the plant.
@@ -106,7 +106,7 @@ def run(
 def take_steps(
     plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
 ) -> None:
-    """Take steps, in one call of a plant that can, else one by one; arguments as of Fmu.take_steps."""
+    """Take steps, in one call if the plant offers it, else one by one; arguments as of Fmu.take_steps."""
     in_one_call = getattr(plant, "take_steps", None)
     if in_one_call is not None and in_one_call(lengths, inputs, given, outputs, rows):
         return
@@ -118,7 +118,7 @@ def take_steps(
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
-    """Names, of which one alone may be given as it is."""
+    """Names as a tuple; a single one may be given as a string."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
@@ -163,7 +163,7 @@ def read_description(path: Path, validate: bool = True) -> Any:
 
 
 def _number_for(variable: Any, value: Any) -> float:
-    """The number that a variable takes for a value, quantity or name of an item; the FMU checks its range."""
+    """Convert a value, a quantity or the name of an item to the number to set; the FMU checks its range."""
     if variable.type == "Real" and isinstance(value, float):
         return value
     unit, items, largest = variable.unit or "1", None, LARGEST_INTEGER
@@ -331,7 +331,7 @@ class Fmu(Closing):
         return [self._variable(name).valueReference for name in as_names(names)]
 
     def _address(self, names: Sequence[str]) -> int:
-        """Address of the value references of some names."""
+        """Address of a C array of the value references of these names, kept."""
         key = tuple(names)
         if key not in self._arrays:
             self._arrays[key] = (c_uint * len(key))(*self._references(key))
@@ -529,7 +529,7 @@ class Fmu(Closing):
 
 
 class RestartedFmu(Fmu):
-    """Instance that restart takes back to initialisation with other start values, as often as wanted.
+    """Instance that can be restarted from initialisation with other start values.
 
     It goes back to a state kept in initialisation mode, after everything that follows from the parameters
     (the map of fidelity averaged) has been found: without the cost of a new instance.

@@ -1,6 +1,6 @@
-"""FMUs by fmpy: instances, unpacked, each with log messages of its own, FMI 3.0 called like 2.0.
+"""FMUs loaded by fmpy: unpacking, a log for each instance, FMI 3.0 by the calls of 2.0.
 
-Importing it brings fmpy along.
+Importing it imports fmpy.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ OTHERS = 0
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Pass a message on to the log it is for; without one it is printed, as fmpy does."""
+    """Append a message to the log of its instance; print it as fmpy does if there is none."""
     log = _logs.get(environment or OTHERS)
     if log is None:
         printLogMessage(environment, instance, status, category, message)
@@ -124,7 +124,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
 
 
 def _check_status(status: int) -> None:
-    """Raise where fmpy does for functions of the standards."""
+    """Raise on a status of failure, as fmpy does for functions of the standards."""
     if status > WARNING:
         raise FMICallException(RUN, status)
 

@@ -33,7 +33,7 @@ _HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$")
 
 
 class TableError(Refused):
-    """A table that cannot be used: the message names the column and what is allowed."""
+    """Error of a table: the message names the column and what is allowed."""
 
 
 @dataclass(frozen=True)

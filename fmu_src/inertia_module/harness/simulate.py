@@ -84,10 +84,10 @@ def drive(
         path: the .fmu file; None for that of the module, as it comes with the package or is built.
         inputs: arrays by name (with time), a Result or a CSV file; between its rows inputs are
             interpolated linearly, before the first and after the last they are constant. Columns in other
-            units (`omega1 [rpm]`) are converted; those that the FMU computes, measured on a rig, come along.
+            units (`omega1 [rpm]`) are converted; what the FMU computes, measured on a rig, is included.
         stop_time: s. step: communication step, s; the last one is cut to end at stop_time.
         outputs: names of variables to record. parameters, tolerance: see Fmu.
-        progress: told how much of the run is done (0 to 1); by default a bar on runs over two seconds.
+        progress: called with the share done, 0 to 1; by default a bar on runs over two seconds.
 
     Returns:
         Table of time, the inputs, what was measured (`omega_out_measured`) and the outputs, shape
@@ -114,13 +114,13 @@ def drive(
 
 
 def whole_steps(duration: float, step: float) -> int:
-    """Number of steps in a duration, both in s; 0 where it is no whole number (to a millionth)."""
+    """Number of steps in a duration, both in s; 0 if it is not a whole number (within 1e-6)."""
     number = duration / step
     return max(round(number), 0) if math.isfinite(number) and abs(number - round(number)) <= 1e-6 else 0
 
 
 def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
-    """Times 0, step, 2 step, ... and stop_time, s (a last sliver below 1e-9 of a step is dropped).
+    """Times 0, step, 2 step, ... and stop_time, s (a remainder below 1e-9 of a step is dropped).
 
     Raises:
         Refused: stop_time or step is not positive.

@@ -1,4 +1,4 @@
-"""Several FMUs wired to one system and stepped together, with the plainest of algorithms."""
+"""Co-simulation of connected FMUs, Jacobi or Gauss-Seidel, with a fixed communication step."""
 
 from __future__ import annotations
 

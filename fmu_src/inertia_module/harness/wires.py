@@ -63,7 +63,7 @@ def _end(descriptions: Mapping[str, Any], wire: Wire, instance: str, name: str, 
 
 
 def _driven_by(description: Any, parameters: Mapping[str, Any]) -> tuple[str, str]:
-    """The input that drives a module and the one that has no effect then; neither of any other FMU."""
+    """Names (input in use, input without effect) of a module by its parameter drive; else ("", "")."""
     known = {variable.name: variable for variable in description.modelVariables}
     if not {"drive", "omega1", "drive_torque"} <= known.keys():
         return "", ""
@@ -74,7 +74,7 @@ def _driven_by(description: Any, parameters: Mapping[str, Any]) -> tuple[str, st
 def _not_driven_once(
     nodes: Mapping[str, Node], descriptions: Mapping[str, Any], wires: Sequence[Wire]
 ) -> list[str]:
-    """List inputs that are not driven once, by a wire or by the user, and wires to one without effect."""
+    """List inputs driven never or more than once, by wires or the user, and wires to one without effect."""
     problems = []
     for instance, node in nodes.items():
         needed, idle = _driven_by(descriptions[instance], node.parameters)

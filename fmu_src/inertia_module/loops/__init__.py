@@ -1,8 +1,8 @@
 """Surroundings of an FMU, stepped together with it.
 
 Loads, controllers and sources are systems in discrete time, which closed_loop.py connects, with systems of
-python-control too. An engine is coupled to the module by engine.py; docs/coupling.md tells what its schemes
-are worth. Each file says what is public of it.
+python-control too. An engine is coupled to the module by engine.py; docs/coupling.md compares its schemes.
+Each file says what is public of it.
 """
 
 from . import closed_loop, controllers, engine, loads, sources

@@ -174,7 +174,7 @@ class ClosedLoop:
         """Step to the stop time, s, and return a row a communication point as a named table.
 
         Args:
-            stop_time: s. progress: told how much of the run is done (0 to 1).
+            stop_time: s. progress: called with the share of the run that is done, 0 to 1.
 
         Raises:
             ValueError: the stop time is not a whole number of steps.
@@ -193,7 +193,7 @@ class ClosedLoop:
         return Result.from_rows(self.names, rows, {name: known.get(name, "") for name in self.names[1:]})
 
     def _close(self, rows: NDArray[np.float64], first: int, progress: Progress | None) -> None:
-        """Step through rows that have their times; the signals of the surroundings stand from first on."""
+        """Fill rows whose times are given; columns from first on are the signals of the surroundings."""
         number, systems = len(rows) - 1, self.surroundings
         report_every = max(number // _PROGRESS_CALLS, 1)
         names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)

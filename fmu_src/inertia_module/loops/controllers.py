@@ -1,4 +1,4 @@
-"""Controllers in discrete time: PI with limits and anti-windup, and the driver's foot on the brake."""
+"""Controllers in discrete time: PI with limits and anti-windup, and the driver's brake."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ def pi_speed_controller(
 
 
 def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0) -> Any:
-    """The driver's brake: a force in proportion to how much the vehicle is too fast.
+    """The driver's brake: a force in proportion to the excess of the vehicle's speed.
 
     Args:
         step: communication step, s. gain: N per m/s. greatest: force the brakes can have, N.
-        margin: excess of speed that is let pass, m/s.
+        margin: excess of speed without braking, m/s.
 
     Returns:
         A system without states, with inputs reference and vehicle_speed, m/s,

@@ -68,7 +68,7 @@ class EngineMap:
         drag: torque against the motion without fuel, N.m, from 0.
 
     Raises:
-        ValueError: breakpoints that do not rise, or torques that are negative or of another number.
+        ValueError: breakpoints that do not rise, or torques negative or not one for each.
     """
 
     speed: tuple[float, ...]
@@ -128,7 +128,7 @@ class Governor:
         limits: tuple[float, float],
         feedforward: float = 0.0,
     ) -> tuple[float, float]:
-        """One sample.
+        """Compute one sample of the governor.
 
         Args:
             integral: N.m. reference, speed: rad/s. limits: least and greatest torque, N.m.
@@ -279,8 +279,8 @@ class Ledger:
     Attributes:
         time: s. steps: communication steps. fmu_steps: steps of the FMU, those taken back included.
         derivatives: directional derivatives asked for.
-        defect: energy lost on the bond, J: what the engine has done less what the module has got; each side
-            is exact for what it was given. defect_magnitude: sum of |defect| of the steps, J.
+        defect: energy defect of the coupling, J: work of the engine less work on the module; each side is
+            exact for what it was given. defect_magnitude: sum of |defect| of the steps, J.
     """
 
     time: float = 0.0
@@ -330,7 +330,7 @@ class EnginePlant(ABC):
 
     @abstractmethod
     def _exchange(self, h: float) -> tuple[float, float]:
-        """Advance both by a step, s: work of the engine and on the module, J; what raises leaves both."""
+        """Advance both by a step, s: work of the engine and on the module, J; neither moves on an error."""
 
     def set(self, **values: float) -> None:
         """Set inputs of the FMU by name; omega1 is the speed the governor is asked for.
@@ -388,7 +388,7 @@ class InterfaceInertia(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """Midway between the least and the greatest."""
+        """Mean of the least and the greatest, kg.m2."""
         return 0.5 * (self.least + self.greatest)
 
 
@@ -414,7 +414,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
 
 
 class Scheme(StrEnum):
-    """A scheme of coupling: who goes first, and what corrects the step.
+    """Coupling scheme: order of the two sides, and correction of the step.
 
     JACOBI: both step with what was known at the communication point; the module at a held speed.
     MODULE_FIRST: the engine has the torque of the same step; the module at a held speed.
@@ -445,7 +445,7 @@ class _Answer(NamedTuple):
     acceleration: float
 
     def with_inertia(self, inertia: float, acceleration: float | None = None) -> LoadTorque:
-        """Load of the engine: the torque, less what the acceleration took, plus what the engine's takes."""
+        """Load of the engine: the torque, corrected by inertia times the difference of accelerations."""
         own = self.acceleration if acceleration is None else acceleration
         return LoadTorque(self.torque - inertia * own, inertia)
 

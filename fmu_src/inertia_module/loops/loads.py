@@ -164,10 +164,10 @@ def shaft_load(
 
 
 def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
-    """Friction torque that brings a shaft to rest within the step, as far as its capacity reaches, N.m.
+    """Friction torque, N.m, that brings a shaft to rest within the step, limited to its capacity.
 
     The complementarity condition of dry friction in discrete time: it never turns the motion round, and holds
-    at standstill. Without it the step ends at free_speed, rad/s; 1 N.m of it takes off effect, rad/s.
+    at standstill. Without it the step ends at free_speed, rad/s; 1 N.m of it reduces that by effect, rad/s.
     """
     return min(max(free_speed / effect, -capacity), capacity)
 

@@ -1,4 +1,4 @@
-"""Scene files: what is to be simulated, how accurately, and what is wanted of it."""
+"""Scene files: mechanism, drive, load, accuracy and outputs of a simulation."""
 
 from .keys import SceneError
 from .reading import load_any_scene, load_scene

@@ -29,7 +29,7 @@ SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
 
 
 def measured_speed(load_kind: Any) -> str:
-    """Name of the speed that a controller controls with a kind of load."""
+    """Name of the controlled speed for a kind of load."""
     return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
 
 
@@ -131,7 +131,7 @@ def in_range(variable: Variable) -> InUnit:
 
 
 def fields_of(variables: Sequence[Variable]) -> Any:
-    """Fields of a table for variables, as of pydantic.create_model: each may be given."""
+    """Optional fields of a table for variables, for pydantic.create_model."""
     number: Any = float | None
     types = {variable.name: number for variable in variables}
     if FIDELITY in types:
@@ -205,7 +205,7 @@ class Tabulated(Strict):
 
 
 class ConstantOrTable(Strict):
-    """A quantity that is constant or over time: two keys of which one must be there.
+    """Quantity given as a constant or as a table over time: exactly one of two keys.
 
     Attributes:
         SIGNAL: its name; that of the table ends with _over_time.
@@ -289,7 +289,7 @@ def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) 
 
 
 def one_line(scene: type[BaseModel], failure: ValidationError) -> str:
-    """The first thing that is wrong, and how many more there are.
+    """Message for the first error, and the number of further errors.
 
     Args:
         scene: the model that was validated. failure: what pydantic found.
@@ -325,19 +325,19 @@ def _line(scene: type[BaseModel], error: Any) -> str:
 
 
 def full_name(name: str) -> str:
-    """A key by dots; those of the mechanism may go without their table."""
+    """Full dotted key; the prefix mechanism. may be left out."""
     return name if "." in name else f"{MECHANISM}{name}"
 
 
-# values by key, named by dots, or texts such as "imbalance_mass=2 kg" or "load.kind=shaft"
+# values by dotted key, or texts such as "imbalance_mass=2 kg" or "load.kind=shaft"
 Keys = Mapping[str, Any] | Iterable[str] | None
 
 
 def keys_of(given: Keys) -> dict[str, Any]:
-    """Values by key, named by dots.
+    """Values by dotted key.
 
     Args:
-        given: they, or KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
+        given: these, or KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
 
     Raises:
         SceneError: a text is not of this form.
@@ -382,7 +382,7 @@ def validated(
 
     Args:
         model: Scene, or another kind. tables: as read from TOML, or Scene.tables; some may be checked ones.
-        folder: where paths of CSV files in them start. before: the scene that these are tables of, changed.
+        folder: where paths of CSV files in them start. before: the scene that a change made them from.
 
     Raises:
         SceneError: in one line, the key, the value and what is allowed.

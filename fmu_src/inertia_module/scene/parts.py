@@ -43,7 +43,7 @@ class AnyDrive(Strict):
     """A drive of link 1.
 
     Attributes:
-        INPUT: of the module, which the drive gives. COMMANDED: it leaves that to [controller].
+        INPUT: of the module, which the drive gives. COMMANDED: True if [controller] commands it.
     """
 
     INPUT: ClassVar[str] = "omega1"
@@ -60,12 +60,12 @@ class AnyDrive(Strict):
         return None
 
     def signal(self) -> Signal | None:
-        """The input, rad/s or N.m, constant or over time, if it follows from nothing the module does."""
+        """The input, rad/s or N.m, constant or over time, if independent of the state of the module."""
         given: Signal | None = getattr(self, self.INPUT, None)
         return given
 
     def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that follow from nothing the module does, by name."""
+        """Inputs of the module that do not depend on its state, by name."""
         signal = self.signal()
         return {} if signal is None else {self.INPUT: signal}
 
@@ -197,9 +197,9 @@ class EngineGovernor(Strict):
 class EngineDrive(ConstantOrTable, AnyDrive):
     """An engine on link 1, whose speed follows from its torque.
 
-    The throttle shares out the torque between closed, -drag, and full load. Below the idle speed a governor
-    gives more, above the top speed another one less. The control unit samples the speed once a communication
-    step and holds the torque over it.
+    The throttle interpolates between -drag (closed) and full load. One governor raises the torque below the
+    idle speed, another one cuts it above the top speed. The control unit samples the speed once a
+    communication step and holds the torque over it.
 
     Attributes:
         inertia: of the rotor and all that turns with it, besides mechanism.input_inertia, kg.m2.
@@ -236,7 +236,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
         return loops.torque_driven(parameters, self.inertia)
 
     def check_step(self, step: float, inertia: float) -> None:
-        """Refuse a step over which the torque held by the governor would turn the engine's error round."""
+        """Refuse a step over which the governor's torque, held, would reverse the sign of the speed error."""
         gain = self.governor.proportional_gain
         if step * gain > inertia:
             raise ValueError(
@@ -253,7 +253,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
         governor = loops.Governor(given.proportional_gain, given.integral_gain, step)
 
         def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
-            """Torque and integrals: what the throttle asks for, raised to keep idle, cut at the top speed."""
+            """Compute torque and integrals: throttle torque, raised at idle speed, cut at top speed."""
             throttle, speed = u
             closed, full = limits.limits(speed)
             asked = closed + throttle * (full - closed)
@@ -301,7 +301,7 @@ class TorqueOverTime(Tabulated):
 
 
 class SlopeOverDistance(Tabulated):
-    """Slope of the road, rise over run, over the way."""
+    """Slope of the road (rise over run) over distance."""
 
     distance: list[Annotated[float, quantity("m")]]
     slope: list[Annotated[float, quantity("1")]]
@@ -311,7 +311,7 @@ class AnyLoad(Strict, ABC):
     """A load on the output shaft."""
 
     def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that follow from nothing the module does, by name."""
+        """Inputs of the module that do not depend on its state, by name."""
         return {}
 
     @abstractmethod
@@ -329,7 +329,7 @@ class TorqueLoad(ConstantOrTable, AnyLoad):
     torque_over_time: TorqueOverTime | None = None
 
     def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that follow from nothing the module does, by name."""
+        """Inputs of the module that do not depend on its state, by name."""
         return {"load_torque": self.one_signal()}
 
     def build(self, step: float, one_way: bool) -> loops.Load:
@@ -403,13 +403,13 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
 
 
 class ConstantReference(Strict):
-    """One speed all the time."""
+    """Constant reference speed."""
 
     kind: Literal["constant"]
     speed: Annotated[float, _by_measured("m/s", "rad/s")]
 
     def signal(self) -> Signal:
-        """The speed."""
+        """Reference speed, m/s or rad/s by the load."""
         return self.speed
 
 
@@ -422,7 +422,7 @@ class TableReference(Tabulated):
 
     @classmethod
     def columns(cls, context: Any = None) -> dict[str, str]:
-        """Units of both columns: that of the speed follows from what hangs on the shaft."""
+        """Units of both columns; that of the speed depends on the load."""
         return {"time": "s", "speed": _speed_unit(context)}
 
 
@@ -444,7 +444,7 @@ class CycleReference(Strict):
 
 
 class Brake(Strict):
-    """The driver's brake: a force in proportion to how much the vehicle is too fast."""
+    """The driver's brake: a force in proportion to the excess of the vehicle's speed."""
 
     gain: Annotated[float, quantity("N.s/m", 0.0)]
     maximum: Annotated[float, quantity("N", 0.0)]
@@ -455,7 +455,7 @@ class PiController(Strict):
     """PI controller of the speed that commands omega1, with limits and anti-windup.
 
     Attributes:
-        COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that leaves it to it.
+        COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that it commands.
     """
 
     COMMAND: ClassVar[str] = "omega1"

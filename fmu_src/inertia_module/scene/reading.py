@@ -36,7 +36,7 @@ def load_scene(path: Path | str, keys: Keys = None) -> Scene:
     """Read and check a scene file.
 
     Args:
-        path: of the TOML file. keys: values instead of the file's, named by dots, such as
+        path: of the TOML file. keys: values instead of the file's, by dotted key, such as
             {"mechanism.imbalance_mass": "2 kg"}, or texts such as "imbalance_mass=2 kg".
 
     Raises:

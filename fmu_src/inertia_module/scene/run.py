@@ -1,4 +1,4 @@
-"""Running a scene: the FMU and what the scene has around it, to a table and a summary in some numbers."""
+"""Simulation of a scene: FMU in closed loop with drive, load and controller; result table and summary."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ def _time_mean(table: Result, name: str) -> float:
 
 
 def input_speed(table: Result) -> NDArray[np.float64]:
-    """Speed of link 1, rad/s: as the drive gives it, else what the drive's torque has made of it."""
+    """Speed of link 1, rad/s: prescribed by the drive, or computed where the drive gives a torque."""
     return table["omega1"] if "omega1" in table else table["input_speed"]
 
 
 def energy(table: Result) -> dict[str, Quantity]:
-    """Energies since the start, losses by cause where there are any, efficiency, and how well they add up."""
+    """Energies since the start, losses by cause where there are any, efficiency, and the residual."""
     last = table.last()
     stored = last["energy_stored"] - float(table["energy_stored"][0])
     scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
@@ -308,7 +308,7 @@ class SceneResult:
     Attributes:
         scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
             loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
-        remarks: what the numbers leave out, by name: a speed not reached, a load above stall.
+        remarks: on numbers missing or doubtful, by name: a speed not reached, a load above stall.
         limits: that the scene gives, by the name of the number, in its unit.
         warnings: that the FMU logged, and of limits that are passed.
     """
@@ -413,7 +413,7 @@ def scene_plan(scene: Scene) -> Plan:
     Raises:
         SceneError: its fidelity is still to be chosen, or its freewheels wind up.
     """
-    from ..export.systems import make_plan  # brings the builder of FMUs along
+    from ..export.systems import make_plan  # imports the builder of FMUs
 
     if scene.chooses_fidelity:
         raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
@@ -438,7 +438,7 @@ def run_scene(
     Args:
         scene: of load_scene.
         fmu_path: InertiaModule.fmu, or another with its contract; None for that of the package (current_fmu).
-        progress: told how much of the run is done (0 to 1).
+        progress: called with the share of the run that is done, 0 to 1.
         also: outputs and locals of the FMU to record besides those that the scene wants.
 
     Raises:
@@ -452,14 +452,14 @@ def run_scene(
 
 
 def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
-    """Remark on a load that the machine cannot turn: the shaft rests in the last tenth of the run."""
+    """Remark on a load above the stall torque: the shaft is at rest in the last tenth of the run."""
     end = slice(-max(len(record) // 10, 1), None)
     speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
     braked = "brake_torque" in record and record["brake_torque"][end].any()
     turns = abs(speed) * float(np.ptp(record.time)) / math.tau
     if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
         return {}
-    from ..harness.chart import SteadyMachine  # brings scipy along
+    from ..harness.chart import SteadyMachine  # imports scipy
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque

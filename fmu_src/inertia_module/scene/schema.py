@@ -178,7 +178,7 @@ class Scene(Strict):
 
     @property
     def measured(self) -> str:
-        """Name of the speed that a controller controls."""
+        """Name of the controlled speed."""
         return measured_speed(self.load.kind)
 
     @property
@@ -237,7 +237,7 @@ class Scene(Strict):
         )
 
     def with_keys(self, keys: Mapping[str, Any]) -> Scene:
-        """The scene with other keys, named by dots, checked anew.
+        """The scene with other values by dotted key, checked anew.
 
         Args:
             keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
@@ -247,7 +247,7 @@ class Scene(Strict):
         """
         paths = {name: name.split(".") for name in keys}
         anew = {head for head, *_ in paths.values()}
-        # a controller is read by what hangs on the shaft
+        # units of a controller depend on the load
         anew |= {"controller"} if "load" in anew else set()
         kept = self.model_fields_set & Scene.model_fields.keys() - anew
         data = {name: getattr(self, name) for name in kept}
@@ -258,7 +258,7 @@ class Scene(Strict):
 
     @property
     def _around(self) -> tuple[Any, ...]:
-        """Parts that the surroundings follow from."""
+        """Parts of the scene that determine the systems around the FMU."""
         return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
 
     @cached_property
@@ -298,12 +298,12 @@ class Scene(Strict):
 
     @property
     def _carrying(self) -> tuple[str, float]:
-        """Parameter of the inertia, kg.m2, that a load hangs on: the driven mass where that is elastic."""
+        """Name and value, kg.m2, of the inertia that a rigid load adds to: of the driven mass if elastic."""
         name = "driven_inertia" if self.given.get("fidelity") == ELASTIC else "output_inertia"
         return name, self.given.get(name, BY_NAME[name].start or 0.0)
 
     def parameters(self) -> dict[str, float]:
-        """Parameters for the FMU, that of the drive too; a load coupled rigidly is in what it hangs on."""
+        """Parameters for the FMU with those of the drive; the inertia of a rigid load is added in."""
         values = self.drive.driven({**self.given, **self.following})
         rigid = self.built_load.rigid_inertia
         name, own = self._carrying

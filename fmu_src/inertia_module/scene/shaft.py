@@ -1,4 +1,4 @@
-"""A scene of the driven shaft alone: its parameters, how its hub turns, its load. It is told by [shaft]."""
+"""A scene of the driven shaft alone: its parameters, motion of its hub, load. Its table is [shaft]."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class ShaftScene(Strict):
 
     Attributes:
         title, description: for people. shaft: parameters that differ from the defaults.
-        drive, load: what turns the hub and hangs on the driven mass. run: how it is simulated.
+        drive, load: motion of the hub and torque on the driven mass. run: how it is simulated.
     """
 
     VARIABLES: ClassVar = DRIVEN_SHAFT.by_name
@@ -118,7 +118,7 @@ class ShaftScene(Strict):
         return self
 
     def parameters(self) -> dict[str, float]:
-        """The parameters that the scene gives, as numbers for the FMU, its criteria turned into them.
+        """The parameters that the scene gives, as numbers for the FMU; nu and Pi as stiffness and friction.
 
         Raises:
             SceneError: a criterion without its T, or besides what it stands for.
@@ -144,7 +144,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
 
     Args:
         scene: of load_any_scene. fmu_path: DrivenShaft.fmu.
-        progress: told how much of the run is done (0 to 1).
+        progress: called with the share of the run that is done, 0 to 1.
 
     Raises:
         FmuError: the FMU cannot be loaded, or refuses a value or a step.
