@@ -26,7 +26,7 @@ function signal(name: string, part: string, column: string, unit: string): Row {
   };
 }
 
-/** Whether a freewheel holds, and how fast it overruns where it does not. */
+/** State of a freewheel: where it does not hold, by the speed at which it overruns, rad/s. */
 function freewheel(name: string, which: "housing" | "output", overrun: (run: Run, time: number) => number): Row {
   return {
     name, part: which, unit: "",
@@ -37,11 +37,11 @@ function freewheel(name: string, which: "housing" | "output", overrun: (run: Run
   };
 }
 
-/** Engagements in the second before a time, or since the start, a second. */
+/** Engagements a second of a freewheel, over the last second or since the start. */
 function engagements(run: Run, which: string, time: number): string {
   if ((run.parameters.fidelity ?? 0) < RIGID) return "–";
   const [name, span] = [`${which}_engagements`, Math.min(time, 1)];
-  return numberText((valueAt(run, name, time) - valueAt(run, name, time - span)) / span, 3);
+  return steadyText((valueAt(run, name, time) - valueAt(run, name, time - span)) / span, 100);
 }
 
 const NOW: readonly Row[] = [
