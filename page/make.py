@@ -42,7 +42,11 @@ def install() -> None:
 def presets() -> list[dict[str, object]]:
     """The scenes of presets.toml as the page takes them."""
     listed = tomllib.loads((PAGE / "presets.toml").read_text(encoding="utf-8"))["preset"]
-    return [page_scene(load_scene(EXAMPLES / given.pop("scene"))) | given for given in listed]
+    found = []
+    for given in listed:
+        scene, parameters = page_scene(load_scene(EXAMPLES / given.pop("scene"))), given.pop("set", {})
+        found.append(scene | given | {"parameters": scene["parameters"] | parameters})
+    return found
 
 
 def build() -> None:

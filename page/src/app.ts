@@ -129,7 +129,7 @@ export class App {
   state(): object {
     return {
       ...this.player.clock, settings: this.store.get(), run: this.run, refusal: this.refusal, busy: this.busy || this.asked,
-      hash: this.hash(), imbalance: this.picture.imbalance(),
+      hash: this.hash(), imbalance: this.picture.imbalance(), play: this.picture.play,
       chart: this.curves.chartPoints(),
     };
   }

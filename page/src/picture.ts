@@ -1,7 +1,7 @@
 // The picture of a run: the machine as it stands at a time.
 
 import { byId } from "./common/dom";
-import { holding, pulseAround } from "./controls/pulses";
+import { holding, plays, pulseAround } from "./controls/pulses";
 import { View, type Shown } from "./machine/view";
 import { value, type Parameters } from "./machine/geometry";
 import type { Run } from "./run/run";
@@ -15,6 +15,9 @@ const CALM = 0.15;
 export class Picture {
   private readonly view: View;
   private readonly holds = { housing: 0, output: 0 };
+  /** How much of its play each freewheel has left as it is drawn, 0 to 1. */
+  readonly play = { housing: 0, output: 0 };
+  private plays: Run | null = null;
   private built = "";
   private homeWanted = true;
   private trail = 0.1;
@@ -49,7 +52,7 @@ export class Picture {
     const column = (): number => 0;
     this.view.build(parameters, true);
     this.view.draw({
-      q: 0, theta1: 0, thetaOut: 0, twist: 0, holds: this.holds, column, past: () => ({ q: 0, theta1: 0 }),
+      q: 0, theta1: 0, thetaOut: 0, twist: 0, holds: this.holds, play: this.play, column, past: () => ({ q: 0, theta1: 0 }),
     });
   }
 
@@ -61,6 +64,7 @@ export class Picture {
       this.built = parameters;
     } else if (this.homeWanted) this.view.lookHome();
     this.homeWanted = false;
+    this.plays = plays(run);
     this.view.scale(
       largest(run, AXES.map((axis) => `imbalance_acceleration_${axis}`)),
       largest(run, AXES.map((axis) => `shaking_force_${axis}`)), largest(run, TORQUES.map((name) => shownName(run, name))));
@@ -75,13 +79,14 @@ export class Picture {
     const part = 1 - Math.exp(-passed / CALM);
     let changing = false;
     for (const name of ["housing", "output"] as const) {
+      this.play[name] = this.plays ? valueAt(this.plays, name, time) : 0;
       this.holds[name] += (Number(mode[name]) - this.holds[name]) * part;
       changing ||= Math.abs(Number(mode[name]) - this.holds[name]) > 0.01;
     }
     this.view.draw({
       q: valueAt(run, "q", time), theta1: valueAt(run, "theta1", time), thetaOut: valueAt(run, "theta_out", time),
       twist: value(run.parameters, "fidelity") === 3 ? valueAt(run, "shaft_twist", time) : 0,
-      holds: this.holds,
+      holds: this.holds, play: this.play,
       column: (name) => valueAt(run, shownName(run, name), time),
       past: (part) => {
         const at = Math.max(0, time - this.trail * (1 - part));

@@ -83,6 +83,40 @@ def test_slider_changes_the_run_to_what_simulate_gives(page):
     assert np.abs(page.shown("omega_out") - before).max() > 0.5
 
 
+def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(page):
+    """The play that is drawn is the angle that link 2 still turns back until the housing freewheel holds."""
+    assert (page.shown("omega2").min() >= -1e-9, np.abs(page.shown("energy_lost")).max()) == (True, 0.0)
+    page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
+    for which in ("housing", "output"):
+        page.page.get_by_role("slider", name=f"{which} engagement angle, deg", exact=True).fill("200")
+        assert page.page.locator(f"#set-{which}_engagement_angle").input_value() == "1.5"
+    parameters, angle = page.settled().state("run.parameters"), np.radians(1.5)
+    assert parameters["housing_engagement_angle"] == parameters["output_engagement_angle"]
+    assert parameters["output_engagement_angle"] == pytest.approx(angle)
+    omega2, lost = page.shown("omega2"), page.shown("energy_lost")
+    assert omega2.min() < -5.0
+    assert 1.0 - lost[-1] / page.shown("energy_in")[-1] < 0.9
+    assert page.shown("energy_lost_freewheel") == pytest.approx(lost, rel=1e-9)
+    # both wheels of the drive have 20 teeth
+    link2, holds = page.shown("theta1") - page.shown("q"), np.isin(page.shown("contact_mode"), (0, 3))
+    engaged = np.flatnonzero(holds[1:] & ~holds[:-1] & (omega2[:-1] < -5.0))[-1] + 1
+    rows = slice(engaged - 3, engaged + 1)
+    played = []
+    for time in page.shown("time")[rows]:
+        page.page.evaluate("time => inertiaModule.seek(time)", time)
+        played.append(page.drawn().state("play.housing"))
+    assert played == pytest.approx((link2[rows] - link2[engaged]) / angle, abs=0.1)
+    assert played[0] > 0.3 > played[-1] == 0.0
+    # what the impacts take, and how many they are, is told
+    page.page.evaluate("inertiaModule.seek(1.0)")
+    page.page.get_by_role("combobox", name="Curves", exact=True).first.select_option("losses")
+    legend = page.drawn().page.locator(".panel .legend").first.inner_text()
+    assert float(re.search(r"freewheel\s+(\S+)\s+W", legend)[1]) > 10.0
+    counts = [f"{page.shown(f'{which}_engagements')[-1]:.1f}" for which in ("housing", "output")]
+    told = page.page.get_by_role("row", name="engagements of each").locator("td").first.inner_text()
+    assert told == "/".join(counts)
+
+
 def test_every_scene_of_the_page_is_accepted(page):
     names = page.page.evaluate(SCENES)
     assert len(names) >= 8

@@ -8,6 +8,11 @@ export function unitText(unit: string): string {
   return SUPERSCRIPTS.reduce((text, [from, to]) => text.replace(from, to), unit);
 }
 
+/** The unit in which a reader sets what the table has in another, and how many of it are one of the table's: angles in degrees. */
+export function readUnit(unit: string): { text: string; factor: number } {
+  return unit === "rad" ? { text: "deg", factor: 180 / Math.PI } : { text: unitText(unit), factor: 1 };
+}
+
 /** A number in four digits, with a true minus. */
 export function numberText(value: number, digits = 4): string {
   if (!Number.isFinite(value)) return "–";

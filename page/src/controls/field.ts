@@ -3,7 +3,7 @@
 import type { Variable } from "../run/run";
 import { element } from "../common/dom";
 import { reachOf } from "./groups";
-import { labelOf, spoken, unitText } from "../common/units";
+import { labelOf, readUnit, spoken } from "../common/units";
 
 const STEPS = 400;
 
@@ -26,12 +26,13 @@ function listField(variable: Variable, change: (value: number) => void): Field {
   return { root, show: (value) => { select.value = String(value); } };
 }
 
-/** A number with a slider. */
+/** A number with a slider, both in the unit of the reader. */
 function numberField(variable: Variable, change: (value: number) => void): Field {
   const id = `set-${variable.name}`;
-  const { from, to, powers } = reachOf(variable);
+  const { text: unit, factor } = readUnit(variable.unit);
+  const { powers, ...reach } = reachOf(variable);
+  const [from, to] = [reach.from * factor, reach.to * factor];
   const whole = variable.kind === "Integer";
-  const unit = unitText(variable.unit);
   const number = element("input", {
     id, name: variable.name, type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false",
     "aria-description": variable.description,
@@ -50,7 +51,8 @@ function numberField(variable: Variable, change: (value: number) => void): Field
     if (whole) return value - from;
     return STEPS * (powers ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from));
   };
-  const show = (value: number): void => {
+  const show = (given: number): void => {
+    const value = given * factor;
     number.value = String(Number(value.toPrecision(7)));
     slider.value = String(partOf(value));
     slider.setAttribute("aria-valuetext", `${number.value} ${unit}`);
@@ -59,13 +61,13 @@ function numberField(variable: Variable, change: (value: number) => void): Field
     const value = atPart(Number(slider.value));
     number.value = String(value);
     slider.setAttribute("aria-valuetext", `${number.value} ${unit}`);
-    change(value);
+    change(value / factor);
   });
   number.addEventListener("change", () => {
     const value = Number(number.value.trim().replace(",", ".").replace("−", "-"));
     // what is no number at all goes to the kernel as such, and is refused in its words
     slider.value = String(partOf(value));
-    change(number.value.trim() === "" ? NaN : value);
+    change(number.value.trim() === "" ? NaN : value / factor);
   });
   const root = element("div", { class: "field", title: variable.description },
     element("label", { for: id }, labelOf(variable.name, variable.description)),

@@ -45,6 +45,7 @@ const REACH: Readonly<Record<string, readonly [number, number]>> = {
   drive_friction: [0, 0.05], link2_friction: [0, 0.1], output_friction: [0, 0.5], mesh_efficiency: [0.8, 1],
   satellite_mesh_efficiency: [0.8, 1], shaft_damping: [0, 5], housing_stiffness: [0, 1e5], freewheel_stiffness: [0, 1e5],
   housing_damping: [0, 50], freewheel_damping: [0, 50], max_step: [0, 0.001], kinematic_ratio: [0, 1.2],
+  housing_engagement_angle: [0, Math.PI / 60], output_engagement_angle: [0, Math.PI / 60],
   omega2_start: [0, 200], omega_out_start: [0, 200], drive_angle_start: [-Math.PI, Math.PI],
 };
 

@@ -9,7 +9,8 @@ const PARAGRAPHS = [
   + " forwards and backwards in turn.",
   "The housing freewheel takes the backward pushes: it holds link 2 (amber while it holds). The output freewheel passes the forward"
   + " pushes on to the output shaft. So the output is driven by pulses of torque, the stronger the slower it turns: a stepless"
-  + " transmission that works like a torque converter.",
+  + " transmission that works like a torque converter. A freewheel with an engagement angle turns back before it holds: its rollers"
+  + " stand off the outer race by the play that is left.",
   "All numbers are computed in this page by the kernel of the inertia module, the same that is in the FMU. Change anything on the"
   + " right: the run is integrated anew. Energy that the audit misses is the error of the integration.",
   "Gears, imbalances and their paths are drawn where they are. Shafts, arms, freewheels and the size of wheels 2 and 16 are drawn"

@@ -1,11 +1,31 @@
 // Switches of the freewheels and pulses in a run.
 
+import { geometry } from "../machine/geometry";
 import type { Run } from "../run/run";
 import { indexAt, lengthOf } from "../run/sample";
 
 /** Contact modes of the table: held, free, driving, held and driving. */
 export function holding(mode: number): { housing: boolean; output: boolean } {
   return { housing: mode === 0 || mode === 3, output: mode === 2 || mode === 3 };
+}
+
+/** The run with the play that each freewheel has left, 0 to 1 of its engagement angle, as its columns: the play follows the angle
+ *  by which a freewheel overruns from point to point, and is used up while it holds. */
+export function plays(run: Run): Run {
+  const at = (name: string, n: number): number => run.columns[name]?.[n] ?? 0;
+  const { k } = geometry(run.parameters);
+  const link2 = (n: number): number => at("theta1", n) - at("q", n) / k;
+  const hub = (n: number): number => at("theta_out", n) + at("shaft_twist", n);
+  const playOf = (which: "housing" | "output", overrun: (n: number) => number): Float64Array => {
+    const angle = run.parameters[`${which}_engagement_angle`] ?? 0;
+    const play = new Float64Array(run.time.length);
+    for (let n = 1; angle > 0 && n < play.length; n++) {
+      const now = (play[n - 1] ?? 0) + (overrun(n) - overrun(n - 1)) / angle;
+      play[n] = holding(at("contact_mode", n))[which] ? 0 : Math.min(Math.max(now, 0), 1);
+    }
+    return play;
+  };
+  return { ...run, columns: { housing: playOf("housing", link2), output: playOf("output", (n) => hub(n) - link2(n)) } };
 }
 
 /** Times at which a freewheel locks or lets go, s: the first points after it. */

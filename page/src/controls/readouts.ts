@@ -6,6 +6,9 @@ import { element } from "../common/dom";
 import { holding } from "./pulses";
 import { numberText, steadyText } from "../common/units";
 
+/** The first fidelity that has pulses. */
+const RIGID = 2;
+
 interface Row {
   readonly name: string;
   readonly part: string;
@@ -23,11 +26,22 @@ function signal(name: string, part: string, column: string, unit: string): Row {
   };
 }
 
-function freewheel(name: string, which: "housing" | "output"): Row {
+/** State of a freewheel: where it does not hold, by the speed at which it overruns, rad/s. */
+function freewheel(name: string, which: "housing" | "output", overrun: (run: Run, time: number) => number): Row {
   return {
     name, part: which, unit: "",
-    text: (run, time) => holding(nearest(run, "contact_mode", time))[which] ? "holds" : "overruns",
+    text: (run, time) => {
+      if (holding(nearest(run, "contact_mode", time))[which]) return "holds";
+      return overrun(run, time) < -1e-9 ? "turns back" : "overruns";
+    },
   };
+}
+
+/** Engagements a second of a freewheel, over the last second or since the start. */
+function engagements(run: Run, which: string, time: number): string {
+  if ((run.parameters.fidelity ?? 0) < RIGID) return "–";
+  const [name, span] = [`${which}_engagements`, Math.min(time, 1)];
+  return steadyText((valueAt(run, name, time) - valueAt(run, name, time - span)) / span, 100);
 }
 
 const NOW: readonly Row[] = [
@@ -41,8 +55,12 @@ const NOW: readonly Row[] = [
   signal("input torque, M1", "link1", "input_torque", "N·m"),
   signal("mesh torque, M2", "link2", "mesh_torque", "N·m"),
   signal("output torque, Tc", "output", "output_torque", "N·m"),
-  freewheel("housing freewheel", "housing"),
-  freewheel("output freewheel", "output"),
+  freewheel("housing freewheel", "housing", (run, time) => valueAt(run, "omega2", time)),
+  freewheel("output freewheel", "output", (run, time) => valueAt(run, "omega_hub", time) - valueAt(run, "omega2", time)),
+  {
+    name: "engagements of each", part: "", unit: "Hz",
+    text: (run, time) => `${engagements(run, "housing", time)}/${engagements(run, "output", time)}`,
+  },
   signal("imbalance acceleration", "imbalance", "imbalance_acceleration", "m/s²"),
 ];
 

@@ -21,6 +21,8 @@ export interface Stations {
   readonly end: number;
 }
 
+type Rollers = Mesh<BufferGeometry, MeshPhongMaterial>;
+
 export interface Shafts {
   readonly stations: Stations;
   /** Turns with the output shaft in front of an elastic shaft. */
@@ -29,8 +31,8 @@ export interface Shafts {
   readonly driven: Group;
   /** Stands still. */
   readonly mount: Group;
-  /** Rollers of both freewheels have these to be coloured while they hold. */
-  readonly rollers: { readonly housing: MeshPhongMaterial; readonly output: MeshPhongMaterial };
+  /** Of both freewheels, each of its own material to be coloured while it holds. */
+  readonly rollers: { readonly housing: Rollers; readonly output: Rollers };
   /** Marks along the elastic shaft, from hub to driven mass. */
   readonly marks: Mesh[];
 }
@@ -51,6 +53,11 @@ function rollers(from: number, to: number, radius: number, size: number): Buffer
     return bar([from, y, z], [to, y, z], size, 14);
   });
   return merged(parts);
+}
+
+/** Let rollers stand off the outer race by the play that is left, 0 to 1. */
+export function standOff(rollers: Rollers, play: number): void {
+  rollers.scale.set(1, 1 - 0.12 * play, 1 - 0.12 * play);
 }
 
 /** A foot from a bearing down to the base. */
@@ -81,7 +88,6 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
     end: to + reach * (elastic ? 2.45 : 1.55),
   };
   const material = palette.materials;
-  const holding = { housing: material.steel.clone(), output: material.steel.clone() };
   const hub = new Group();
   const driven = new Group();
   const mount = new Group();
@@ -98,13 +104,16 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
   const inner = outer * 0.55;
   const races = [bar([to - reach * 0.1, 0, 0], [stations.freewheel + width / 2, 0, 0], radius)];
   const roller = outer * 0.12;
+  const around = (at: number): Rollers =>
+    new Mesh(rollers(at - width * 0.55, at + width * 0.55, inner + roller, roller), material.steel.clone());
+  const rolling = { housing: around(stations.housing), output: around(stations.freewheel) };
   for (const [name, at, there] of [
     ["housing", stations.housing, value(parameters, "housing_freewheel")],
     ["output", stations.freewheel, value(parameters, "output_freewheel")],
   ] as const) {
     if (there === 0) continue;
     races.push(race(at - width / 2, at + width / 2, radius, inner));
-    mechanism.link2.add(new Mesh(rollers(at - width * 0.55, at + width * 0.55, inner + roller, roller), holding[name]));
+    mechanism.link2.add(rolling[name]);
   }
   mechanism.link2.add(new Mesh(merged(races), material.link2));
 
@@ -148,5 +157,5 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
     solids.push(race(at - width * 0.25, at + width * 0.25, radius * 1.1, radius * 2.2), foot(at, width * 0.5, radius * 2.2, base));
   }
   mount.add(new Mesh(merged(solids), material.housing));
-  return { stations, hub, driven, mount, rollers: holding, marks };
+  return { stations, hub, driven, mount, rollers: rolling, marks };
 }

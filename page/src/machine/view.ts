@@ -10,7 +10,7 @@ import type { Geometry, Parameters } from "./geometry";
 import { Labels } from "./labels";
 import { buildMechanism, discard, type Mechanism } from "./mechanism";
 import { Palette } from "./palette";
-import { buildShafts, type Shafts } from "./shafts";
+import { buildShafts, standOff, type Shafts } from "./shafts";
 import { Trace, type TraceFrame } from "./trace";
 
 /** What is to be seen besides the machine. */
@@ -32,6 +32,8 @@ export interface Instant {
   readonly twist: number;
   /** How far each freewheel holds, 0 to 1. */
   readonly holds: { readonly housing: number; readonly output: number };
+  /** How much of its play each freewheel has left, 0 to 1. */
+  readonly play: { readonly housing: number; readonly output: number };
   readonly column: (name: string) => number;
   /** Angles of the recent past, part 0 the oldest, 1 now. */
   readonly past: (part: number) => { q: number; theta1: number };
@@ -159,8 +161,10 @@ export class View {
     shafts.marks.forEach((mark, n) => {
       mark.rotation.x = now.thetaOut + now.twist * (1 - n / shafts.marks.length);
     });
-    this.tint(shafts.rollers.housing, now.holds.housing);
-    this.tint(shafts.rollers.output, now.holds.output);
+    for (const name of ["housing", "output"] as const) {
+      this.tint(shafts.rollers[name].material, now.holds[name]);
+      standOff(shafts.rollers[name], now.play[name]);
+    }
     trace.follow(now.past);
     annotations.place(now);
     this.renderer.render(this.scene, this.camera);
