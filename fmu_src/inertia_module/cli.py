@@ -388,7 +388,7 @@ def view(
     from .page.html import checked_path, html_file, is_exact, template
     from .scene import Scene, load_any_scene
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE)
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE, "the page")
     template()
     found = load_any_scene(scene, keys)
     if not isinstance(found, Scene):
@@ -424,7 +424,8 @@ def report(
     from .page.html import checked_path
     from .scene import Scene, load_any_scene
 
-    path, chosen = checked_path(output or OUTPUT_FOLDER / scene.stem / REPORT), list[str]()
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / REPORT, "the report")
+    chosen = list[str]()
     read = load_any_scene(scene, keys)
     if isinstance(read, Scene):
         read, choice = _at_fidelity(read, None, None)

@@ -4,11 +4,11 @@ import math
 from itertools import product
 
 import pytest
-from scenes import ELASTIC, LOSSES
+from scenes import ELASTIC, LOSSES, TUNED
 
 from inertia_module.memory import Module
 
-from .conftest import BY_TORQUE, R1, TUNED
+from .conftest import BY_TORQUE, R1
 from .conftest import LEVELS as ALL_LEVELS
 
 FLAVOURS = ("InertiaModule", "InertiaModule3")

@@ -126,7 +126,7 @@ def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
 ):
     found = [v for v in description.modelVariables if v.variability == "discrete"]
     names = [v.name for v in found if v.causality not in ("input", "parameter")]
-    assert names == ["contact_mode", "contact_switches"]
+    assert names == ["housing_engagements", "output_engagements", "contact_mode", "contact_switches"]
     settings = {**R1, "drive_torque": 30.0, **LEVELS[level]}
     instance = instances(eventModeUsed=True, earlyReturnAllowed=early).start(**settings)
     plain = instances().start(**settings)

@@ -88,7 +88,7 @@ def outputs(fmu):
 
 
 def settings(fmu, values):
-    """What a run sets: type, reference and value of each."""
+    """Values that a run sets: type, reference and value of each."""
     types = {"Real": "float64", "Integer": "int32", "Enumeration": "int64", "Boolean": "boolean"}
     kinds = {name: types[fmu.model.by_name[name].kind] for name in values}
     return [
@@ -122,7 +122,7 @@ def by_component(fmu, content, values, events):
 
 
 def by_library(fmu, opened, values, events):
-    """The same of the native FMU."""
+    """Rows of the native FMU, likewise."""
     modes = {"eventModeUsed": True, "earlyReturnAllowed": True} if events else {}
     it = Instance(*opened(fmu.identifier), **modes).start(**values)
     if events:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import ALL_LOSSES, GEARS, WIND_UP
+from scenes import ALL_LOSSES, GEARS, PLAY, WIND_UP
 
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC, TIMESTEPPING
@@ -16,7 +16,7 @@ from studies.stability.motion import LEVELS
 PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
 MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}
 DAMPINGS = ("housing_damping", "freewheel_damping")
-SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS).items() if name not in DAMPINGS}
+SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS | PLAY).items() if name not in DAMPINGS}
 SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1, "windage": 1e-4}
 
 

@@ -53,16 +53,16 @@ def template() -> str:
         ) from None
 
 
-def checked_path(path: Path) -> Path:
-    """The path, if an HTML file can be written there.
+def checked_path(path: Path, what: str) -> Path:
+    """The path, if an HTML file, the page or the report, can be written there.
 
     Raises:
         Refused: its ending is another, or it is a folder. OSError: its folder cannot be written to.
     """
     if path.suffix.lower() != ".html":
-        raise Refused(must_be("the page", "a file with the ending .html", str(path)))
+        raise Refused(must_be(what, "a file with the ending .html", str(path)))
     if path.is_dir():
-        raise Refused(must_be("the page", "a file", f"the folder {path}"))
+        raise Refused(must_be(what, "a file", f"the folder {path}"))
     writable_folder(path.parent)
     return path
 
