@@ -44,7 +44,6 @@ BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 OVER: Mapping[str, int] = {
     "kernel": 7612,
     "compiling": 644,
-    "contract": 839,
     "fmu": 1945,
     "harness": 2524,
     "scene": 2175,
