@@ -107,6 +107,8 @@ def cases():
             yield f"{name}-play-sticking", values | STICKING | PLAY
         yield f"{name}-play", values | PLAY
         yield f"{name}-play-and-all", values | PLAY | ALL_LOSSES
+        # drag alone holds them within their play
+        yield f"{name}-play-held", values | PLAY | {"housing_drag": 20.0, "output_drag": 20.0}
         yield f"{name}-play-housing-alone", values | PLAY | FREEWHEELS["no output freewheel"]
         yield f"{name}-play-output-alone", values | PLAY | FREEWHEELS["no housing freewheel"]
         for one, angle in PLAY.items():
@@ -141,7 +143,9 @@ def cases():
         "play-wound-up-output",
         DRIVEN["bevel"] | springs | PLAY | {"freewheel_stiffness": 2000.0, "freewheel_damping": 0.05},
     )
-    yield "play-wound-up", SCENES["bevel"] | ELASTIC | WIND_UP | PLAY
+    for layout in SCENES:
+        yield f"{layout}-wound-up", SCENES[layout] | SHAFT | ALL_LOSSES | WIND_UP
+        yield f"{layout}-play-wound-up", DRIVEN[layout] | SHAFT | ALL_LOSSES | WIND_UP | PLAY
     spins = {"omega1": 0.0, "omega_out_start": 50.0, "output_friction": 0.3}
     yield "spins-down", SCENES["bevel"] | spins
     yield "is-pulled", SCENES["bevel"] | spins | {"load_torque": -4.0, "housing_freewheel": False}
