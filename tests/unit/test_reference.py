@@ -104,15 +104,16 @@ def cases():
             yield f"{name}-overhauled", values | {"load_torque": -5.0}
             yield f"{name}-all", values | ALL_LOSSES | GEARS
             yield f"{name}-sticking", values | STICKING
+            yield f"{name}-play", values | PLAY
             yield f"{name}-play-sticking", values | STICKING | PLAY
-        yield f"{name}-play", values | PLAY
+            for one, angle in PLAY.items():
+                yield f"{name}-{one}", values | {one: angle}
+        else:
+            yield f"{name}-play-housing-alone", values | PLAY | FREEWHEELS["no output freewheel"]
+            yield f"{name}-play-output-alone", values | PLAY | FREEWHEELS["no housing freewheel"]
         yield f"{name}-play-and-all", values | PLAY | ALL_LOSSES
         # drag alone holds them within their play
         yield f"{name}-play-held", values | PLAY | {"housing_drag": 20.0, "output_drag": 20.0}
-        yield f"{name}-play-housing-alone", values | PLAY | FREEWHEELS["no output freewheel"]
-        yield f"{name}-play-output-alone", values | PLAY | FREEWHEELS["no housing freewheel"]
-        for one, angle in PLAY.items():
-            yield f"{name}-{one}", values | {one: angle}
     for layout, freewheels in product(SCENES, FREEWHEELS):
         values = DRIVEN[layout] | FREEWHEELS[freewheels]
         back = {"omega1": -100.0, "drive_torque": -values["drive_torque"]}
