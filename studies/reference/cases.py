@@ -116,8 +116,10 @@ class Machine:
         there, sprung = bool(p[f"{name}_freewheel"]), self.elastic and p[f"{spring}_stiffness"] > 0.0
         if sprung and not there:
             raise Unavailable(f"reference: {spring}_stiffness needs the freewheel")
-        own = [p[f"{name}_{value}"] * there for value in ("drag", "drag_viscous", "engagement_angle")]
-        return Freewheel(there, *own, p[f"{spring}_stiffness"] if sprung else 0.0, p[f"{spring}_damping"])
+        own = (p[f"{name}_{value}"] * there for value in ("drag", "drag_viscous", "engagement_angle"))
+        drag, viscous, angle = own
+        stiffness = p[f"{spring}_stiffness"] if sprung else 0.0
+        return Freewheel(there, drag, viscous, angle, stiffness, p[f"{spring}_damping"])
 
     def joined(self, mode: Mode, place: int) -> bool:
         """Tell whether a freewheel is closed and rigid, or held: the speeds at it are the same."""
