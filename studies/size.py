@@ -52,7 +52,7 @@ OVER: Mapping[str, int] = {
     "figures": 1199,
     "export, page, cli, common": 1816,
     "package": 24903,
-    "studies": 6524,
+    "studies": 6525,
     "tests": 17940,
 }
 
