@@ -70,6 +70,7 @@ def values():
         "long": random_motions.LONGEST,
         "friction": random_motions.FRICTION_SHARE,
         "losses_share": random_motions.LOSS_SHARE,
+        "play_share": random_motions.PLAY_SHARE,
         "explained": random_motions.EXPLAINED,
         "swinging": random_motions.SWINGING,
         "split": random_motions.SPLIT,

@@ -41,6 +41,13 @@ LOADS = """
     test_loads.py::test_peak_on_the_bearing_is_that_of_all_instants
     test_loads.py::test_peak_of_a_pulse_is_not_that_of_the_step_beyond_its_end
 """
+REFERENCE = "test_reference.py::test_motion_and_losses_are_those_of_the_reference"
+PLAYS = f"""
+    test_play.py::test_a_shaft_that_is_slowed_meets_a_coasting_link_2_and_shares_its_momentum
+    test_reference.py::test_jumps_of_the_input_speed_meet_freewheels_within_their_play
+    {REFERENCE}[planar-speed-elastic-play-output-alone] {REFERENCE}[bevel-torque-rigid-play-held]
+    {REFERENCE}[planar-torque-rigid-play-and-all] {REFERENCE}[bevel-torque-elastic-play-and-all]
+"""
 SELECTION = {
     "averaged/": """
         test_averaged_map.py::test_mean_power_of_link_1_goes_to_the_output_or_into_its_energy_or_is_lost
@@ -73,7 +80,7 @@ SELECTION = {
         test_elastic.py::test_slowest_rate_is_that_of_the_slowest_eigenvalue
         test_reference.py::test_losses_of_several_satellites_follow_the_tolerance
         test_reference.py::test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work
-        test_losses.py::test_ramp_from_rest_breaks_friction_loose[mesh-0.01]
+        {PLAYS} test_losses.py::test_ramp_from_rest_breaks_friction_loose[mesh-0.01]
         test_losses.py::test_prescribed_motion_has_the_efficiency_of_planetary_gears
         test_losses.py::test_prescribed_motion_pays_for_each_loss_and_nothing_else[gravity-0.5-planar]
         test_reference.py::test_loads_that_change
@@ -82,19 +89,21 @@ SELECTION = {
         test_reference.py::test_accounts_are_held_to_the_tolerance_whatever_the_steps
         test_freewheels.py {MEANS}
     """,
-    "fixed_steps": """
+    "fixed_steps": f"""
+        {PLAYS.split(maxsplit=1)[0]}
+        test_play.py::test_fixed_steps_come_to_what_events_say_at_first_order[planar-speed-timestepping-play]
         test_timestepping.py::test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches
         test_timestepping.py::test_fixed_steps_come_to_what_events_say
         test_timestepping.py::test_no_random_run_makes_energy
     """,
     "^step": f"""
-        test_audit.py {MEANS}
+        test_audit.py {MEANS} {PLAYS}
     """,
     "^outputs": f"""
         test_audit.py test_reference.py::test_motion_is_that_of_the_reference {MEANS}
     """,
     "^(inertia|layout|derive|sine|accumulate)": f"""
-        {CHECK_VALUES} test_clearance.py test_rates.py test_multibody.py
+        {CHECK_VALUES} {PLAYS} test_clearance.py test_rates.py test_multibody.py
         test_angles.py::test_both_are_within_one_and_a_half_units_all_around
         test_angles.py::test_a_sum_keeps_what_rounding_has_lost
         test_angles.py::test_wrapped_angles_are_within_one_turn
@@ -104,7 +113,7 @@ SELECTION = {
         {CHECK_VALUES} test_reference.py::test_motion_is_that_of_the_reference {LOADS} test_methods.py
         {MEANS} test_multibody.py
         test_elastic.py::test_the_work_of_the_balancer_is_in_the_audit
-        test_rates.py::test_rates_of_the_outputs test_freewheels.py
+        test_rates.py::test_rates_of_the_outputs test_freewheels.py {PLAYS}
         test_reference.py::test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem
         test_tunable.py::test_jump_of_the_prescribed_ratio_is_an_impulse
         test_motions.py::test_torque_with_a_rate_counts_by_its_mean_over_the_step

@@ -11,7 +11,8 @@ and sigma = sign(q'):
 
 f is 1/eta where sigma M2 > 0, else 1/(2 - eta); C the friction of the journals, S that of the meshes 17-6,
 linear while no satellite's torque changes its sign. An overrunning freewheel drags, -Th = drag + viscous
-omega2, and so does Tc; a locked one, rigid or a spring (c phi + d phi'), passes no less than -drag. At q' = 0
+omega2, and so does Tc; a locked one, rigid or a spring (c phi + d phi'), passes no less than -drag. One that
+turns back through its play passes nothing; its drag may hold it there, and passes no more than 0. At q' = 0
 links 1 and 2 turn together while |M2/k - tau_q(sigma = 0)| <= C + S + (1 - eta) |M2|/k.
 """
 
@@ -32,12 +33,12 @@ from .virtual_work import VirtualWork
 
 # places of a case: freewheels, signs of the slip (0: none) and of sigma M2; then those of the satellites
 HOUSING, OUTPUT, SLIP, MESH, TEETH = range(5)
-OPEN, CLOSED = 0, 1
-# places of the state: angles and twist, speeds, wind-up of both freewheels, integrals
-Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3, OMEGA4, WOUND = range(8)
+# of a freewheel; with play left it turns back, or its drag holds it
+OPEN, CLOSED, BACK, DRAGGED = range(4)
+# places of the state: angles and twist, speeds, wind-up and play of both freewheels, integrals
+Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3, OMEGA4, WOUND, _, PLAY, _, SUMS = range(12)
 CAUSES = ("viscous", "mesh", "journal", "freewheel", "shaft", "windage")
 INTEGRALS = ("energy_in", "energy_out", *CAUSES, "M1", "M2", "Tc", "Th")
-SUMS = WOUND + 2
 # the unknowns of a case
 A1, A2, A3, A4, M1, M2, TC, TH, TS = range(9)
 
@@ -61,11 +62,12 @@ class Forces(NamedTuple):
 
 @dataclass(frozen=True)
 class Freewheel:
-    """Freewheel: if it is there; drag and its viscous part; stiffness (0: rigid), damping when locked."""
+    """Freewheel: if it is there; drag, its viscous part; play; stiffness (0: rigid), damping when locked."""
 
     there: bool
     drag: float
     viscous: float
+    angle: float
     stiffness: float
     damping: float
 
@@ -114,12 +116,14 @@ class Machine:
         there, sprung = bool(p[f"{name}_freewheel"]), self.elastic and p[f"{spring}_stiffness"] > 0.0
         if sprung and not there:
             raise Unavailable(f"reference: {spring}_stiffness needs the freewheel")
-        drag = (p[f"{name}_drag"], p[f"{name}_drag_viscous"]) if there else (0.0, 0.0)
-        return Freewheel(there, *drag, p[f"{spring}_stiffness"] if sprung else 0.0, p[f"{spring}_damping"])
+        own = (p[f"{name}_{value}"] * there for value in ("drag", "drag_viscous", "engagement_angle"))
+        drag, viscous, angle = own
+        stiffness = p[f"{spring}_stiffness"] if sprung else 0.0
+        return Freewheel(there, drag, viscous, angle, stiffness, p[f"{spring}_damping"])
 
-    def _joined(self, mode: Mode, place: int) -> bool:
-        """Tell whether a freewheel is closed and rigid: the speeds at it are the same."""
-        return mode[place] == CLOSED and not self.wheels[place].stiffness
+    def joined(self, mode: Mode, place: int) -> bool:
+        """Tell whether a freewheel is closed and rigid, or held: the speeds at it are the same."""
+        return mode[place] == DRAGGED or (mode[place] == CLOSED and not self.wheels[place].stiffness)
 
     def _passed(self, y: Array, mode: Mode, place: int) -> tuple[Array, Array]:
         """(torque of a freewheel that joins nothing, N.m; power lost in it, W)."""
@@ -128,6 +132,8 @@ class Machine:
             # at rest, too, its drag is that of the motion to come
             drag = wheel.drag + wheel.viscous * speed
             return -drag, drag * speed
+        if mode[place] == BACK:
+            return 0.0 * speed, 0.0 * speed
         return wheel.stiffness * y[WOUND + place] - wheel.damping * speed, wheel.damping * speed**2
 
     def _matrix(self, mode: Mode, link1: Array, drive: Array) -> Array:
@@ -146,9 +152,9 @@ class Machine:
             a[5, TS], a[6, A4], a[6, A3] = 1.0, 1.0, -1.0
             if self.elastic:
                 a[6, [A4, A3, TS]] = p["driven_inertia"], -p["balancer"] * p["driven_inertia"], -1.0
-            a[7, A2 if self._joined(mode, HOUSING) else TH] = 1.0
-            a[8, A3 if self._joined(mode, OUTPUT) else TC] = 1.0
-            if self._joined(mode, OUTPUT):
+            a[7, A2 if self.joined(mode, HOUSING) else TH] = 1.0
+            a[8, A3 if self.joined(mode, OUTPUT) else TC] = 1.0
+            if self.joined(mode, OUTPUT):
                 a[8, A2] = -1.0
             self._matrices[mode] = a
         fixed = self._matrices[mode]
@@ -193,7 +199,7 @@ class Machine:
         b[1] = -link1[2] - p["input_friction"] * omega1
         matrix = self._matrix(mode, link1[:2], factor * drive[:2])
         b[2] = factor * drive[2]
-        if sigma == 0 and (self._by_torque or not self._joined(mode, HOUSING)):
+        if sigma == 0 and (self._by_torque or not self.joined(mode, HOUSING)):
             # else link 1 is at rest as it is given and link 2 is held, friction allows any M2: as without it
             matrix[..., 2, [A1, A2, M2]], b[2] = (1.0, -1.0, 0.0), 0.0
         b[3] = -p["link2_friction"] * omega2
@@ -203,7 +209,7 @@ class Machine:
             b[5] = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (omega3 - omega4)
             b[6] = -p["driven_friction"] * omega4 - self.load
         for row, place in ((7, HOUSING), (8, OUTPUT)):
-            if not self._joined(mode, place):
+            if not self.joined(mode, place):
                 b[row], _ = self._passed(y, mode, place)
         x = np.asarray(np.linalg.solve(matrix, b.T[..., None])[..., 0].T)
         if not self.rubs:
@@ -239,17 +245,20 @@ class Machine:
         if self.elastic:
             shaft = p["shaft_damping"] * (omega3 - omega4) ** 2 + p["driven_friction"] * omega4**2
             shaft -= p["balancer"] * p["driven_inertia"] * x[A3] * omega4
-        wheels = sum(self._passed(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self._joined(mode, n))
+        wheels = sum(self._passed(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self.joined(mode, n))
         wound = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
+        played = [speed_of(y, n) * (mode[n] in (OPEN, BACK)) for n in (HOUSING, OUTPUT)]
         mesh = self.mesh * abs(x[M2] * slip) + found.satellites * abs(rate)
         powers = x[M1] * omega1, self.load * omega4, viscous, mesh, found.journal * abs(rate), wheels, shaft
         air = float(self.air(y)[2]) if p["windage"] else 0.0
-        return np.array([rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *powers, air, *x[M1 : TH + 1]])
+        followed = rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *played
+        return np.array([*followed, *powers, air, *x[M1 : TH + 1]])
 
     def impact(self, y: Array, mode: Mode, change: float) -> Array:
-        """Changes of speed, rad/s, and impulses, N.m.s, of a jump of omega1, rad/s: the unknowns, (9,).
+        """Changes of speed, rad/s, and impulses, N.m.s, of a jump of omega1, rad/s, or of an engagement.
 
-        No friction; of freewheels that are closed the speeds are equal afterwards (Moreau).
+        They are the unknowns, (9,). No friction; of freewheels that are closed the speeds are equal
+        afterwards (Moreau).
         """
         torques, _, _ = self.work(y[Q])
         b = np.zeros(9)

@@ -2,6 +2,7 @@
 
 Of all cases that the speeds allow the one that holds is taken: freewheels with 0 <= omega2 _|_ Th + drag >= 0
 and 0 <= omega3 - omega2 _|_ Tc + drag >= 0, a slip that begins its own way, signs that come out as assumed.
+A freewheel that has overrun is bound to nothing until its play is used up, a rigid one has an impact then.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from .cases import (
     A2,
     A3,
     A4,
+    BACK,
     CLOSED,
+    DRAGGED,
     HOUSING,
     INTEGRALS,
     M1,
@@ -31,6 +34,7 @@ from .cases import (
     OMEGA4,
     OPEN,
     OUTPUT,
+    PLAY,
     SLIP,
     SUMS,
     TC,
@@ -116,6 +120,8 @@ class Reference:
         self.mode: Mode = (OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
         if any(wheel.there and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
             raise Unavailable("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
+        for n, wheel in enumerate(self._wheels):
+            self.state[PLAY + n] = wheel.angle * (speed_of(self.state, n) > 0.0)
         self.give(drive_torque, load_torque)
 
     def _fastest(self) -> float:
@@ -133,6 +139,10 @@ class Reference:
         for n, torque in ((HOUSING, TH), (OUTPUT, TC)):
             if self._wheels[n].there:
                 guards[n] = speed_of(y, n) + least if mode[n] == OPEN else x[torque] + self._wheels[n].drag
+                if mode[n] == BACK:
+                    guards[n] = np.minimum(y[PLAY + n], least - speed_of(y, n))
+                elif mode[n] == DRAGGED:
+                    guards[n] = np.minimum(guards[n], -x[torque])
         if machine.rubs and mode[SLIP] == 0:
             holding = found.journal + found.satellites + machine.mesh * np.abs(x[M2]) / machine.k
             guards[SLIP] = holding - np.abs(x[M2] / machine.k - found.free)
@@ -154,7 +164,9 @@ class Reference:
             if not wheel.there or (bound and self.mode[n] == CLOSED):
                 places.append((self.mode[n],))
             elif speed_of(y, n) != 0.0:
-                places.append((OPEN,))
+                places.append((BACK if speed_of(y, n) < 0.0 else OPEN,))
+            elif y[PLAY + n] > 0.0:
+                places.append((*[DRAGGED] * (wheel.drag > 0.0), OPEN, BACK))
             else:
                 # a spring that is not wound up passes nothing yet: it would hold in any case
                 places.append((OPEN, CLOSED) if wheel.stiffness > 0.0 else (CLOSED, OPEN))
@@ -180,14 +192,15 @@ class Reference:
         rate = self.machine.k * speed_of(self.state, SLIP)
         torques = np.abs(x[M1:]).sum() + self.machine.work.largest * (speeds[0] ** 2 + rate**2)
         scales = np.full(len(mode), 1e-9 + torques)
+        ways = {OPEN: 1, BACK: -1}
         for place, way, gained in (
-            (HOUSING, mode[HOUSING] == OPEN, x[A2]),
-            (OUTPUT, mode[OUTPUT] == OPEN, x[A3] - x[A2]),
-            (SLIP, mode[SLIP] != 0, mode[SLIP] * (x[A1] - x[A2])),
+            (HOUSING, ways.get(mode[HOUSING], 0), x[A2]),
+            (OUTPUT, ways.get(mode[OUTPUT], 0), x[A3] - x[A2]),
+            (SLIP, mode[SLIP], x[A1] - x[A2]),
         ):
             if way and guards[place] < math.inf:
                 # where it does not turn yet it has to begin to
-                guards[place] = gained if speed_of(self.state, place) == 0.0 else 0.0
+                guards[place] = way * gained if speed_of(self.state, place) == 0.0 else 0.0
                 scales[place] = 1e-9 + np.abs(x[: A4 + 1]).sum() + speeds.max() ** 2
         return float(max(0.0, *(-guards / scales)))
 
@@ -213,28 +226,39 @@ class Reference:
         if not breaches[best] < 1e3 * MISSED:
             raise ArithmeticError(f"no case holds at {self.time:g} s: {breaches}")
         self.mode = best
-        if self.mode[:SLIP] != was[:SLIP] and self.time > 0.0:
+        carrying = [[one in (CLOSED, DRAGGED) for one in mode[:SLIP]] for mode in (was, self.mode)]
+        if carrying[0] != carrying[1] and self.time > 0.0:
             self.switches.append(self.time)
 
     def _settle(self, mode: Mode) -> None:
         """Make speeds exactly equal that are equal in a case."""
-        y, rigid = self.state, [wheel.stiffness == 0.0 for wheel in self._wheels]
-        if mode[HOUSING] == CLOSED and rigid[HOUSING]:
+        y = self.state
+        if self.machine.joined(mode, HOUSING):
             y[OMEGA2] = 0.0
             if mode[SLIP] == 0:
                 y[OMEGA1] = 0.0
         elif mode[SLIP] == 0:
             y[OMEGA2] = y[OMEGA1]
-        if mode[OUTPUT] == CLOSED and rigid[OUTPUT]:
+        if self.machine.joined(mode, OUTPUT):
             y[OMEGA3] = y[OMEGA2]
         if not self.machine.elastic:
             y[OMEGA4] = y[OMEGA3]
+        for n, wheel in enumerate(self._wheels):
+            # what overruns further has its whole play
+            y[PLAY + n] = min(y[PLAY + n], wheel.angle)
 
     def _switch(self, place: int) -> None:
         """Follow a guard that fell: a contact, a slip that comes to rest, or only a sign."""
         y, was = self.state, self.mode
-        spring = self._wheels[place].stiffness if place < SLIP else 0.0
-        if spring > 0.0:
+        spring, played = (self._wheels[place].stiffness, y[PLAY + place]) if place < SLIP else (0.0, 0.0)
+        if place < SLIP and was[place] == BACK and played < -speed_of(y, place):
+            y[PLAY + place] = 0.0
+            self.mode = (*was[:place], CLOSED, *was[place + 1 :])
+            if spring == 0.0:
+                self._engage()
+        elif played > 0.0:
+            self._settle((*was[:place], DRAGGED, *was[place + 1 :]))
+        elif spring > 0.0:
             # what it holds when it lets go is lost; it engages with nothing
             y[SUMS + INTEGRALS.index("freewheel")] += 0.5 * spring * y[WOUND + place] ** 2
             y[WOUND + place] = 0.0
@@ -334,27 +358,51 @@ class Reference:
         if omega1 != y[OMEGA1]:
             if any(wheel.stiffness for wheel in self._wheels):
                 raise Unavailable("reference: no jumps with freewheels that are springs")
-            before, hits = self.energy(), dict[Mode, Array]()
-            choices = [
-                (CLOSED, OPEN) if self._wheels[n].there else (self.mode[n],) for n in (HOUSING, OUTPUT)
-            ]
-            for contacts in itertools.product(*choices):
-                mode = (*contacts, *[1] * (len(self.mode) - SLIP))
-                hits[mode] = machine.impact(y, mode, omega1 - y[OMEGA1])
-
-            def breach(mode: Mode) -> float:
-                impulses, after = hits[mode], y[OMEGA1 : OMEGA4 + 1] + hits[mode][: A4 + 1]
-                slips = after[A2], after[A3] - after[A2]
-                ways = ((impulses[TH], slips[HOUSING]), (impulses[TC], slips[OUTPUT]))
-                signs = [ways[n][mode[n] == OPEN] for n in (HOUSING, OUTPUT) if self._wheels[n].there]
-                return -min(signs, default=0.0)
-
-            mode = min(hits, key=breach)
-            y[OMEGA1 : OMEGA4 + 1] += hits[mode][: A4 + 1]
+            before = self.energy()
+            self._hit(omega1 - y[OMEGA1])
             y[OMEGA1] = omega1
-            self._settle(mode)
             y[SUMS] += self.energy() - before
         self._choose()
+
+    def _hit(self, change: float) -> Array:
+        """Speeds after a jump of omega1, rad/s, or an engagement; returns the unknowns, see impact."""
+        machine, y, hits = self.machine, self.state, dict[Mode, Array]()
+        # what takes an impulse: no spring, no play left
+        takes = [wheel.stiffness == 0.0 and y[PLAY + n] == 0.0 for n, wheel in enumerate(self._wheels)]
+        choices = [
+            (CLOSED, OPEN)[1 - takes[n] :] if self._wheels[n].there else (self.mode[n],)
+            for n in (HOUSING, OUTPUT)
+        ]
+        for contacts in itertools.product(*choices):
+            mode = (*contacts, *[1] * (len(self.mode) - SLIP))
+            hits[mode] = machine.impact(y, mode, change)
+
+        def breach(mode: Mode) -> float:
+            impulses, after = hits[mode], y[OMEGA1 : OMEGA4 + 1] + hits[mode][: A4 + 1]
+            slips = after[A2], after[A3] - after[A2]
+            ways = ((impulses[TH], slips[HOUSING]), (impulses[TC], slips[OUTPUT]))
+            signs = [
+                ways[n][mode[n] == OPEN] for n in (HOUSING, OUTPUT) if self._wheels[n].there and takes[n]
+            ]
+            return -min(signs, default=0.0)
+
+        mode = min(hits, key=breach)
+        y[OMEGA1 : OMEGA4 + 1] += hits[mode][: A4 + 1]
+        self._settle(mode)
+        return hits[mode]
+
+    def _engage(self) -> None:
+        """Engage what has no play left, by an impact: what of the energy goes nowhere else is lost."""
+        y, before, speeds = self.state, self.energy(), self.state[OMEGA1 : OMEGA4 + 1].copy()
+        found = self._hit(0.0)
+        work = found[M1] * y[OMEGA1]
+        # (a balancer at the shaft gives energy)
+        given = self.machine.p["balancer"] * self.machine.p["driven_inertia"] * self.machine.elastic
+        shaft = -given * found[A3] * (speeds[A4] + 0.5 * found[A4])
+        y[SUMS] += work
+        y[SUMS + INTEGRALS.index("shaft")] += shaft
+        y[SUMS + INTEGRALS.index("freewheel")] += before + work - shaft - self.energy()
+        y[SUMS + INTEGRALS.index("M1") :] += found[M1 : TH + 1]
 
     @property
     def omega_out(self) -> float:

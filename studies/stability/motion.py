@@ -35,7 +35,7 @@ TORQUES = ("load_torque", "input_torque", "mesh_torque", "output_torque", "housi
 # not the shaft's: a balancer gives energy, and of a shaft too stiff to be followed it is a difference
 LOST = tuple(name for name in LOSSES if name != "energy_lost_shaft")
 # never breached but for rounding, and what a breach is relative to; the first three without drag, the speeds
-# only of freewheels that do not wind up
+# only of freewheels without wind-up and play
 SPEED, TORQUE, POWER, REGAINED = BREACHES = (
     "0 <= omega2 <= omega3",
     "Th, Tc >= 0",
@@ -255,8 +255,10 @@ class Run:
             drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
             held = module[f"{wheel}_torque"] + drag
             breaches.append((TORQUE, -held))
-            if not elastic or module[f"{spring}_stiffness"] == 0.0:  # while it winds up it may turn backwards
-                breaches += [(SPEED, -slip), (POWER, slip * held)]
+            if not elastic or module[f"{spring}_stiffness"] == 0.0:
+                breaches.append((POWER, slip * held))
+                # while it winds up, or is within its play, it may turn backwards
+                breaches.append((SPEED, -slip * (module[f"{wheel}_engagement_angle"] == 0.0)))
         for name, value in breaches:
             self.breaches[name] = max(self.breaches[name], value)
 

@@ -56,7 +56,7 @@ DIGITS = 5
 # viscous friction: the share of the motions that have some
 FRICTION_SHARE, MOST_FRICTION = 0.3, 100.0
 # losses by load, drag, gravity: the share of the motions that have each, efficiencies
-LOSS_SHARE, EFFICIENCIES = 0.5, (0.5, 0.9, 0.97, 0.99, 1.0 - 1e-12)
+LOSS_SHARE, PLAY_SHARE, EFFICIENCIES = 0.5, 0.3, (0.5, 0.9, 0.97, 0.99, 1.0 - 1e-12)
 # names, formula and, if there is one, condition
 DRAWS = {
     table: [(names.split(), *(compile(text, text, "eval") for text in texts)) for names, *texts in rows]
@@ -98,6 +98,7 @@ LOSSES = (
     *AS_TORQUE,
     *("mesh_efficiency", "satellite_mesh_efficiency", "journal_friction"),
     *("housing_drag_viscous", "output_drag_viscous", "housing_stiffness", "freewheel_stiffness"),
+    *("housing_engagement_angle", "output_engagement_angle"),
 )
 # distances that a change of the problem by the tolerance makes, that two runs may be apart
 EXPLAINED = 10.0

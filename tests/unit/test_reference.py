@@ -20,7 +20,9 @@ from scenes import (
     FREEWHEELS,
     GEARS,
     LOSSES,
+    PLAY,
     SCENES,
+    WIND_UP,
     advanced,
     drive_angle,
     input_angle,
@@ -102,6 +104,16 @@ def cases():
             yield f"{name}-overhauled", values | {"load_torque": -5.0}
             yield f"{name}-all", values | ALL_LOSSES | GEARS
             yield f"{name}-sticking", values | STICKING
+            yield f"{name}-play", values | PLAY
+            yield f"{name}-play-sticking", values | STICKING | PLAY
+            for one, angle in PLAY.items():
+                yield f"{name}-{one}", values | {one: angle}
+        else:
+            yield f"{name}-play-housing-alone", values | PLAY | FREEWHEELS["no output freewheel"]
+            yield f"{name}-play-output-alone", values | PLAY | FREEWHEELS["no housing freewheel"]
+        yield f"{name}-play-and-all", values | PLAY | ALL_LOSSES
+        # drag alone holds them within their play
+        yield f"{name}-play-held", values | PLAY | {"housing_drag": 20.0, "output_drag": 20.0}
     for layout, freewheels in product(SCENES, FREEWHEELS):
         values = DRIVEN[layout] | FREEWHEELS[freewheels]
         back = {"omega1": -100.0, "drive_torque": -values["drive_torque"]}
@@ -127,6 +139,14 @@ def cases():
         "wound-up-output",
         SCENES["bevel"] | springs | {"freewheel_stiffness": 2000.0, "freewheel_damping": 0.05},
     )
+    yield "play-wound-up-housing", SCENES["planar"] | springs | PLAY | {"housing_stiffness": 3000.0}
+    yield (
+        "play-wound-up-output",
+        DRIVEN["bevel"] | springs | PLAY | {"freewheel_stiffness": 2000.0, "freewheel_damping": 0.05},
+    )
+    for layout in SCENES:
+        yield f"{layout}-wound-up", SCENES[layout] | SHAFT | ALL_LOSSES | WIND_UP
+        yield f"{layout}-play-wound-up", DRIVEN[layout] | SHAFT | ALL_LOSSES | WIND_UP | PLAY
     spins = {"omega1": 0.0, "omega_out_start": 50.0, "output_friction": 0.3}
     yield "spins-down", SCENES["bevel"] | spins
     yield "is-pulled", SCENES["bevel"] | spins | {"load_torque": -4.0, "housing_freewheel": False}
@@ -136,7 +156,7 @@ def cases():
 
 
 # the ideal engines have friction and gears as well, the general one all the rest
-GENERAL = (ALL_LOSSES.keys() | {"windage"}) - LOSSES["viscous"].keys()
+GENERAL = (ALL_LOSSES.keys() | PLAY.keys() | {"windage"}) - LOSSES["viscous"].keys()
 IDEAL_CASES, GENERAL_CASES = (
     [pytest.param(values, id=name) for name, values in cases() if bool(GENERAL & values.keys()) == general]
     for general in (False, True)
@@ -183,6 +203,17 @@ def test_loads_that_change(compiled, scene):
     loads = [scene["load_torque"] * (1.0 if n % 4 < 2 else -0.5) for n in range(1, 7)]
     parts = [(0.01 * n, load) for n, load in enumerate(loads, 1)]
     assert_same_motion(compiled, {**scene, **ALL_LOSSES}, parts)
+
+
+@pytest.mark.parametrize("more", [PLAY, PLAY | ALL_LOSSES], ids=["ideal", "losses"])
+def test_jumps_of_the_input_speed_meet_freewheels_within_their_play(compiled, scene, more):
+    found, exact = started(compiled, scene, more, tolerance=1e-12), reference(scene | more)
+    for n, omega1 in enumerate((90.0, 150.0, 20.0, -80.0, -10.0, 70.0), 1):
+        exact.turn(omega1)
+        exact.advance(0.013 * n)
+        advanced(found, 0.013, omega1=omega1)
+        assert held_to(found, exact, 1e-9) == {}, omega1
+    assert found["energy_lost_freewheel"] > 1.0
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8])

@@ -10,6 +10,7 @@ import math
 
 from ..accumulate import TWO_PI, clear, copy
 from ..equations.choice import choose_next_states, choose_states
+from ..equations.states import CLOSING
 from ..events.advance import advance_general
 from ..events.step_size import AFRESH
 from ..inertia import reduced_inertia
@@ -225,9 +226,11 @@ def follow(d, x, w, length):
             x.rates_cached = 0.0
             limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
             continue
-        # in its play link 2 may be as fast as link 1 or faster for a while: the drive rests, or turns back
+        # in its play link 2 may be as fast as link 1 or faster for a while: the drive rests, or turns back;
+        # or they stick together until link 2 meets the output
         still = AT_REST * (abs(x.omega1) + abs(x.omega2))
-        waits = d.plays != 0.0 and idle < MOST_IDLE and (event or slip < -still)
+        stays = event or slip < -still or x.output_state == CLOSING
+        waits = d.plays != 0.0 and idle < MOST_IDLE and stays
         if not slip > still and not waits:
             return -1.0, 0.0
         if event:

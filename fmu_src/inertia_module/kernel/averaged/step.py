@@ -143,7 +143,8 @@ def balance(d, side, x, w, leg):
     change.output = d.J3 * change.omega3 + x.load_torque * w.step + d.b3 * change.turned3
     # the mesh's impulse stood in place of the housing's
     change.housing = change.output + d.b2 * change.omega2 - change.housing
-    change.omega2 = 0.0
+    # (nor do single freewheels turn in it)
+    change.omega2 = change.wound_housing = change.wound_output = 0.0
     if d.by_torque != 0.0:
         return
     omega3 = x.omega3

@@ -78,13 +78,13 @@ def violation(d, x, prescribed, load):
     if d.housing != 0.0:
         state, push, wound = x.housing_state, inertia * m.alpha2, m.wound_housing
         missing = worst_of_freewheel(state, d.housing_drag, m.housing, m.omega2, push, wound, m.play_housing)
-        worst = max(worst, missing / torques, relaxed(state, d.housing_drag, wound, m.omega2))
+        worst = max(worst, missing / torques) + relaxed(state, d.housing_drag, wound, m.omega2)
     if d.output != 0.0:
         torques += (abs(load) if d.elastic == 0.0 else 0.0) + inertia * abs(m.alpha3)
         slip = m.omega3 - m.omega2
         state, push, wound = x.output_state, inertia * (m.alpha3 - m.alpha2), m.wound_output
         missing = worst_of_freewheel(state, d.output_drag, m.output, slip, push, wound, m.play_output)
-        worst = max(worst, missing / torques, relaxed(state, d.output_drag, wound, slip))
+        worst = max(worst, missing / torques) + relaxed(state, d.output_drag, wound, slip)
     return worst
 
 

@@ -6,7 +6,7 @@ from ..equations.choice import take_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
 from ..equations.motion import recall, take_state
 from ..equations.satellites import with_sign_changed
-from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_wound
+from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_wound
 from ..fields import CAUSES
 from ..impulse import close_freewheels, holds_link2
 from ..loads import INSIDE_PHASE, sample_load
@@ -58,23 +58,26 @@ def balance(d, x, w):
         change.work_in = x.omega1 * change.drive
 
 
-def turn_back(d, x, change):
-    """Take over by how much freewheels have turned back: into their springs, or out of and into their play.
+def left_of_play(state, play, turned, engagement_angle):
+    """Play of a freewheel, rad, that has turned back by so much.
 
-    One that overruns has its whole play at most; one that closes has some left until that is an event.
+    One that overruns has its whole play at most; one that closes has some left until that is an event. One
+    that is locked does not turn but by rounding.
     """
-    if x.housing_state == WOUND:
+    if not is_open(state):
+        return play
+    return max(NO_PLAY if state == CLOSING else 0.0, min(play - turned, engagement_angle))
+
+
+def turn_back(d, x, change):
+    """Take over by how much freewheels have turned back: into their springs, or out of their play."""
+    housing, output = x.housing_state, x.output_state
+    if housing == WOUND:
         x.wound_housing += change.wound_housing
-    else:
-        x.play_housing = min(x.play_housing - change.wound_housing, d.housing_engagement_angle)
-    if x.output_state == WOUND:
+    if output == WOUND:
         x.wound_output += change.wound_output
-    else:
-        x.play_output = min(x.play_output - change.wound_output, d.output_engagement_angle)
-    if x.housing_state == CLOSING:
-        x.play_housing = max(x.play_housing, NO_PLAY)
-    if x.output_state == CLOSING:
-        x.play_output = max(x.play_output, NO_PLAY)
+    x.play_housing = left_of_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
+    x.play_output = left_of_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
 
 
 def commit(d, x, w):
@@ -127,6 +130,9 @@ def meet(d, x, which):
     if which == HOUSING or which == HOUSING_BACK:
         x.omega2 = 0.0
         x.omega2_low = 0.0
+        if which == HOUSING_BACK and x.output_state == LOCKED:
+            x.omega3 = 0.0
+            x.omega3_low = 0.0
     elif which == OUTPUT or which == OUTPUT_BACK:
         if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
