@@ -42,7 +42,7 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7622,
+    "kernel": 7621,
     "compiling": 644,
     "fmu": 1945,
     "harness": 2524,
@@ -51,7 +51,7 @@ OVER: Mapping[str, int] = {
     "jobs": 3670,
     "figures": 1199,
     "export, page, cli, common": 1817,
-    "package": 25632,
+    "package": 25631,
     "studies": 6525,
     "tests": 18461,
 }

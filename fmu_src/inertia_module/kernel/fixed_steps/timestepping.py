@@ -12,7 +12,7 @@ from ..codes import DRIVING, HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
 from ..equations.choice import choose_states
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH
 from ..equations.states import count_engagements, is_rough
-from ..impulse import settle
+from ..impulse import settle, shaft_inertia
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from ..loads import sample_load
@@ -90,11 +90,10 @@ def follow(d, x, w, held, joined, prescribed, h):
     overrun *= w.mean3 - mean2
     w.lost_by_drag = drag + overrun
     w.reversed = 1.0 if drag < 0.0 or overrun < 0.0 else 0.0
-    inertia3 = d.J3
+    inertia3 = shaft_inertia(d, w.stiff != 0.0)
     if d.elastic != 0.0:
         drive_mass(d, x, w, h)
         if w.stiff != 0.0:
-            inertia3 += (1.0 - d.balancer) * d.J4
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
@@ -231,7 +230,7 @@ def use_play(d, x, w, end2, end3, h):
         x.play_output = 0.0
     if impact:
         inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
-        inertia3 = d.J3 + (w.stiff * (1.0 - d.balancer) * d.J4 if d.elastic != 0.0 else 0.0)
+        inertia3 = shaft_inertia(d, w.stiff != 0.0)
         lost = inertia2 * (w.end2 * w.end2 - end2 * end2) + inertia3 * (w.end3 * w.end3 - end3 * end3)
         add_loss(x, FREEWHEEL, 0.5 * lost)
     return impact
