@@ -12,7 +12,7 @@ from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names, run, take_steps
 from ..harness.simulate import Plant, Result, whole_steps
-from .sources import Sampled, Signal, Sources
+from .sources import Sampled, Sources
 
 __all__ = ["ClosedLoop", "connect", "initial_inputs"]
 
@@ -62,10 +62,10 @@ def connect(systems: Sequence[Any]) -> Any:
         if len({system.dt for system in own}) > 1:
             steps = ", ".join(f"{system.name} {system.dt:g} s" for system in own)
             raise ValueError(f"systems must have one step, have {steps}")
-        signals: dict[str, Signal] = {}
-        for system in own:
-            signals |= system.signals if isinstance(system, Sources) else {}
-        return Sources(signals, own[0].dt) if len(signals) == len(origin) else _surroundings(own)
+        given = [system for system in own if isinstance(system, Sources)]
+        if len(given) < len(own):
+            return _surroundings(own)
+        return Sources({name: signal for one in given for name, signal in one.signals.items()}, own[0].dt)
     import control as ct
 
     wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
@@ -161,15 +161,6 @@ class ClosedLoop:
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
 
-    def _steps(self, stop_time: float) -> int:
-        number = whole_steps(stop_time, self.step)
-        if not number:
-            raise ValueError(
-                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
-                f" one, is {stop_time:g} s"
-            )
-        return number
-
     def run(self, stop_time: float, progress: Progress | None = None) -> Result:
         """Step to the stop time, s, and return a row a communication point as a named table.
 
@@ -180,7 +171,12 @@ class ClosedLoop:
             ValueError: the stop time is not a whole number of steps.
             FmuError: the FMU refuses a value or a step.
         """
-        number, first = self._steps(stop_time), 1 + len(self._outputs)
+        number, first = whole_steps(stop_time, self.step), 1 + len(self._outputs)
+        if not number:
+            raise ValueError(
+                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
+                f" one, is {stop_time:g} s"
+            )
         rows = np.empty((number + 1, len(self.names)))
         rows[:, 0] = np.arange(number + 1) * self.step
         if isinstance(self.surroundings, Sources):
