@@ -78,14 +78,7 @@ class AnyDrive(Strict):
         return {**parameters} if self.mode == DRIVE_SPEED else {**parameters, "drive": float(DRIVE_TORQUE)}
 
     def check_step(self, step: float, inertia: float) -> None:
-        """Refuse a step that is too long for the drive.
-
-        Args:
-            step: s. inertia: of all that turns with link 1, kg.m2.
-
-        Raises:
-            ValueError: the step is too long.
-        """
+        """Refuse a step, s, that is too long; inertia: of all that turns with link 1, kg.m2."""
 
 
 class ConstantDrive(AnyDrive):

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
-from .keys import Keys, Model, SceneError, changed, keys_of, validated, without_files
+from .keys import Keys, Model, SceneError, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -90,6 +90,6 @@ def scene_text(scene: Scene) -> str:
     Raises:
         NotInstalled: the extra jobs is not.
     """
-    tables = without_files(scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True))
+    tables = scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     written: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
     return written

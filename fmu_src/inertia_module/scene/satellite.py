@@ -28,7 +28,7 @@ def _density(value: Any) -> float:
 
 
 Length = Annotated[float, quantity("m", maximum=1e3, above=0.0)]
-Material = Annotated[float, InUnit(_density, unit="kg/m3")]
+Material = Annotated[float, InUnit(_density, "kg/m3")]
 
 
 class Satellite(Strict):

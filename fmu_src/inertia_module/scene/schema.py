@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, Field, ValidationInfo, create_model, model_validator
+from pydantic import BaseModel, Field, create_model, model_validator
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
@@ -38,7 +38,6 @@ from .keys import (
     measured_speed,
     quantity,
     validated,
-    without_files,
 )
 from .parts import Controller, Drive, Load
 from .satellite import Satellite
@@ -204,7 +203,7 @@ class Scene(Strict):
     @cached_property
     def tables(self) -> dict[str, Any]:
         """Keys that are given, by table, in SI units."""
-        return without_files(self.model_dump(exclude_none=True))
+        return self.model_dump(exclude_none=True)
 
     @cached_property
     def surroundings(self) -> Any:
@@ -254,12 +253,7 @@ class Scene(Strict):
         data |= {name: table for name, table in self.tables.items() if name in anew}
         for name, path in paths.items():
             data = changed(data, path, keys[name])
-        return validated(Scene, data, before=self)
-
-    @property
-    def _around(self) -> tuple[Any, ...]:
-        """Parts of the scene that determine the systems around the FMU."""
-        return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
+        return validated(Scene, data)
 
     @cached_property
     def given(self) -> dict[str, float]:
@@ -310,12 +304,8 @@ class Scene(Strict):
         return {**values, name: own + rigid} if rigid else values
 
     @model_validator(mode="after")
-    def _check(self, info: ValidationInfo) -> Scene:
+    def _check(self) -> Scene:
         """Refuse tables that contradict each other; the module itself looks at all parameters together."""
-        before = (info.context or {}).get("before")
-        if before is not None and before._around == self._around:
-            # connecting the systems costs as much as a short run
-            self.__dict__.update(built_load=before.built_load, surroundings=before.surroundings)
         self._check_drive()
         self._check_choice()
         self._check_vehicle()
