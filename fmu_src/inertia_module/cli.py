@@ -69,10 +69,6 @@ Workers = Annotated[int | None, option("Processes on this machine (one for each 
 aside = partial(typer.echo, err=True)
 
 
-class Aside(str):
-    """Line for the error output."""
-
-
 # a line; headings and values under a title; what prints more than that
 Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
 
@@ -84,12 +80,14 @@ class Answer:
     Attributes:
         told: for machines. shown: to people, in this order. failed: whether the exit code is 1.
         files: that were written, by name; in the output of --json too, for people listed at the end.
+        warnings: for people, on the error output.
     """
 
     told: dict[str, Any]
     shown: Sequence[Shown] = ()
     files: Mapping[str, Path] = field(default_factory=dict)
     failed: bool = False
+    warnings: Sequence[str] = ()
 
 
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
@@ -106,6 +104,8 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         if as_json:
             typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
         else:
+            for warning in answer.warnings:
+                aside(f"warning: {warning}")
             for one in answer.shown:
                 show(one)
             for name, file in listed.items():
@@ -137,18 +137,17 @@ def folder_for(output: Path | None, *default: str) -> Path:
 def show(one: Shown) -> None:
     """Print one part of an answer."""
     if isinstance(one, str):
-        typer.echo(one, err=isinstance(one, Aside))
-        return
-    if not isinstance(one, tuple):
-        one()
-        return
-    from rich.table import Table
+        typer.echo(one)
+    elif isinstance(one, tuple):
+        from rich.table import Table
 
-    title, rows = one
-    table = Table(title=title, title_justify="left", show_header=False)
-    for heading, value in rows.items():
-        table.add_row(heading, value)
-    terminal().print(table)
+        title, rows = one
+        table = Table(title=title, title_justify="left", show_header=False)
+        for heading, value in rows.items():
+            table.add_row(heading, value)
+        terminal().print(table)
+    else:
+        one()
 
 
 def current_fmu(fmu: NativeFmu | None = None) -> Path:
@@ -212,8 +211,9 @@ def build(output: OutputFolder = None) -> Answer:
     fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
 
+    for what, reason in built.skipped.items():
+        aside(f"skipped {what}: {reason}")
     shown = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
-    shown += [Aside(f"skipped {what}: {reason}") for what, reason in built.skipped.items()]
     told = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
     return Answer(told, shown, failed=bool(built.skipped))
 
@@ -230,10 +230,10 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
     shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviations from its references", rows)] if rows else []
-    shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
-    return Answer({"fmu": str(fmu), **asdict(report)}, shown, failed=bool(report.problems))
+    told = {"fmu": str(fmu), **asdict(report)}
+    return Answer(told, shown, failed=bool(report.problems), warnings=report.warnings)
 
 
 @command
@@ -339,9 +339,8 @@ def run(
         files["page"] = folder / PAGE
         write_atomically(files["page"], page)
 
-    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
-    shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
-    return Answer(told, shown, files)
+    shown: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
+    return Answer(told, shown, files, warnings=result.warnings)
 
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
@@ -397,13 +396,17 @@ def view(
     outcome = None
     if not is_exact(read):
         outcome, _ = _ran(read, fmu, COMPUTED)
-    content = html_file(read, outcome)
-    write_atomically(path, content)
+    answer = _written(scene, "page", path, html_file(read, outcome), outcome.warnings if outcome else ())
     if show:
         webbrowser.open(path.absolute().as_uri())
-    warnings = [] if outcome is None else list(outcome.warnings)
-    told = {"scene": str(scene), "page": str(path), "bytes": len(content), "warnings": warnings}
-    return Answer(told, [f"page: {path} ({len(content) / 1e6:.1f} MB)"])
+    return answer
+
+
+def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Sequence[str]) -> Answer:
+    """Write an HTML file of a scene, the page or the report; the answer tells where and how large it is."""
+    write_atomically(path, content)
+    told = {"scene": str(scene), what: str(path), "bytes": len(content), "warnings": list(warnings)}
+    return Answer(told, [f"{what}: {path} ({len(content) / 1e6:.1f} MB)"], warnings=warnings)
 
 
 @command
@@ -436,16 +439,7 @@ def report(
     line = shlex.join(["inertia-module", "report", str(scene), *words])
     with progress_bar(f"report of {scene.name}") as progress:
         content = report_file(scene, keys or [], result, used, line, chosen, progress)
-    write_atomically(path, content)
-
-    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
-    told = {
-        "scene": str(scene),
-        "report": str(path),
-        "bytes": len(content),
-        "warnings": list(result.warnings),
-    }
-    return Answer(told, [*shown, f"report: {path} ({len(content) / 1e6:.1f} MB)"])
+    return _written(scene, "report", path, content, result.warnings)
 
 
 @command

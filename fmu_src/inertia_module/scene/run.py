@@ -395,7 +395,9 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
+        raise SceneError(
+            "mechanism.fidelity must be one by name, or be chosen first (fidelity.trials.choose), is 'auto'"
+        )
     values = scene.parameters()
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
@@ -415,8 +417,6 @@ def scene_plan(scene: Scene) -> Plan:
     """
     from ..export.systems import make_plan  # imports the builder of FMUs
 
-    if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
     values, inputs = start_of(scene)
     for name in ("housing_stiffness", "freewheel_stiffness"):
         if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:

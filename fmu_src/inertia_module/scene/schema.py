@@ -198,7 +198,9 @@ class Scene(Strict):
     @cached_property
     def built_load(self) -> loops.Load:
         """The load as a system."""
-        return self.load.build(self.run.communication_step, self._one_way)
+        # freewheels may keep the output shaft from turning backwards
+        one_way = all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
+        return self.load.build(self.run.communication_step, one_way)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -267,11 +269,6 @@ class Scene(Strict):
         """Parameters of the mechanism that follow from sizes and materials of its satellites."""
         satellite: Satellite | None = getattr(self.mechanism, "satellite")  # noqa: B009  # of create_model
         return {} if satellite is None else satellite.parameters(self.given)
-
-    @property
-    def _one_way(self) -> bool:
-        """Tell whether the freewheels keep the output shaft from turning backwards."""
-        return all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
