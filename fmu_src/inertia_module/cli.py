@@ -469,7 +469,10 @@ def tradeoff(
         measure = trials.trial_rows if allowed else trials.measured_rows
         rows = trials.with_worst(measure(read, progress), names)
         choice = trials.recommend(rows, allowed, names) if allowed else None
-        files = trials.leave_rows(folder, title, rows)
+        files = {"rows": trials.write_rows(folder / "tradeoff.csv", rows)}
+        figure = trials.work_precision(rows, trials.WORST, title)
+        for kind in ("png", "svg"):
+            files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
 
     step = (rows[0] if choice is None else choice.row).communication_step
     printed = [row for row in rows if row.communication_step == step]

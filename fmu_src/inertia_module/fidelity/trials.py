@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..common.colours import BLUE, VERMILION
-from ..common.files import cache_folder, content_hash, sources, write_figure
+from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..harness import results
@@ -736,12 +736,3 @@ def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
         errors = {name: row.errors[name] for name in wanted if name in row.errors}
         kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
     return kept
-
-
-def leave_rows(folder: Path, title: str, rows: Sequence[Row]) -> dict[str, Path]:
-    """Leave rows of with_worst in a folder, as CSV, and a plot as PNG and SVG. Returns the files by name."""
-    files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
-    figure = work_precision(rows, WORST, title)
-    for kind in ("png", "svg"):
-        files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
-    return files
