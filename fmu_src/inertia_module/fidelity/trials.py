@@ -277,10 +277,8 @@ class Choice:
         """Give the choice for machines."""
 
         def brief(row: Row) -> dict[str, Any]:
-            known = {name: getattr(row, name) for name in ("fidelity", "method", "setting")}
             errors = {name: row.errors[name] for name in self.wanted}
-            cost = {"wall_time_per_second": row.wall_time}
-            return {**known, "error": row.worst(self.wanted), **cost, "errors": errors}
+            return row.as_dict() | {"error": row.worst(self.wanted), "errors": errors}
 
         following = None if self.following is None else brief(self.following) | {"cost": self.ratio}
         asked = {"error": self.error, "wanted": list(self.wanted)}
@@ -412,13 +410,9 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 # --- trial runs ---
 
 REFERENCE_TOLERANCE = 1e-12
-# shortest time that can be measured, s a call
-_RESOLUTION = 1e-8
 _PULSING = frozenset(NOT_MODELLED[1])
 # relative to the energy in, for they are small or zero by themselves
 _ENERGIES = ("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual")
-# a matter of cost, not of accuracy
-NOT_COMPARED = ("rhs_evaluations",)
 
 
 def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
@@ -453,7 +447,8 @@ def kernel_time(
         take_steps(module, lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1])
 
     spent, none = (median_time(partial(steps, number), repeats) for number in (len(inputs), 0))
-    return max(spent - none, _RESOLUTION * len(inputs))
+    # what can be measured takes 10 ns a call
+    return max(spent - none, 1e-8 * len(inputs))
 
 
 # --- a run ---
@@ -514,7 +509,8 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
         fidelity: of the run.
     """
     largest_energy = float(np.abs(exact["energy_in"]).max())
-    errors = dict.fromkeys(NOT_COMPARED, 0.0) | dict.fromkeys(NOT_MODELLED[fidelity], math.nan)
+    # evaluations are a matter of cost
+    errors = {"rhs_evaluations": 0.0} | dict.fromkeys(NOT_MODELLED[fidelity], math.nan)
     for name in exact.names:
         if name == TIME or name in errors:
             continue

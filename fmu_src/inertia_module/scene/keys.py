@@ -156,13 +156,9 @@ class Tabulated(Strict):
     file: str | None = Field(default=None, exclude=True)
 
     @classmethod
-    def columns(cls, _: Any = None) -> dict[str, str]:
-        """Units in SI, where the heading of a file gives none, of points and values, by name.
-
-        The argument is the context of the validation.
-        """
-        lists = {name: one for name, one in cls.model_fields.items() if get_origin(one.annotation) is list}
-        return {name: unit_of(field) or "1" for name, field in lists.items()}
+    def columns(cls) -> list[str]:
+        """Names of points and values."""
+        return [name for name, one in cls.model_fields.items() if get_origin(one.annotation) is list]
 
     @model_validator(mode="before")
     @classmethod
@@ -170,24 +166,20 @@ class Tabulated(Strict):
         """Fill the columns from the file."""
         if not isinstance(data, dict) or "file" not in data:
             return data
-        context = info.context or {}
-        asked = cls.columns(context)
-        if asked.keys() & data.keys():
+        asked = cls.columns()
+        if not data.keys().isdisjoint(asked):
             points, values = asked
             raise ValueError(f"give either 'file' or '{points}' and '{values}', not both")
         try:
-            columns, units = read_columns(context.get("folder", Path()) / str(data["file"]))
+            columns, units = read_columns((info.context or {}).get("folder", Path()) / str(data["file"]))
         except TableError as error:
             raise ValueError(str(error)) from None
         filled = dict(data)
-        for name, default in asked.items():
+        for name in asked:
             if name not in columns:
                 raise ValueError(f"{data['file']} must have a column {name} {did_you_mean(name, columns)}")
-            unit = units.get(name, default)
-            try:
-                filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name]]
-            except ValueError as error:
-                raise ValueError(f"{name} of {data['file']} {error}") from None
+            # quantities of the scene, in the unit of the heading or in SI
+            filled[name] = [f"{value!r} {units.get(name, '')}" for value in columns[name]]
         return filled
 
     @model_validator(mode="after")

@@ -20,8 +20,7 @@ from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
 from ..loops.sources import Sampled, Signal, Table
 from .keys import (
-    SHAFT_SPEED,
-    SPEED_UNITS,
+    VEHICLE_SPEED,
     AngularSpeed,
     ConstantOrTable,
     Duration,
@@ -381,16 +380,12 @@ Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind
 # --- controllers ---
 
 
-def _speed_unit(context: Any) -> str:
-    return SPEED_UNITS[(context or {}).get("measured", SHAFT_SPEED)]
-
-
 def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
     """Validator of a quantity whose unit depends on the speed that is controlled."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
-        unit = vehicle_unit if _speed_unit(info.context) == "m/s" else shaft_unit
-        return checked(value, unit, minimum)
+        measured = (info.context or {}).get("measured")
+        return checked(value, vehicle_unit if measured == VEHICLE_SPEED else shaft_unit, minimum)
 
     return BeforeValidator(check)
 
@@ -412,11 +407,6 @@ class TableReference(Tabulated):
     kind: Literal["table"]
     time: Times
     speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
-
-    @classmethod
-    def columns(cls, context: Any = None) -> dict[str, str]:
-        """Units of both columns; that of the speed depends on the load."""
-        return {"time": "s", "speed": _speed_unit(context)}
 
 
 def _known_cycle(name: Any) -> str:
