@@ -530,9 +530,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
     Raises:
         SceneError: the scene is refused there.
     """
-    rigid = at_fidelity(scene.given, level.fidelity)
-    inertia = {name: rigid[name] for name in ("output_inertia",) if name in rigid}
-    values: dict[str, float | None] = {"max_step": None, **inertia, **level.values}
+    values = {**at_fidelity(scene.given, level.fidelity), "max_step": None, **level.values}
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
     return scene.replaced(

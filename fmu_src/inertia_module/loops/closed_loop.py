@@ -20,16 +20,8 @@ PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 _PROGRESS_CALLS = 200
 
 # units of the signals that sources, controllers and loads bring along
-SIGNAL_UNITS = {
-    "vehicle_speed": "m/s",
-    "distance": "m",
-    "drag_torque": "N.m",
-    "slope_torque": "N.m",
-    "rolling_torque": "N.m",
-    "brake_torque": "N.m",
-    "brake_force": "N",
-    "load_speed": "rad/s",
-}
+SIGNAL_UNITS = {"vehicle_speed": "m/s", "distance": "m", "brake_force": "N", "load_speed": "rad/s"}
+SIGNAL_UNITS |= dict.fromkeys(("drag_torque", "slope_torque", "rolling_torque", "brake_torque"), "N.m")
 
 
 def connect(systems: Sequence[Any]) -> Any:

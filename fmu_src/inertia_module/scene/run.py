@@ -35,17 +35,8 @@ if TYPE_CHECKING:
 
 # variables of the FMU that the summary and the figure need, whatever outputs the scene wants
 SUMMARISED = (
-    "omega2",
-    "omega_out",
-    "input_speed",
-    "input_torque_mean",
-    "output_torque_mean",
-    "energy_in",
-    "energy_out",
-    "energy_stored",
-    "energy_lost",
-    *LOSSES,
-    "energy_residual",
+    *("omega2", "omega_out", "input_speed", "input_torque_mean", "output_torque_mean"),
+    *("energy_in", "energy_out", "energy_stored", "energy_lost", *LOSSES, "energy_residual"),
     "contact_switches",
     *("housing_engagements", "housing_torque_peak", "housing_slip_peak"),
     *("output_engagements", "torque_peak", "output_slip_peak"),
@@ -244,7 +235,6 @@ def _vehicle(table: Result) -> dict[str, Quantity]:
 
 def summarise(
     table: Result,
-    measured: str | None,
     cycle: Cycle | None,
     wall_time: float,
     also: Mapping[str, Quantity] = MappingProxyType({}),
@@ -252,8 +242,7 @@ def summarise(
     """Numbers of a run.
 
     Args:
-        table: all of SUMMARISED, and the signals of the loop.
-        measured: name of the speed under control, or None. cycle: to be followed, or None.
+        table: all of SUMMARISED, and the signals of the loop. cycle: to be followed, or None.
         wall_time: of the run, s. also: more numbers, as of times_to and freewheel_duty.
     """
     simulated = float(table.time[-1] - table.time[0])
@@ -273,9 +262,10 @@ def summarise(
     }
     if "vehicle_speed" in table:
         summary |= _vehicle(table)
-    if measured is not None:
-        unit = table.units["reference"]
-        factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
+    if "reference" in table:
+        measured, factor, shown = "omega_out", 1.0, "rad/s"
+        if "vehicle_speed" in table:
+            measured, factor, shown = "vehicle_speed", KILOMETRE_PER_HOUR, "km/h"
         error = (table[measured] - table["reference"]) / factor
         summary["tracking_error_rms"] = Quantity(float(np.sqrt(np.mean(error**2))), shown)
         summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), shown)
@@ -497,11 +487,10 @@ def _run_on(
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     wall_time = time.perf_counter() - began
-    measured = scene.measured if scene.controller is not None else None
     speeds = getattr(scene.load, "times_to", ())
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
     duty, unknown = freewheel_duty(record, scene.parameters())
-    quantities = summarise(record, measured, scene.cycle, wall_time, times | duty)
+    quantities = summarise(record, scene.cycle, wall_time, times | duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     above = [
         f"{name.replace('_', ' ')} is above its limit, {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
