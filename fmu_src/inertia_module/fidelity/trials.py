@@ -481,21 +481,19 @@ def time_of(scene: Scene, record: Result) -> float:
 # --- errors over windows of time ---
 
 
-def window_means(values: Array, rows: int) -> Array:
-    """Average over windows of so many rows; what is left over belongs to the last window."""
-    count = max(values.size // rows, 1)
-    edges = np.arange(count) * rows
-    sizes = np.diff(np.append(edges, values.size))
-    means: Array = np.add.reduceat(values, edges) / sizes
-    return means
-
-
 def _features(record: Result, name: str, window: float) -> list[Array]:
-    """Window means and, of what pulses, window RMS; the start itself is left out: it is no step."""
+    """Window means and, of what pulses, window RMS; the start itself is left out: it is no step.
+
+    What is left over belongs to the last window.
+    """
     values = record[name][1:]
     rows = max(round(window / float(record.time[1] - record.time[0])), 1)
-    means = window_means(values, rows)
-    return [means, np.sqrt(window_means(values**2, rows))] if name in _PULSING else [means]
+    edges = np.arange(max(values.size // rows, 1)) * rows
+
+    def means(values: Array) -> Array:
+        return np.asarray(np.add.reduceat(values, edges) / np.diff(np.append(edges, values.size)))
+
+    return [means(values), np.sqrt(means(values**2))] if name in _PULSING else [means(values)]
 
 
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:

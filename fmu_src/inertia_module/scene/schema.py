@@ -10,17 +10,8 @@ from pydantic import BaseModel, Field, create_model, model_validator
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
-from ..contract.variables import (
-    BY_NAME,
-    COMPUTED,
-    ENUMERATIONS,
-    LARGEST_STEP,
-    OUTPUT,
-    PARAMETER,
-    VARIABLES,
-    Group,
-    with_causality,
-)
+from ..contract import variables
+from ..contract.variables import BY_NAME, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.cycles import CYCLES, Cycle
@@ -35,6 +26,7 @@ from .keys import (
     Strict,
     changed,
     fields_of,
+    in_range,
     measured_speed,
     quantity,
     validated,
@@ -42,23 +34,19 @@ from .keys import (
 from .parts import Controller, Drive, Load
 from .satellite import Satellite
 
-_TOLERANCE = BY_NAME["tolerance"]
-# the parameters that say there is an elastic output
-_ELASTIC = frozenset(variable.name for variable in VARIABLES if variable.group == Group.ELASTIC)
-
 # tolerance has a table of its own: [accuracy]
 Mechanism: type[BaseModel] = create_model(
     "Mechanism",
     __base__=Strict,
     __doc__="Parameters of the module that differ from the defaults (scene R1).",
-    **fields_of([variable for variable in with_causality(PARAMETER) if variable.name != "tolerance"]),
+    **fields_of([one for one in with_causality(variables.PARAMETER) if one.name != "tolerance"]),
     satellite=(Satellite | None, None),
 )
 
 
 def is_elastic(values: Mapping[str, float]) -> bool:
     """Tell whether parameters describe an elastic output."""
-    return not _ELASTIC.isdisjoint(values)
+    return any(BY_NAME[name].group == variables.Group.ELASTIC for name in values)
 
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
@@ -85,7 +73,7 @@ class Accuracy(Strict):
         window: s, over which outputs are averaged before they are compared.
     """
 
-    tolerance: Annotated[float, quantity("1", _TOLERANCE.minimum, _TOLERANCE.maximum)] | None = None
+    tolerance: Annotated[float, in_range(BY_NAME["tolerance"])] | None = None
     error: Annotated[float, quantity("1", maximum=1.0, above=0.0)] | None = None
     window: Duration = 1.0
 
@@ -133,8 +121,8 @@ class Run(Strict):
     """Length of the run, its steps, and the outputs it records."""
 
     stop_time: Duration
-    communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
-    outputs: list[str] = Field(default=[one.name for one in with_causality(OUTPUT)], min_length=1)
+    communication_step: Annotated[float, quantity("s", maximum=variables.LARGEST_STEP, above=0.0)]
+    outputs: list[str] = Field(default=[one.name for one in with_causality(variables.OUTPUT)], min_length=1)
 
     def check_outputs(self, known: Iterable[str]) -> None:
         """Refuse an output that is not one of those known."""
@@ -306,7 +294,7 @@ class Scene(Strict):
         self._check_drive()
         self._check_choice()
         self._check_vehicle()
-        self.run.check_outputs([*COMPUTED, *self.surroundings.output_labels])
+        self.run.check_outputs([*variables.COMPUTED, *self.surroundings.output_labels])
         try:
             self.built_load.check_step(self._carrying[1])
             turning = self.parameters().get("input_inertia", 0.0)
@@ -330,7 +318,7 @@ class Scene(Strict):
                 f" {self.controller.DRIVE!r}, is {kind!r}"
             )
         if given is not None and given != needed:
-            names = {number: name for name, number, _ in ENUMERATIONS["Drive"]}
+            names = {number: name for name, number, _ in variables.ENUMERATIONS["Drive"]}
             other = "speed" if needed == DRIVE_TORQUE else "torque"
             raise SceneError(
                 f"with drive.kind = {kind!r} mechanism.drive must be {names[needed]!r}, which the scene sets"
