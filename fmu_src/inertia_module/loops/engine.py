@@ -238,14 +238,8 @@ class Engine:
 
 # --- in front of a module ---
 
-# a step has no need to be made again where the speeds at its end agree to this, relative
-_AGREEMENT = 1e-11
-# least inertia that a directional derivative may give, in engine inertias
-_LEAST_SLOPE = -0.5
 # variables of a module driven by torque that the engine goes on with
 _ANSWERS = ("input_speed", "input_angle", "input_turns", "energy_in")
-# angles of the drive at which the interface inertia is computed, for each turn in a period of the motion
-_POINTS_A_TURN = 180
 
 
 @dataclass
@@ -384,7 +378,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})
     turns = int(module.derived.period_turns)
-    angles = np.linspace(0.0, 2.0 * math.pi * turns, _POINTS_A_TURN * turns, endpoint=False)
+    angles = np.linspace(0.0, 2.0 * math.pi * turns, 180 * turns, endpoint=False)
     values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))
 
@@ -490,10 +484,12 @@ class CoupledEngine(EnginePlant):
             tried = answer = self._move_module(h, rate)
             (slope,) = self.fmu.jacobian(("input_torque_mean",), ("omega1",))[0]
             self.ledger.derivatives += 1
-            least = _LEAST_SLOPE * engine.inertia
+            # what a directional derivative may give
+            least = -0.5 * engine.inertia
             inertia = max(slope * h, least)
             wanted = engine.after(h, tried.torque - inertia * rate, inertia).speed
-            if abs(wanted - first) > _AGREEMENT * abs(wanted):
+            # else there is no need to make it again
+            if abs(wanted - first) > 1e-11 * abs(wanted):
                 self.fmu.set_state(kept)
                 answer = self._move_module(h, (wanted - engine.speed) / h)
                 # the secant is what the next step is tried with

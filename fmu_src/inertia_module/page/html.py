@@ -145,7 +145,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
     parameters, inputs = start_of(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
-    signals = inputs | scene.drive.prescribed() | scene.load.prescribed()
+    signals = inputs | scene.prescribed
     return {
         "name": "scene",
         "title": scene.title,

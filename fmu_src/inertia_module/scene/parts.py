@@ -63,14 +63,10 @@ class AnyDrive(Strict):
         given: Signal | None = getattr(self, self.INPUT, None)
         return given
 
-    def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        signal = self.signal()
-        return {} if signal is None else {self.INPUT: signal}
-
     def systems(self, step: float) -> list[Any]:
         """Make the systems that give the inputs, of this step, s."""
-        return [loops.source(name, signal, step) for name, signal in self.prescribed().items()]
+        signal = self.signal()
+        return [] if signal is None else [loops.source(self.INPUT, signal, step)]
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Parameters of the module with what its drive adds to them."""
@@ -302,10 +298,6 @@ class SlopeOverDistance(Tabulated):
 class AnyLoad(Strict, ABC):
     """A load on the output shaft."""
 
-    def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        return {}
-
     @abstractmethod
     def build(self, step: float, one_way: bool) -> loops.Load:
         """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
@@ -319,10 +311,6 @@ class TorqueLoad(ConstantOrTable, AnyLoad):
     kind: Literal["torque"]
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
-
-    def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        return {"load_torque": self.one_signal()}
 
     def build(self, step: float, one_way: bool) -> loops.Load:
         """Make the torque as a system."""

@@ -391,12 +391,10 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     values = scene.parameters()
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
-    speeds = {"omega_out": values.get("omega_out_start", 0.0)}
     omega1 = scene.drive.start_speed
-    if omega1 is None:
-        return values, initial_inputs(scene.surroundings, speeds)
-    inputs = initial_inputs(scene.surroundings, {**speeds, "input_speed": omega1})
-    return values, {**inputs, "omega1": omega1}
+    measured = {"omega_out": values.get("omega_out_start", 0.0), "input_speed": omega1 or 0.0}
+    inputs = initial_inputs(scene.surroundings, measured)
+    return values, inputs if omega1 is None else {**inputs, "omega1": omega1}
 
 
 def scene_plan(scene: Scene) -> Plan:

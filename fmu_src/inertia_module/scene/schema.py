@@ -14,7 +14,9 @@ from ..contract import variables
 from ..contract.variables import BY_NAME, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
+from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.cycles import CYCLES, Cycle
+from ..loops.sources import Signal, Sources
 from ..memory import Module
 from .keys import (
     AUTO,
@@ -211,6 +213,12 @@ class Scene(Strict):
         braked = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not braked:
             yield loops.source("brake_force", 0.0, step)
+
+    @property
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that do not depend on its state, by name."""
+        given = [system.signals for system in self.systems() if isinstance(system, Sources)]
+        return {name: one[name] for one in given for name in PLANT_INPUTS if name in one}
 
     def replaced(self, **tables: Mapping[str, Any]) -> Scene:
         """The scene with other keys, checked anew.
