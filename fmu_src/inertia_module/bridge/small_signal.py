@@ -161,13 +161,11 @@ Complex = NDArray[np.complex128]
 
 SPEED, LOAD = INPUTS
 PULSES = "output_torque_mean"
-LEAST_PERIODS = 10
 # outputs of the averaged system, by those of the FMU over a communication step
 MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torque"}
 _STEPS_PER_CYCLE = 8.0
-# pulses that settle and that are recorded: beats of the pulses have to be separated from the sine
+# pulses that settle
 _SETTLING_PULSES = 40.0
-_RECORDED_PULSES = 600.0
 
 
 # --- a sine on an input of a plant ---
@@ -199,7 +197,7 @@ class SineBench:
         """Measure outputs over the input at a frequency, Hz, and their means; settling, record: times, s."""
         plant, step = self.plant, self.step
         before = math.ceil(settling / step)
-        periods = max(LEAST_PERIODS, math.ceil(record * frequency))
+        periods = max(10, math.ceil(record * frequency))
         last = before + round(periods / (frequency * step))
         ramped = excited == SPEED
         turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
@@ -428,7 +426,8 @@ def transient_inertia(
         frequency, swing = 0.05 * rate, 0.005 * omega1
         turn = 2.0 * math.pi * frequency
         amplitude = swing if excited == SPEED else swing * turn * heavy
-        settling, record = _SETTLING_PULSES / rate, _RECORDED_PULSES / rate
+        # beats of the pulses have to be separated from the sine
+        settling, record = _SETTLING_PULSES / rate, 600.0 / rate
         found, _ = bench.response(excited, amplitude, frequency, settling, record)
         # torque per acceleration of the speed that swings
         gain = found[1] if excited == SPEED else found[1] / found[0]

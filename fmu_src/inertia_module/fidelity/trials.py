@@ -409,8 +409,6 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 
 # --- trial runs ---
 
-REFERENCE_TOLERANCE = 1e-12
-_PULSING = frozenset(NOT_MODELLED[1])
 # relative to the energy in, for they are small or zero by themselves
 _ENERGIES = ("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual")
 
@@ -493,7 +491,7 @@ def _features(record: Result, name: str, window: float) -> list[Array]:
     def means(values: Array) -> Array:
         return np.asarray(np.add.reduceat(values, edges) / np.diff(np.append(edges, values.size)))
 
-    return [means(values), np.sqrt(means(values**2))] if name in _PULSING else [means(values)]
+    return [means(values), np.sqrt(means(values**2))] if name in NOT_MODELLED[AVERAGED] else [means(values)]
 
 
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
@@ -538,7 +536,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
 
 def reference_level(scene: Scene) -> Level:
     """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
-    return event(ELASTIC if is_elastic(scene.given) else RIGID, REFERENCE_TOLERANCE)
+    return event(ELASTIC if is_elastic(scene.given) else RIGID, 1e-12)
 
 
 def measure_scene(

@@ -17,7 +17,6 @@ from .sources import Sampled, Sources
 __all__ = ["ClosedLoop", "connect", "initial_inputs"]
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
-_PROGRESS_CALLS = 200
 
 # units of the signals that sources, controllers and loads bring along
 SIGNAL_UNITS = {"vehicle_speed": "m/s", "distance": "m", "brake_force": "N", "load_speed": "rad/s"}
@@ -183,7 +182,7 @@ class ClosedLoop:
     def _close(self, rows: NDArray[np.float64], first: int, progress: Progress | None) -> None:
         """Fill rows whose times are given; columns from first on are the signals of the surroundings."""
         number, systems = len(rows) - 1, self.surroundings
-        report_every = max(number // _PROGRESS_CALLS, 1)
+        report_every = max(number // 200, 1)
         names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)
         length, given, ends = np.array([self.step]), np.empty((1, len(driven))), np.empty((2, len(names)))
         ends[1] = self.plant.read(names)

@@ -23,7 +23,6 @@ from .run import Quantity, SceneResult, energy
 from .schema import Run
 
 _READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
-_PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 
 Array = NDArray[np.float64]
 
@@ -161,7 +160,8 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
     )
     wall_time, simulated = time.perf_counter() - began, float(record.time[-1])
-    peaks = {name: float(np.abs(record[name]).max()) for name in _PEAKS}
+    names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
+    peaks = {name: float(np.abs(record[name]).max()) for name in names}
     quantities = {
         "simulated_time": Quantity(simulated, "s"),
         **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
