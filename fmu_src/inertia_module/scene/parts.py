@@ -6,7 +6,6 @@ bare numbers are in that unit.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -42,11 +41,10 @@ class AnyDrive(Strict):
     """A drive of link 1.
 
     Attributes:
-        INPUT: of the module, which the drive gives. COMMANDED: True if [controller] commands it.
+        INPUT: of the module, which the drive gives.
     """
 
     INPUT: ClassVar[str] = "omega1"
-    COMMANDED: ClassVar[bool] = False
 
     @property
     def mode(self) -> int:
@@ -108,8 +106,6 @@ class TableDrive(Tabulated, AnyDrive):
 class ControlledDrive(AnyDrive):
     """The speed of link 1 is what [controller] commands."""
 
-    COMMANDED: ClassVar[bool] = True
-
     kind: Literal["controlled"]
 
 
@@ -132,8 +128,6 @@ class TorqueDrive(AnyDrive):
 
 class ControlledTorque(TorqueDrive):
     """The torque on link 1 is what [controller] commands."""
-
-    COMMANDED: ClassVar[bool] = True
 
     kind: Literal["controlled_torque"]
 
@@ -295,15 +289,7 @@ class SlopeOverDistance(Tabulated):
     slope: list[Annotated[float, quantity("1")]]
 
 
-class AnyLoad(Strict, ABC):
-    """A load on the output shaft."""
-
-    @abstractmethod
-    def build(self, step: float, one_way: bool) -> loops.Load:
-        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
-
-
-class TorqueLoad(ConstantOrTable, AnyLoad):
+class TorqueLoad(ConstantOrTable):
     """A torque on the output shaft that does not depend on the motion."""
 
     SIGNAL: ClassVar[str] = "torque"
@@ -313,11 +299,11 @@ class TorqueLoad(ConstantOrTable, AnyLoad):
     torque_over_time: TorqueOverTime | None = None
 
     def build(self, step: float, one_way: bool) -> loops.Load:
-        """Make the torque as a system."""
+        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
         return loops.Load(loops.source("load_torque", self.one_signal(), step))
 
 
-class ShaftLoad(AnyLoad):
+class ShaftLoad(Strict):
     """A shaft with inertia, viscous friction and a torque against it."""
 
     kind: Literal["shaft"]
@@ -333,7 +319,7 @@ class ShaftLoad(AnyLoad):
         )
 
 
-class VehicleLoad(AnyLoad):
+class VehicleLoad(Strict):
     """A vehicle on a road, behind a final drive.
 
     Attributes:

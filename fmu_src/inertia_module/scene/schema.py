@@ -33,7 +33,7 @@ from .keys import (
     quantity,
     validated,
 )
-from .parts import Controller, Drive, Load
+from .parts import Controller, Drive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
 # tolerance has a table of its own: [accuracy]
@@ -318,7 +318,7 @@ class Scene(Strict):
     def _check_drive(self) -> None:
         """Refuse a drive that contradicts [controller] or mechanism.drive."""
         kind, needed, given = self.drive.kind, self.drive.mode, self.given.get("drive")
-        if self.controller is None and self.drive.COMMANDED:
+        if self.controller is None and kind in (PiController.DRIVE, PiTorqueController.DRIVE):
             raise SceneError(f"drive.kind = {kind!r} must come with a [controller], there is none")
         if self.controller is not None and kind != self.controller.DRIVE:
             raise SceneError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -63,9 +64,9 @@ class SteppingDrive(Strict):
     kappa2: Annotated[float, quantity("1", 0.0)]
     angle: Annotated[float, quantity("rad", above=0.0)]
 
-    def speeds(self, times: Array) -> Array:
+    def signal(self) -> Callable[[Array], Array]:
         """Speed of the hub, rad/s, at times, s, shape (n,)."""
-        return stepping_speed(times / self.T, self.kappa2) * self.angle / self.T
+        return lambda times: stepping_speed(times / self.T, self.kappa2) * self.angle / self.T
 
 
 class HubTable(Tabulated):
@@ -74,10 +75,6 @@ class HubTable(Tabulated):
     kind: Literal["table"]
     time: Times
     hub_speed: list[Annotated[float, quantity("rad/s")]]
-
-    def speeds(self, times: Array) -> Array:
-        """Speed of the hub, rad/s, at times, s, shape (n,)."""
-        return np.interp(times, self.time, self.hub_speed)
 
 
 class ShaftRun(Run):
@@ -152,7 +149,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
     torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
         "time": times,
-        "hub_speed": scene.drive.speeds(times),
+        "hub_speed": scene.drive.signal()(times),
         "load_torque": [evaluate(torque, at) for at in times],
     }
     run, values, began = scene.run, scene.parameters(), time.perf_counter()
