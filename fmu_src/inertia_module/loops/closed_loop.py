@@ -48,31 +48,29 @@ def connect(systems: Sequence[Any]) -> Any:
                     f"{label} must be given by one system, is given by {origin[label]} and by {system.name}"
                 )
             origin[label] = system.name
-    own = [system for system in systems if isinstance(system, Sampled)]
-    if len(own) == len(systems):
-        if len({system.dt for system in own}) > 1:
-            steps = ", ".join(f"{system.name} {system.dt:g} s" for system in own)
-            raise ValueError(f"systems must have one step, have {steps}")
-        given = [system for system in own if isinstance(system, Sources)]
-        if len(given) < len(own):
-            return _surroundings(own)
-        return Sources({name: signal for one in given for name, signal in one.signals.items()}, own[0].dt)
-    import control as ct
+    given, labels = list(origin), [label for system in systems for label in system.input_labels]
+    wanted = [label for label in dict.fromkeys(labels) if label not in origin]
+    if not all(isinstance(system, Sampled) for system in systems):
+        import control as ct
 
-    wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
-    return ct.interconnect(
-        [system.to_control() if isinstance(system, Sampled) else system for system in systems],
-        inputs=list(wanted),
-        outlist=[f"{name}.{label}" for label, name in origin.items()],
-        outputs=list(origin),
-        name="surroundings",
-    )
+        return ct.interconnect(
+            [system.to_control() if isinstance(system, Sampled) else system for system in systems],
+            inputs=wanted,
+            outlist=[f"{name}.{label}" for label, name in origin.items()],
+            outputs=given,
+            name="surroundings",
+        )
+    if len({system.dt for system in systems}) > 1:
+        steps = ", ".join(f"{system.name} {system.dt:g} s" for system in systems)
+        raise ValueError(f"systems must have one step, have {steps}")
+    if all(isinstance(system, Sources) for system in systems):
+        signals = {name: signal for system in systems for name, signal in system.signals.items()}
+        return Sources(signals, systems[0].dt)
+    return _surroundings(systems, wanted, given)
 
 
-def _surroundings(systems: Sequence[Sampled]) -> Sampled:
-    """Connect systems by their laws, evaluated until no input changes any more."""
-    given = [label for system in systems for label in system.output_labels]
-    wanted = {label: None for system in systems for label in system.input_labels if label not in given}
+def _surroundings(systems: Sequence[Sampled], wanted: Sequence[str], given: Sequence[str]) -> Sampled:
+    """Connect systems, from signals wanted to those given, by laws evaluated until no input changes."""
     places = {label: place for place, label in enumerate([*wanted, *given])}
     parts, outputs_from, states_from = [], len(wanted), 0
     for system in systems:
@@ -98,7 +96,7 @@ def _surroundings(systems: Sequence[Sampled]) -> Sampled:
         raise ValueError(f"systems must have no algebraic loop, have one among {', '.join(given)}")
 
     names = [f"{system.name}_{label}" for system in systems for label in system.state_labels]
-    return Sampled("surroundings", systems[0].dt, list(wanted), given, law, names)
+    return Sampled("surroundings", systems[0].dt, wanted, given, law, names)
 
 
 def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
