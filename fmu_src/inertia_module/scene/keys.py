@@ -196,11 +196,7 @@ class Tabulated(Strict):
 
 
 class ConstantOrTable(Strict):
-    """Quantity given as a constant or as a table over time: exactly one of two keys.
-
-    Attributes:
-        SIGNAL: its name; that of the table ends with _over_time.
-    """
+    """Quantity given as a constant, by the key SIGNAL, or as a table, by that with _over_time."""
 
     SIGNAL: ClassVar[str]
 

@@ -38,11 +38,7 @@ Turning = Annotated[float, quantity("rad/s", 0.0, LARGEST_SPEED)]
 
 
 class AnyDrive(Strict):
-    """A drive of link 1.
-
-    Attributes:
-        INPUT: of the module, which the drive gives.
-    """
+    """A drive of link 1, which gives the input INPUT of the module."""
 
     INPUT: ClassVar[str] = "omega1"
 
@@ -110,11 +106,7 @@ class ControlledDrive(AnyDrive):
 
 
 class TorqueDrive(AnyDrive):
-    """A torque on link 1, whose speed follows from it.
-
-    Attributes:
-        omega1: speed of link 1 at the start, rad/s.
-    """
+    """A torque on link 1, whose speed follows from it and is omega1, rad/s, at the start."""
 
     INPUT: ClassVar[str] = "drive_torque"
 
@@ -320,11 +312,7 @@ class ShaftLoad(Strict):
 
 
 class VehicleLoad(Strict):
-    """A vehicle on a road, behind a final drive.
-
-    Attributes:
-        times_to: speeds, m/s, to which the summary gives the time from standstill.
-    """
+    """A vehicle on a road, behind a final drive; times_to: speeds that the summary has times to, m/s."""
 
     kind: Literal["vehicle"]
     mass: Annotated[float, quantity("kg", above=0.0)]

@@ -16,11 +16,7 @@ from .shaft import ShaftScene
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """The tables of a scene file, not checked.
-
-    Raises:
-        SceneError: it is no TOML.
-    """
+    """The tables of a scene file, not checked, refused if it is no TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

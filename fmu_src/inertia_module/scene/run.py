@@ -49,11 +49,7 @@ TIME_TO = "time_to_"
 
 
 class Quantity(NamedTuple):
-    """One number of a summary.
-
-    Attributes:
-        value: in its unit. unit: "" for counts and ratios.
-    """
+    """One number of a summary in its unit, which is "" for counts and ratios."""
 
     value: float
     unit: str
