@@ -57,8 +57,7 @@ class EngineMap:
     """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
 
     Attributes:
-        speed: breakpoints, rad/s, rising.
-        greatest: torque at full load, N.m, at each of them, from 0.
+        speed: breakpoints, rad/s, rising. greatest: torque at full load, N.m, at each of them, from 0.
         drag: torque against the motion without fuel, N.m, from 0.
 
     Raises:
