@@ -31,10 +31,7 @@ from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 
 Array = NDArray[np.float64]
-StateKind = Literal["motion", "whole"]
 
-# inputs whose jumps act impulsively
-_SPEEDS = ("omega1", "hub_speed")
 # speed of link 1 where a torque drives the module, which starts at omega1
 _INPUT_SPEED = "input_speed"
 # of a whole state in each number
@@ -89,7 +86,8 @@ class _Motion:
         self.fmu, self._step, self._inputs = fmu, step, inputs
         self._motion = _motion_of(fmu)
         _check_outputs(outputs, self._motion)
-        self._held = tuple(name for name in inputs if name in _SPEEDS)
+        # inputs whose jumps act impulsively
+        self._held = tuple(name for name in inputs if name in ("omega1", "hub_speed"))
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_names = ["omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion]
         held = [f"{name}_held" for name in self._held]
@@ -227,7 +225,7 @@ def fmu_system(
     outputs: str | Sequence[str] = ("omega_out", "input_torque_mean", "output_torque_mean"),
     start: Mapping[str, float] | None = None,
     tolerance: float | None = None,
-    state: StateKind = "motion",
+    state: Literal["motion", "whole"] = "motion",
     name: str | None = None,
 ) -> FmuSystem:
     """Make an FMU a discrete-time NonlinearIOSystem: same state and input, same result, whatever came before.

@@ -98,8 +98,7 @@ def script(name: str, content: Any) -> str:
 
 def _packed(content: bytes) -> str:
     """Bytes as text: compressed (raw deflate), base64."""
-    compressor = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
-    return base64.b64encode(compressor.compress(content) + compressor.flush()).decode()
+    return base64.b64encode(zlib.compress(content, 9, -zlib.MAX_WBITS)).decode()
 
 
 # --- tables of a model ---
