@@ -122,18 +122,6 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     return run
 
 
-def folder_for(output: Path | None, *default: str) -> Path:
-    """Check the folder that a command writes to before its work begins.
-
-    Args:
-        output: as given by -o. default: its place in out/ without that.
-
-    Raises:
-        OSError: it cannot be written to.
-    """
-    return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
-
-
 def show(one: Shown) -> None:
     """Print one part of an answer."""
     if isinstance(one, str):
@@ -247,7 +235,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .export.systems import export as write
     from .scene.run import scene_plan
 
-    folder = folder_for(output, "export", scene.stem)
+    folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
     paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
 
     shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
@@ -318,7 +306,7 @@ def run(
     from .page.html import html_file, template
     from .scene import Scene, load_any_scene
 
-    choice, folder = None, folder_for(output, scene.stem)
+    choice, folder = None, writable_folder(output or OUTPUT_FOLDER / scene.stem)
     read = load_any_scene(scene, keys)
     if isinstance(read, Scene):
         if view:
@@ -461,7 +449,7 @@ def tradeoff(
     from .fidelity import trials
 
     with progress_bar("measuring the trade") as progress:
-        folder = folder_for(output, "tradeoff")
+        folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", **ERROR)
         read = inertia_module.load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
@@ -511,7 +499,7 @@ def chart(
     """
     from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, save_converter, steady_map
 
-    folder = folder_for(output, "chart")
+    folder = writable_folder(output or OUTPUT_FOLDER / "chart")
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
@@ -584,7 +572,7 @@ def orders(
     from .figures.jobs import order_figure
     from .jobs.orders import BASES
 
-    folder = folder_for(output, "orders", scene.stem)
+    folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     if uff:
         library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
@@ -637,7 +625,7 @@ def fit(
     RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Writes fitted.toml (a scene),
     residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
     """
-    folder = folder_for(output, f"{scene.stem}_fit")
+    folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
         found = inertia_module.fit(
             measured,
@@ -683,7 +671,7 @@ def sweep(
     """
     from .figures.jobs import sweep_figure
 
-    folder = folder_for(output, f"{scene.stem}_sweep")
+    folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         found = inertia_module.sweep(
             inertia_module.load_scene(scene, keys),
@@ -723,7 +711,7 @@ def design(
     """
     from .jobs.design import read_spec
 
-    folder = folder_for(output, f"{spec.stem}_design")
+    folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
         found = inertia_module.design(
             read_spec(spec, keys),

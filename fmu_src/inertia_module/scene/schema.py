@@ -242,15 +242,13 @@ class Scene(Strict):
         Raises:
             SceneError: as load_scene.
         """
-        paths = {name: name.split(".") for name in keys}
-        anew = {head for head, *_ in paths.values()}
+        anew = {name.partition(".")[0] for name in keys}
         # units of a controller depend on the load
         anew |= {"controller"} if "load" in anew else set()
-        kept = self.model_fields_set & Scene.model_fields.keys() - anew
-        data = {name: getattr(self, name) for name in kept}
-        data |= {name: table for name, table in self.tables.items() if name in anew}
-        for name, path in paths.items():
-            data = changed(data, path, keys[name])
+        given = self.model_fields_set
+        data = {name: self.tables.get(name) if name in anew else getattr(self, name) for name in given}
+        for name, value in keys.items():
+            data = changed(data, name.split("."), value)
         return validated(Scene, data)
 
     @cached_property
