@@ -53,10 +53,9 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", error)
+        raise SceneError(f"{path} must be a scene file (TOML): {reason}") from None
     try:
         tables = _tables(text)
         for name, value in keys_of(keys).items():
