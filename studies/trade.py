@@ -181,18 +181,12 @@ def measure(
     prescribed = Level(KINEMATIC, EVENT, "prescribed ratio")
     chosen = [prescribed, *all_levels(is_elastic(case.parameters))] if levels is None else levels
     lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
-    runs = [
-        (level.row(step), partial(compared, by_kernel, level.values, step))
-        for step in lengths
-        for level in chosen
-    ]
-    runs += [
-        (Row(PEER, name, label, case.stop_time), partial(compared, integrate))
-        for name, label, integrate in peers
-    ]
+    runs: list[tuple[Any, ...]]
+    runs = [(level.row(step), by_kernel, level.values, step) for step in lengths for level in chosen]
+    runs += [(Row(PEER, name, label, case.stop_time), integrate) for name, label, integrate in peers]
     rows = []
-    for head, run in runs:
-        rows.append(attempt(head, run))
+    for head, *run in runs:
+        rows.append(attempt(head, partial(compared, *run)))
         if progress is not None:
             progress(len(rows) / len(runs))
     return rows
