@@ -56,11 +56,7 @@ OUTPUTS = (
 
 
 class TransientInertia(NamedTuple):
-    """Inertias by which accelerations add to the mean output torque: + input * omega1' - output * omega_out'.
-
-    Attributes:
-        input, output: kg m2, at one speed ratio; transient_inertia finds them.
-    """
+    """Inertias, kg m2, at a speed ratio: input omega1' - output omega_out' adds to the mean output torque."""
 
     input: float
     output: float
@@ -163,9 +159,6 @@ SPEED, LOAD = INPUTS
 PULSES = "output_torque_mean"
 # outputs of the averaged system, by those of the FMU over a communication step
 MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torque"}
-_STEPS_PER_CYCLE = 8.0
-# pulses that settle
-_SETTLING_PULSES = 40.0
 
 
 # --- a sine on an input of a plant ---
@@ -346,16 +339,15 @@ def averaged_response(
     guess: float | None = None,
     transient: TransientInertia = QUASI_STEADY,
 ) -> SmallSignal:
-    """Compute the response of the linearised averaged module; torques include their part in omega1'.
+    """Compute the response of the linearised averaged module, with the means of the operating point.
+
+    Torques include their part in omega1'.
 
     Args:
         parameters: of the module, as numbers. omega1, load_torque: operating point, rad/s and N.m.
         excited: "omega1" or "load_torque". frequencies: Hz, shape (n,).
         outputs: omega_out, input_torque_mean, output_torque_mean.
         guess: see operating_point. transient: see averaged_system.
-
-    Returns:
-        The response, with the means of the operating point.
 
     Raises:
         ValueError: there is no operating point below lock-up, or excited is no input.
@@ -414,9 +406,9 @@ def transient_inertia(
     for excited in (SPEED, LOAD):
         module = Module(kernel).start(**{**parameters, **prescribed, "omega_out_start": omega_out}, **point)
         d = module.derived
-        step = 2.0 * math.pi / (_STEPS_PER_CYCLE * d.harmonic * d.k * omega1)
-        bench = SineBench(module, point, ("omega_out", PULSES), step)
-        rate = bench.settle(2.0 * _SETTLING_PULSES * _STEPS_PER_CYCLE * step)
+        cycle = 2.0 * math.pi / (d.harmonic * d.k * omega1)
+        bench = SineBench(module, point, ("omega_out", PULSES), cycle / 8.0)
+        rate = bench.settle(80.0 * cycle)
         if rate == 0.0:
             raise ValueError(
                 f"no pulses come through at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s"
@@ -425,7 +417,7 @@ def transient_inertia(
         turn = 2.0 * math.pi * frequency
         amplitude = swing if excited == SPEED else swing * turn * heavy
         # beats of the pulses have to be separated from the sine
-        settling, record = _SETTLING_PULSES / rate, 600.0 / rate
+        settling, record = 40.0 / rate, 600.0 / rate
         found, _ = bench.response(excited, amplitude, frequency, settling, record)
         # torque per acceleration of the speed that swings
         gain = found[1] if excited == SPEED else found[1] / found[0]

@@ -50,12 +50,7 @@ METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
 
 # outputs that a fidelity does not model, and why; everything else it has
 NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
-    fidelity: {
-        variable.name: need.reason
-        for variable in VARIABLES
-        for need in variable.needs
-        if fidelity in need.lacking
-    }
+    fidelity: {one.name: need.reason for one in VARIABLES for need in one.needs if fidelity in need.lacking}
     for fidelity in FIDELITIES
 }
 
@@ -101,12 +96,7 @@ STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
 
 def all_levels(elastic: bool, few: bool = False) -> Iterator[Level]:
-    """Yield the levels to measure, from coarse to fine, without prescribed motion.
-
-    Args:
-        elastic: there are parameters of an elastic output.
-        few: fewer tolerances and steps, for long scenes.
-    """
+    """Yield the levels to measure, from coarse to fine, without prescribed motion; few for long scenes."""
     yield Level(AVERAGED, EVENT, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
         for step in STEPS[::3] if few else STEPS:
@@ -449,9 +439,6 @@ def kernel_time(
     return max(spent - none, 1e-8 * len(inputs))
 
 
-# --- a run ---
-
-
 def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
     """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop.
 
@@ -702,9 +689,6 @@ def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
     for axes, cost in zip(figure.subplots(1, 2, sharey=True), _AXES, strict=True):
         _panel(axes, rows, error, cost)
     return figure
-
-
-# --- a scene ---
 
 
 def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
