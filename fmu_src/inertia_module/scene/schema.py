@@ -59,10 +59,8 @@ def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float
     """
     changed = {**values, FIDELITY: float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
-        inertia = (
-            values.get(name, BY_NAME[name].start or 0.0) for name in ("output_inertia", "driven_inertia")
-        )
-        changed["output_inertia"] = sum(inertia)
+        known = {**variables.default_parameters(), **values}
+        changed["output_inertia"] = known["output_inertia"] + known["driven_inertia"]
     return changed
 
 
