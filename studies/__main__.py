@@ -15,8 +15,8 @@ import typer
 from rich import box
 from rich.table import Table
 
-from inertia_module.cli import Answer, OutputFolder, Shown, aside, command, current_fmu, folder_for
-from inertia_module.common.files import write_atomically, write_figure
+from inertia_module.cli import Answer, OutputFolder, Shown, aside, command, current_fmu
+from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.contract.models import MODELS
 
@@ -45,7 +45,7 @@ def papers(output: OutputFolder = None) -> Answer:
 
     files: list[str] = []
     with progress_bar("drawing the papers") as progress:
-        folder = folder_for(output, "papers")
+        folder = writable_folder(output or OUTPUT_FOLDER / "papers")
         for number, (name, draw) in enumerate(FIGURES.items(), 1):
             figure = draw()
             files += [str(write_figure(folder / f"{name}.{kind}", figure)) for kind in ("png", "svg")]
@@ -73,7 +73,7 @@ def stability(
     In out/stability without -o. With --random they are random mechanisms under random inputs. Exit code 1 if
     one is broken or fails.
     """
-    folder = folder_for(output, "stability")
+    folder = writable_folder(output or OUTPUT_FOLDER / "stability")
     if random:
         return _random_motions(random, seed, losses, folder)
     from .stability import verdicts
@@ -137,7 +137,7 @@ def coupling(
     """
     from .coupling import MAP, PARTS, URBAN, coupling_map, urban_runs, write_part
 
-    folder = folder_for(output, "coupling")
+    folder = writable_folder(output or OUTPUT_FOLDER / "coupling")
     if only is not None and only not in PARTS:
         raise ValueError(f"--only must be one of {', '.join(PARTS)}, is {only}")
     # the cycle is not quick
@@ -184,7 +184,7 @@ def compatibility(output: OutputFolder = None) -> Answer:
     """
     from .compatibility import write_tree
 
-    written, found = write_tree(folder_for(output, "compatibility"), aside)
+    written, found = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), aside)
     shown = [*(f"wrote {path}" for path in written), *found, f"{len(found) or 'no'} problems found"]
     return Answer({"files": list(map(str, written)), "problems": found}, shown, failed=bool(found))
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from inertia_module.contract.variables import default_parameters
-from inertia_module.fidelity.trials import PEER, Attempt, Level, Row, all_levels, attempt_all, kernel_time
+from inertia_module.fidelity.trials import PEER, Level, Row, all_levels, attempt, kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
 from inertia_module.memory import Module
@@ -83,7 +84,7 @@ class Trajectory:
 
 
 # another way to integrate a case: one curve of the plots, such as "LSODA, clutch 1e4"; its setting, such as
-# "rtol 1e-8"; and what does it, or raises one of levels.FAILURES and is listed as a failure
+# "rtol 1e-8"; and what does it, or raises one of trials.FAILURES and is listed as a failure
 Peer = tuple[str, str, Callable[[Case], Trajectory]]
 
 
@@ -168,25 +169,24 @@ def measure(
         progress: told how much is done (0 to 1).
     """
 
-    def compared(run: Callable[..., Trajectory], *arguments: Any) -> Callable[[Progress], dict[str, Any]]:
-        def measured(_: Progress) -> dict[str, Any]:
-            found = run(case, *arguments)
-            return {
-                "errors": errors(found, exact),
-                "wall_time": found.wall_time / case.stop_time,
-                "evaluations": found.evaluations,
-                "switches": found.switches,
-            }
-
-        return measured
+    def compared(run: Callable[..., Trajectory], *arguments: Any) -> dict[str, Any]:
+        found = run(case, *arguments)
+        return {
+            "errors": errors(found, exact),
+            "wall_time": found.wall_time / case.stop_time,
+            "evaluations": found.evaluations,
+            "switches": found.switches,
+        }
 
     prescribed = Level(KINEMATIC, EVENT, "prescribed ratio")
     chosen = [prescribed, *all_levels(is_elastic(case.parameters))] if levels is None else levels
     lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
-    attempts: list[Attempt] = [
-        (level.row(step), compared(by_kernel, level.values, step)) for step in lengths for level in chosen
-    ]
-    attempts += [
-        (Row(PEER, name, label, case.stop_time), compared(integrate)) for name, label, integrate in peers
-    ]
-    return attempt_all(attempts, progress)
+    runs: list[tuple[Any, ...]]
+    runs = [(level.row(step), by_kernel, level.values, step) for step in lengths for level in chosen]
+    runs += [(Row(PEER, name, label, case.stop_time), integrate) for name, label, integrate in peers]
+    rows = []
+    for head, *run in runs:
+        rows.append(attempt(head, partial(compared, *run)))
+        if progress is not None:
+            progress(len(rows) / len(runs))
+    return rows

@@ -69,10 +69,6 @@ Workers = Annotated[int | None, option("Processes on this machine (one for each 
 aside = partial(typer.echo, err=True)
 
 
-class Aside(str):
-    """Line for the error output."""
-
-
 # a line; headings and values under a title; what prints more than that
 Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
 
@@ -84,12 +80,14 @@ class Answer:
     Attributes:
         told: for machines. shown: to people, in this order. failed: whether the exit code is 1.
         files: that were written, by name; in the output of --json too, for people listed at the end.
+        warnings: for people, on the error output.
     """
 
     told: dict[str, Any]
     shown: Sequence[Shown] = ()
     files: Mapping[str, Path] = field(default_factory=dict)
     failed: bool = False
+    warnings: Sequence[str] = ()
 
 
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
@@ -106,6 +104,8 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         if as_json:
             typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
         else:
+            for warning in answer.warnings:
+                aside(f"warning: {warning}")
             for one in answer.shown:
                 show(one)
             for name, file in listed.items():
@@ -122,33 +122,20 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     return run
 
 
-def folder_for(output: Path | None, *default: str) -> Path:
-    """Check the folder that a command writes to before its work begins.
-
-    Args:
-        output: as given by -o. default: its place in out/ without that.
-
-    Raises:
-        OSError: it cannot be written to.
-    """
-    return writable_folder(output or OUTPUT_FOLDER.joinpath(*default))
-
-
 def show(one: Shown) -> None:
     """Print one part of an answer."""
     if isinstance(one, str):
-        typer.echo(one, err=isinstance(one, Aside))
-        return
-    if not isinstance(one, tuple):
-        one()
-        return
-    from rich.table import Table
+        typer.echo(one)
+    elif isinstance(one, tuple):
+        from rich.table import Table
 
-    title, rows = one
-    table = Table(title=title, title_justify="left", show_header=False)
-    for heading, value in rows.items():
-        table.add_row(heading, value)
-    terminal().print(table)
+        title, rows = one
+        table = Table(title=title, title_justify="left", show_header=False)
+        for heading, value in rows.items():
+            table.add_row(heading, value)
+        terminal().print(table)
+    else:
+        one()
 
 
 def current_fmu(fmu: NativeFmu | None = None) -> Path:
@@ -212,8 +199,9 @@ def build(output: OutputFolder = None) -> Answer:
     fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
 
+    for what, reason in built.skipped.items():
+        aside(f"skipped {what}: {reason}")
     shown = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
-    shown += [Aside(f"skipped {what}: {reason}") for what, reason in built.skipped.items()]
     told = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
     return Answer(told, shown, failed=bool(built.skipped))
 
@@ -230,10 +218,10 @@ def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU 
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
     shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviations from its references", rows)] if rows else []
-    shown += [Aside(f"warning: {warning}") for warning in report.warnings]
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
-    return Answer({"fmu": str(fmu), **asdict(report)}, shown, failed=bool(report.problems))
+    told = {"fmu": str(fmu), **asdict(report)}
+    return Answer(told, shown, failed=bool(report.problems), warnings=report.warnings)
 
 
 @command
@@ -247,7 +235,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .export.systems import export as write
     from .scene.run import scene_plan
 
-    folder = folder_for(output, "export", scene.stem)
+    folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
     paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
 
     shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
@@ -318,7 +306,7 @@ def run(
     from .page.html import html_file, template
     from .scene import Scene, load_any_scene
 
-    choice, folder = None, folder_for(output, scene.stem)
+    choice, folder = None, writable_folder(output or OUTPUT_FOLDER / scene.stem)
     read = load_any_scene(scene, keys)
     if isinstance(read, Scene):
         if view:
@@ -339,9 +327,8 @@ def run(
         files["page"] = folder / PAGE
         write_atomically(files["page"], page)
 
-    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
-    shown += [(read.title, result.lines()), *([] if choice is None else choice.lines())]
-    return Answer(told, shown, files)
+    shown: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
+    return Answer(told, shown, files, warnings=result.warnings)
 
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
@@ -397,13 +384,17 @@ def view(
     outcome = None
     if not is_exact(read):
         outcome, _ = _ran(read, fmu, COMPUTED)
-    content = html_file(read, outcome)
-    write_atomically(path, content)
+    answer = _written(scene, "page", path, html_file(read, outcome), outcome.warnings if outcome else ())
     if show:
         webbrowser.open(path.absolute().as_uri())
-    warnings = [] if outcome is None else list(outcome.warnings)
-    told = {"scene": str(scene), "page": str(path), "bytes": len(content), "warnings": warnings}
-    return Answer(told, [f"page: {path} ({len(content) / 1e6:.1f} MB)"])
+    return answer
+
+
+def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Sequence[str]) -> Answer:
+    """Write an HTML file of a scene, the page or the report; the answer tells where and how large it is."""
+    write_atomically(path, content)
+    told = {"scene": str(scene), what: str(path), "bytes": len(content), "warnings": list(warnings)}
+    return Answer(told, [f"{what}: {path} ({len(content) / 1e6:.1f} MB)"], warnings=warnings)
 
 
 @command
@@ -436,16 +427,7 @@ def report(
     line = shlex.join(["inertia-module", "report", str(scene), *words])
     with progress_bar(f"report of {scene.name}") as progress:
         content = report_file(scene, keys or [], result, used, line, chosen, progress)
-    write_atomically(path, content)
-
-    shown: list[Shown] = [Aside(f"warning: {warning}") for warning in result.warnings]
-    told = {
-        "scene": str(scene),
-        "report": str(path),
-        "bytes": len(content),
-        "warnings": list(result.warnings),
-    }
-    return Answer(told, [*shown, f"report: {path} ({len(content) / 1e6:.1f} MB)"])
+    return _written(scene, "report", path, content, result.warnings)
 
 
 @command
@@ -467,7 +449,7 @@ def tradeoff(
     from .fidelity import trials
 
     with progress_bar("measuring the trade") as progress:
-        folder = folder_for(output, "tradeoff")
+        folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", **ERROR)
         read = inertia_module.load_scene(scene, keys)
         read = read.replaced(run={"outputs": wanted}) if wanted else read
@@ -475,7 +457,10 @@ def tradeoff(
         measure = trials.trial_rows if allowed else trials.measured_rows
         rows = trials.with_worst(measure(read, progress), names)
         choice = trials.recommend(rows, allowed, names) if allowed else None
-        files = trials.leave_rows(folder, title, rows)
+        files = {"rows": trials.write_rows(folder / "tradeoff.csv", rows)}
+        figure = trials.work_precision(rows, trials.WORST, title)
+        for kind in ("png", "svg"):
+            files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
 
     step = (rows[0] if choice is None else choice.row).communication_step
     printed = [row for row in rows if row.communication_step == step]
@@ -514,7 +499,7 @@ def chart(
     """
     from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, save_converter, steady_map
 
-    folder = folder_for(output, "chart")
+    folder = writable_folder(output or OUTPUT_FOLDER / "chart")
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
@@ -587,7 +572,7 @@ def orders(
     from .figures.jobs import order_figure
     from .jobs.orders import BASES
 
-    folder = folder_for(output, "orders", scene.stem)
+    folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     if uff:
         library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
@@ -640,7 +625,7 @@ def fit(
     RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Writes fitted.toml (a scene),
     residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
     """
-    folder = folder_for(output, f"{scene.stem}_fit")
+    folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
         found = inertia_module.fit(
             measured,
@@ -686,7 +671,7 @@ def sweep(
     """
     from .figures.jobs import sweep_figure
 
-    folder = folder_for(output, f"{scene.stem}_sweep")
+    folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         found = inertia_module.sweep(
             inertia_module.load_scene(scene, keys),
@@ -726,7 +711,7 @@ def design(
     """
     from .jobs.design import read_spec
 
-    folder = folder_for(output, f"{spec.stem}_design")
+    folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
         found = inertia_module.design(
             read_spec(spec, keys),

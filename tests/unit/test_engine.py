@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from inertia_module.loops import Engine, EngineMap, Governor
-from inertia_module.loops.engine import LoadTorque
 
 MAP = EngineMap((0.0, 100.0, 300.0), (80.0, 150.0, 120.0), (5.0, 10.0, 30.0))
 STILL = Governor(0.0, 0.0, 1e6)
@@ -20,8 +19,7 @@ def engine(governor=STILL, **values):
 
 def test_speed_and_energy_under_a_load_with_inertia_are_those_of_a_fine_integration():
     one = engine()
-    load = LoadTorque(5.0, inertia=0.07)
-    one.advance(0.3, load)
+    one.state = one.after(0.3, 5.0, inertia=0.07)
 
     def rates(t, y):
         acceleration = (20.0 - 5.0) / 0.27
@@ -40,10 +38,10 @@ def test_speed_and_energy_under_a_load_with_inertia_are_those_of_a_fine_integrat
 def test_how_a_time_is_cut_into_steps_makes_no_difference(step):
     governor = Governor(3.0, 20.0, 0.005)
     whole, cut = engine(governor), engine(governor)
-    whole.advance(0.3, LoadTorque(30.0))
+    whole.state = whole.after(0.3, 30.0)
     count = round(0.3 / step)
     for _ in range(count):
-        cut.advance(0.3 / count, LoadTorque(30.0))
+        cut.state = cut.after(0.3 / count, 30.0)
     assert cut.state[:4] == pytest.approx(whole.state[:4], rel=1e-9)
     assert cut.state[5:] == pytest.approx(whole.state[5:], rel=1e-9)
 
@@ -51,7 +49,7 @@ def test_how_a_time_is_cut_into_steps_makes_no_difference(step):
 def test_governor_holds_the_speed_against_a_load_without_error():
     one = engine(Governor(4.0, 20.0))
     for _ in range(400):
-        one.advance(0.01, LoadTorque(60.0))
+        one.state = one.after(0.01, 60.0)
     assert one.speed == pytest.approx(150.0, abs=1e-6)
     assert one.state.torque == pytest.approx(60.0, abs=1e-4)
 
@@ -61,24 +59,22 @@ def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     assert MAP.limits(0.0) == (0.0, 80.0)  # at rest nothing drags
     one = engine(Governor(4.0, 20.0), reference=290.0)
     for _ in range(300):
-        one.advance(0.01, LoadTorque(200.0 if one.speed > 100.0 else 0.0))
+        one.state = one.after(0.01, 200.0 if one.speed > 100.0 else 0.0)
         low, _ = MAP.limits(one.speed)
         assert low - 30.0 <= one.state.torque <= 150.0
     assert abs(one.state.integral) < 4.0 * 290.0 + 150.0
     one.reference = 50.0
-    one.advance(0.01, LoadTorque(0.0))
+    one.state = one.after(0.01, 0.0)
     assert one.state.torque < 0.0  # it drags at once
 
 
 def test_an_engine_set_to_an_old_state_goes_on_from_it():
     one = engine(Governor(4.0, 20.0))
-    one.advance(0.013, LoadTorque(10.0))
-    kept = one.state
-    first = one.after(0.02, LoadTorque(10.0))
-    one.advance(0.5, LoadTorque(-3.0))
+    kept = one.state = one.after(0.013, 10.0)
+    first = one.after(0.02, 10.0)
+    one.state = one.after(0.5, -3.0)
     one.state = kept
-    one.advance(0.02, LoadTorque(10.0))
-    assert one.state == first
+    assert one.after(0.02, 10.0) == first
 
 
 @pytest.mark.parametrize(
@@ -88,10 +84,11 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
         (lambda: engine(speed=math.nan), "speed must be a finite number, is nan"),
         (lambda: Governor(-1.0, 0.0), "proportional_gain must be a finite number from 0, is -1.0"),
         (lambda: Governor(1.0, 0.0, 0.0), "sample_time must be a positive number of seconds, is 0.0"),
-        (lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)), "breakpoints that rise"),
-        (lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)), "must be 1 torques, one for each speed, is 2"),
-        (lambda: EngineMap((0.0,), (1.0,), (-1.0,)), "drag must be finite torques from 0 N.m, has -1.0"),
-        (lambda: engine().after(0.0, LoadTorque(0.0)), "step must be a positive number of seconds, is 0.0"),
+        (lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)), "increase, 0 comes after 0"),
+        (lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)), "speed and greatest: a table must have one value"),
+        (lambda: EngineMap((0.0,), (1.0,), (math.nan,)), "drag: numbers of a table must be finite, one is"),
+        (lambda: EngineMap((0.0,), (1.0,), (-1.0,)), "drag must be torques from 0 N.m, has -1.0"),
+        (lambda: engine().after(0.0, 0.0), "step must be a positive number of seconds, is 0.0"),
     ],
 )
 def test_bad_values_are_refused_by_name(make, sentence):

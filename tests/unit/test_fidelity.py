@@ -65,7 +65,7 @@ def test_another_fidelity_can_be_asked_for():
 
 
 def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
-    assert_refused("must be chosen first", run_scene, SCENE, tmp_path / "none.fmu")
+    assert_refused("be chosen first", run_scene, SCENE, tmp_path / "none.fmu")
 
 
 # --- the levels of fidelity ---

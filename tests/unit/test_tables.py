@@ -99,6 +99,9 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     (tmp_path / "road.csv").write_text("way,slope\n0,0\n")
     with pytest.raises(SceneError, match=r"road\.csv must have a column distance \(there are way, slope\)"):
         load_scene(example("urban"), of_file)
+    (tmp_path / "road.csv").write_text("distance [kg],slope\n0,0\n")
+    with pytest.raises(SceneError, match=r"slope_over_distance\.distance.* is '0.0 kg': kg is not a unit"):
+        load_scene(example("urban"), of_file)
 
 
 def test_every_error_of_the_package_is_of_one_kind():

@@ -2,17 +2,15 @@
 
 A communication step is the update of the system. Outputs hold the values at the end of the last step, so
 there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
-where the motion is now: they are part of the state. There are two states.
+where the motion is now: they are part of the state. There are two states (docs/control.md).
 
 **motion.** A few named numbers: what the motion is and has start parameters for, the speed the input was left
-at (a new one is a jump, and a jump is an impulse), and the outputs of the last step. Every update starts the
-FMU anew from these, so nothing outside of them can matter. A module driven by torque has `input_speed` in the
-place of the speed the input was left at. Against stepping on, a restart loses what rounding was carried along
-and the step size of the integration: results agree within the tolerance, not to the bit.
+at (a new one is a jump, and a jump is an impulse; with drive = torque input_speed stands in its place), and
+the outputs of the last step. Every update starts the FMU anew from these, so nothing outside of them can
+matter.
 
-**whole.** The serialised state of the FMU, exact to the bit and good for every FMU, but only to be passed on:
-no part of it can be changed, so it cannot be linearised. Four bytes to a number: whole numbers below 2^32,
-which every copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
+**whole.** The serialised state of the FMU, four bytes to a number: whole numbers below 2^32, which every
+copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
 """
 
 from __future__ import annotations
@@ -33,10 +31,7 @@ from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 
 Array = NDArray[np.float64]
-StateKind = Literal["motion", "whole"]
 
-# inputs whose jumps act impulsively
-_SPEEDS = ("omega1", "hub_speed")
 # speed of link 1 where a torque drives the module, which starts at omega1
 _INPUT_SPEED = "input_speed"
 # of a whole state in each number
@@ -91,7 +86,8 @@ class _Motion:
         self.fmu, self._step, self._inputs = fmu, step, inputs
         self._motion = _motion_of(fmu)
         _check_outputs(outputs, self._motion)
-        self._held = tuple(name for name in inputs if name in _SPEEDS)
+        # inputs whose jumps act impulsively
+        self._held = tuple(name for name in inputs if name in ("omega1", "hub_speed"))
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_names = ["omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion]
         held = [f"{name}_held" for name in self._held]
@@ -229,7 +225,7 @@ def fmu_system(
     outputs: str | Sequence[str] = ("omega_out", "input_torque_mean", "output_torque_mean"),
     start: Mapping[str, float] | None = None,
     tolerance: float | None = None,
-    state: StateKind = "motion",
+    state: Literal["motion", "whole"] = "motion",
     name: str | None = None,
 ) -> FmuSystem:
     """Make an FMU a discrete-time NonlinearIOSystem: same state and input, same result, whatever came before.
@@ -238,16 +234,14 @@ def fmu_system(
     1e-10 an eps of 1e-3 is good.
 
     Args:
-        path: the .fmu file.
+        path: the .fmu file. step: communication step and sampling time, s.
         parameters: by name, enumerations by number or item name; `..._start` values make the start of the
             system.
-        step: communication step and sampling time, s.
         inputs: inputs of the FMU that are inputs of the system; others stay at their start values. With the
             parameter drive = torque drive_torque takes the place of omega1, which is only the start then.
-        outputs: variables of the FMU that are outputs of the system.
-        start: values of inputs at the start.
+        outputs: variables of the FMU that are outputs of the system. start: values of inputs at the start.
         tolerance: relative tolerance, or None for that of the parameters.
-        state: "motion" or "whole": what the state is, see the head of this module.
+        state: "motion", which can be changed, or "whole", exact to the bit, which every FMU has.
         name: of the system; that of the file by default.
 
     Returns:

@@ -1,15 +1,13 @@
 """Averaged module as a system; small-signal response and margins of stability, of it and of an FMU.
 
-The averaged module is a continuous system of python-control, on the map the kernel itself has found:
+The averaged module is a continuous system of python-control, on the map the kernel itself has found and by
+its own functions:
 
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
-State omega_out. Every torque is that of fidelity averaged at this instant, computed by the kernel's own
-functions. Two things a differential equation cannot say. At lock-up (omega_out = omega1) the FMU holds the
-two together; here the torque drops to zero above ratio 1, and a solver would chatter there: it is for ratios
-below. And at constant inputs no torque has a part in omega1': give `omega1_rate` as a third input for it.
-omega1 is an input here. What a torque makes of it is one more equation around this system, with its input
-torque; of a module driven by torque there is the FMU itself (fmu_system).
+At lock-up (omega_out = omega1) the FMU holds the two together; here the torque drops to zero above ratio 1,
+and a solver would chatter there: it is for ratios below. omega1 is an input; of a module driven by torque
+there is the FMU itself (fmu_system).
 
 A response is measured as on a test bed: a plant runs at constant inputs until it has settled, then a small
 sine is added to one input, and after the transient the sine of that frequency in the outputs is fitted.
@@ -19,16 +17,10 @@ sine is added to one input, and after the transient the sine of that frequency i
   sinc(f h) or its square, is divided out.
 - **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
   as well.
-- **Fit.** Least squares of mean, drift, sine and cosine, weighted by a Hann window over a whole number of
-  periods. The pulses are no multiple of the sine, but a record of N periods separates frequencies that
-  differ by more than 2/N of it, and beyond that leakage falls with the cube of the distance. The step has to
-  be so short that pulses do not alias: some 20 steps to a pulse.
-
-Margins of a loop around an FMU are predicted from its linearisation, and measured. Around the FMU stands a
-linear surrounding (controller, actuator, sensor). It works on deviations from an operating point, so one
-control.StateSpace says it all; the FMU is the full nonlinear plant. The loop is made worse where the plant
-is measured: the gain margin is the factor, the delay margin the delay, at which the motion after a kick no
-longer dies away. The phase margin is the delay margin times the crossover frequency.
+- **Fit.** Least squares under a Hann window over a whole number of periods. The pulses are no multiple of the
+  sine, but a record of N periods separates frequencies that differ by more than 2/N of it, and beyond that
+  leakage falls with the cube of the distance. The step has to be so short that pulses do not alias: some 20
+  steps to a pulse.
 """
 
 from __future__ import annotations
@@ -64,11 +56,7 @@ OUTPUTS = (
 
 
 class TransientInertia(NamedTuple):
-    """Inertias by which accelerations add to the mean output torque: + input * omega1' - output * omega_out'.
-
-    Attributes:
-        input, output: kg m2, at one speed ratio; transient_inertia finds them.
-    """
+    """Inertias, kg m2, at a speed ratio: input omega1' - output omega_out' adds to the mean output torque."""
 
     input: float
     output: float
@@ -90,8 +78,8 @@ def averaged_system(
 
     Args:
         parameters: of the module by name, as in Module.set; fidelity is averaged whatever they say.
-        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2 (else 0); all that are
-            wanted.
+        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2: at constant inputs no
+            torque has a part in omega1'.
         outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
             torque_ripple (RMS), torque_peak, N.m.
         transient: what accelerations add to the mean torque while it is driven; nothing in fidelity averaged.
@@ -169,18 +157,8 @@ Complex = NDArray[np.complex128]
 
 SPEED, LOAD = INPUTS
 PULSES = "output_torque_mean"
-LEAST_PERIODS = 10
 # outputs of the averaged system, by those of the FMU over a communication step
 MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torque"}
-# inertia that no torque moves, kg m^2
-_HEAVY = 1e7
-# sine that shows the transient inertia: share of the pulse rate, and of omega1
-_SHARE_OF_RATE = 0.05
-_SHARE_OF_SPEED = 0.005
-_STEPS_PER_CYCLE = 8.0
-# pulses that settle and that are recorded: beats of the pulses have to be separated from the sine
-_SETTLING_PULSES = 40.0
-_RECORDED_PULSES = 600.0
 
 
 # --- a sine on an input of a plant ---
@@ -199,12 +177,7 @@ def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, flo
 
 @dataclass(frozen=True)
 class SineBench:
-    """Plant at an operating point, and how it is excited and read.
-
-    Attributes:
-        plant: started. point: omega1, rad/s, and load_torque, N.m. outputs: names that are read.
-        step: communication step, s.
-    """
+    """Plant, started, at an operating point, the outputs that are read, and the communication step, s."""
 
     plant: Fmu | Module
     point: Mapping[str, float]
@@ -217,7 +190,7 @@ class SineBench:
         """Measure outputs over the input at a frequency, Hz, and their means; settling, record: times, s."""
         plant, step = self.plant, self.step
         before = math.ceil(settling / step)
-        periods = max(LEAST_PERIODS, math.ceil(record * frequency))
+        periods = max(10, math.ceil(record * frequency))
         last = before + round(periods / (frequency * step))
         ramped = excited == SPEED
         turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
@@ -295,10 +268,8 @@ def measured_response(
 
     Args:
         path: the .fmu file. parameters: by name; omega_out_start near the operating point saves settling.
-        omega1: of the operating point, rad/s.
-        load_torque: there, N.m.
+        omega1, load_torque: of the operating point, rad/s and N.m. frequencies: Hz, shape (n,).
         excited: "omega1" or "load_torque". amplitude: of the sine, in units of this input.
-        frequencies: Hz, shape (n,).
         outputs: variables of the FMU; torques as step means.
         step: communication step, s: some 20 to a pulse. settling: time given to every transient, s.
         record: time of the record, s, if 10 periods are not longer: separates beats of pulses from the sine.
@@ -368,16 +339,15 @@ def averaged_response(
     guess: float | None = None,
     transient: TransientInertia = QUASI_STEADY,
 ) -> SmallSignal:
-    """Compute the response of the linearised averaged module; torques include their part in omega1'.
+    """Compute the response of the linearised averaged module, with the means of the operating point.
+
+    Torques include their part in omega1'.
 
     Args:
         parameters: of the module, as numbers. omega1, load_torque: operating point, rad/s and N.m.
         excited: "omega1" or "load_torque". frequencies: Hz, shape (n,).
         outputs: omega_out, input_torque_mean, output_torque_mean.
         guess: see operating_point. transient: see averaged_system.
-
-    Returns:
-        The response, with the means of the operating point.
 
     Raises:
         ValueError: there is no operating point below lock-up, or excited is no input.
@@ -407,14 +377,14 @@ def transient_inertia(
 ) -> TransientInertia:
     """Find the two inertias of the mean output torque at an operating point, kg m2.
 
-    The map of fidelity averaged holds for steady speeds. Where they change, the pulses come in between: to
-    first order in the accelerations, and because nothing but speeds and inertias enters, the mean torque is
+    The map of fidelity averaged holds for steady speeds; to first order in the accelerations the mean torque
+    is
 
         T = omega1^2 F(sigma) + m1(sigma) omega1' - m3(sigma) omega_out'
 
     with two inertias that depend on the speed ratio alone. The rigid module in memory is run with an output
-    so heavy that its speed is prescribed, once with a sine on omega1 and once with a sine of omega_out, at a
-    twentieth of the pulse rate; the part of the torque in quadrature gives m1 and m3.
+    so heavy that its speed is prescribed, once with a sine on omega1 and once with a sine of omega_out; the
+    part of the torque in quadrature gives m1 and m3.
 
     Args:
         parameters: of the module, as numbers. omega1, omega_out: rad/s, 0 < omega_out < omega1.
@@ -429,27 +399,25 @@ def transient_inertia(
         )
     averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
     point = {SPEED: omega1, LOAD: float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])}
-    prescribed = {
-        "fidelity": float(codes.RIGID),
-        "output_inertia": _HEAVY,
-        "omega_out_start": omega_out,
-        "tolerance": 1e-8,
-    }
+    # that no torque moves, kg m^2
+    heavy = 1e7
+    prescribed = {"fidelity": float(codes.RIGID), "output_inertia": heavy, "tolerance": 1e-8}
     gains = []
     for excited in (SPEED, LOAD):
-        module = Module(kernel).start(**{**parameters, **prescribed}, **point)
+        module = Module(kernel).start(**{**parameters, **prescribed, "omega_out_start": omega_out}, **point)
         d = module.derived
-        step = 2.0 * math.pi / (_STEPS_PER_CYCLE * d.harmonic * d.k * omega1)
-        bench = SineBench(module, point, ("omega_out", PULSES), step)
-        rate = bench.settle(2.0 * _SETTLING_PULSES * _STEPS_PER_CYCLE * step)
+        cycle = 2.0 * math.pi / (d.harmonic * d.k * omega1)
+        bench = SineBench(module, point, ("omega_out", PULSES), cycle / 8.0)
+        rate = bench.settle(80.0 * cycle)
         if rate == 0.0:
             raise ValueError(
                 f"no pulses come through at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s"
             )
-        frequency, swing = _SHARE_OF_RATE * rate, _SHARE_OF_SPEED * omega1
+        frequency, swing = 0.05 * rate, 0.005 * omega1
         turn = 2.0 * math.pi * frequency
-        amplitude = swing if excited == SPEED else swing * turn * _HEAVY
-        settling, record = _SETTLING_PULSES / rate, _RECORDED_PULSES / rate
+        amplitude = swing if excited == SPEED else swing * turn * heavy
+        # beats of the pulses have to be separated from the sine
+        settling, record = 40.0 / rate, 600.0 / rate
         found, _ = bench.response(excited, amplitude, frequency, settling, record)
         # torque per acceleration of the speed that swings
         gain = found[1] if excited == SPEED else found[1] / found[0]
@@ -459,15 +427,8 @@ def transient_inertia(
 
 # --- stability margins ---
 
-# frequencies at which a loop is looked at, and the lowest, as a share of the Nyquist frequency
-_POINTS = 4000
-_LOWEST = 1e-4
 # margins are looked for within these shares of the expected one, to this relative width
 _WITHIN, _SHARE = np.array([0.5, 2.0]), 0.02
-# periods of the expected crossover that a run lasts
-_PERIODS = 10.0
-# swings that the pulses leave, times this, count as settled
-_RIPPLE = 2.0
 
 
 @dataclass(frozen=True)
@@ -487,7 +448,7 @@ class Margins:
 def predicted_margins(loop: Any) -> Margins:
     """Compute the margins of a linear discrete-time loop (1 x 1, of negative feedback) by control.margin."""
     step = float(loop.dt)
-    frequency = np.geomspace(_LOWEST, 0.999, _POINTS) * math.pi / step
+    frequency = np.geomspace(1e-4, 0.999, 4000) * math.pi / step
     response = loop(np.exp(1j * frequency * step))
     gain, phase, _, crossover = ct.margin(ct.frd(response, frequency))
     return Margins(float(gain), math.radians(phase) / float(crossover), float(crossover))
@@ -504,8 +465,9 @@ def measured_margins(
 ) -> Margins:
     """Measure the margins of the loop around an FMU: it is made worse until a kick grows on, by bisection.
 
-    A loop counts as settled if its first measured signal swings less at the end than early on, or no more
-    than twice what the pulses leave in the loop as it is; as unstable also if it leaves the limits.
+    What is measured is multiplied (gain margin) or delayed (delay margin). A loop counts as settled if its
+    first measured signal swings less at the end than early on, or no more than twice what the pulses leave in
+    the loop as it is; as unstable also if it leaves the limits.
 
     Args:
         fmu: started at the operating point; it is left there.
@@ -532,14 +494,14 @@ def measured_margins(
     a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
     around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
     step = float(surrounding.dt)
-    steps = round(_PERIODS * 2.0 * math.pi / expected.crossover / step)
+    # a run lasts ten periods of the crossover
+    steps = round(20.0 * math.pi / expected.crossover / step)
     begin = fmu.get_state()
 
     def swings(factor: float = 1.0, delay: int = 0) -> tuple[float, float]:
         """RMS of the second and the last quarter of a run, each about its mean and drift.
 
-        What is measured reaches the surrounding times the factor, late by delay steps. Infinite where what
-        the surrounding gives leaves the limits.
+        What is measured reaches the surrounding times the factor, late by delay steps.
         """
         fmu.set_state(begin)
         state, first = np.array(kick, dtype=float), np.empty(steps + 1)
@@ -560,7 +522,7 @@ def measured_margins(
         early, late = (first[n * quarter : (n + 1) * quarter] for n in (1, 3))
         return float(np.std(detrend(early))), float(np.std(detrend(late)))
 
-    ripple = _RIPPLE * swings()[1]
+    ripple = 2.0 * swings()[1]
 
     def settles(factor: float = 1.0, delay: float = 0.0) -> bool:
         early, late = swings(factor, round(delay))

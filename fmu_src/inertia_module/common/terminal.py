@@ -50,17 +50,14 @@ def progress_bar(title: str) -> Iterator[Progress]:
     started = time.monotonic()
     bar = progress()
     task = bar.add_task(title, total=1.0)
-    shown = False
 
     def report(done: float) -> None:
-        nonlocal shown
-        if not shown and time.monotonic() - started > PATIENCE:
+        if not bar.live.is_started and time.monotonic() - started > PATIENCE:
             bar.start()
-            shown = True
         bar.update(task, completed=done)
 
     try:
         yield report
     finally:
-        if shown:
+        if bar.live.is_started:
             bar.stop()

@@ -1,10 +1,8 @@
 """Cost of accuracy of a scene: its levels of fidelity, their measurements, the choice of a level, the trade.
 
-Trial runs of a scene are measured against the finest level. Outputs of a long run under control are compared
-by window and not by instant: the loop keeps speeds and torques where they belong, but nothing keeps the phase
-of the pulses, which drifts between any two runs. The cheapest level that meets an accuracy is chosen from
-measured rows, with its reasons; the trade of speed for accuracy is these rows, their files, and a plot of
-error against cost.
+Trial runs of a scene are measured against the finest level, the outputs by window and not by instant: a loop
+under control keeps speeds and torques where they belong, but nothing keeps the phase of the pulses, which
+drifts between any two runs.
 """
 
 from __future__ import annotations
@@ -28,7 +26,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..common.colours import BLUE, VERMILION
-from ..common.files import cache_folder, content_hash, sources, write_figure
+from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..harness import results
@@ -52,12 +50,7 @@ METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
 
 # outputs that a fidelity does not model, and why; everything else it has
 NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
-    fidelity: {
-        variable.name: need.reason
-        for variable in VARIABLES
-        for need in variable.needs
-        if fidelity in need.lacking
-    }
+    fidelity: {one.name: need.reason for one in VARIABLES for need in one.needs if fidelity in need.lacking}
     for fidelity in FIDELITIES
 }
 
@@ -97,29 +90,18 @@ def event(fidelity: int, tolerance: float) -> Level:
     return Level(fidelity, EVENT, f"tolerance {tolerance:.0e}", {"tolerance": tolerance})
 
 
-def timestepping(fidelity: int, step: float) -> Level:
-    """Make a level in fixed steps, s."""
-    return Level(fidelity, TIMESTEPPING, f"step {1e3 * step:g} ms", {"max_step": step})
-
-
 TOLERANCES = tuple(10.0**-n for n in range(3, 12))
+# s
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
-_FEW_TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9)
-_FEW_STEPS = (1e-2, 1e-3, 1e-4)
 
 
 def all_levels(elastic: bool, few: bool = False) -> Iterator[Level]:
-    """Yield the levels to measure, from coarse to fine, without prescribed motion.
-
-    Args:
-        elastic: there are parameters of an elastic output.
-        few: fewer tolerances and steps, for long scenes.
-    """
+    """Yield the levels to measure, from coarse to fine, without prescribed motion; few for long scenes."""
     yield Level(AVERAGED, EVENT, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
-        for step in _FEW_STEPS if few else STEPS:
-            yield timestepping(fidelity, step)
-        for tolerance in _FEW_TOLERANCES if few else TOLERANCES:
+        for step in STEPS[::3] if few else STEPS:
+            yield Level(fidelity, TIMESTEPPING, f"step {1e3 * step:g} ms", {"max_step": step})
+        for tolerance in TOLERANCES[:-1:2] if few else TOLERANCES:
             yield event(fidelity, tolerance)
 
 
@@ -187,31 +169,13 @@ class Row:
         return {**head, "errors": errors, **costs, "failure": self.failure}
 
 
-# what is to be run, nothing of it measured, and what measures it: gives fields of Row by name
-Attempt = tuple[Row, Callable[[Progress], dict[str, Any]]]
-
-
-def attempt_all(
-    attempts: Sequence[Attempt], progress: Progress | None = None, begin: float = 0.0
-) -> list[Row]:
-    """Make all runs; what fails is a row with the reason.
-
-    Args:
-        attempts: the runs; each is given a function to tell how much of it is done (0 to 1).
-        progress: told how much is done. begin: share that was done before.
-    """
-    tell = progress or (lambda done: None)
-    share = (1.0 - begin) / max(len(attempts), 1)
-    rows = []
-    for number, (head, run) in enumerate(attempts):
-        start = begin + number * share
-        try:
-            found = run(lambda done, start=start: tell(start + done * share))  # type: ignore[misc]
-        except FAILURES as error:
-            found = {"failure": " ".join(str(error).split()) or type(error).__name__}
-        rows.append(dataclasses.replace(head, **found))
-        tell(start + share)
-    return rows
+def attempt(head: Row, measure: Callable[[], dict[str, Any]]) -> Row:
+    """Measure a run, which gives fields of Row by name; of one that fails the row has the reason."""
+    try:
+        found = measure()
+    except FAILURES as error:
+        found = {"failure": " ".join(str(error).split()) or type(error).__name__}
+    return dataclasses.replace(head, **found)
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> Path:
@@ -258,12 +222,6 @@ def failure_lines(rows: Sequence[Row]) -> list[str]:
 # --- the cheapest that meets an accuracy ---
 
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
-# where there is no higher fidelity, the next level is one that is so much more accurate
-_FINER = 0.1
-# the largest error of a level shown where none is asked for
-USUAL_ERROR = 0.01
-# columns that any table fits in
-_WIDE = 10_000
 
 
 class NoneMeets(ValueError):
@@ -309,10 +267,8 @@ class Choice:
         """Give the choice for machines."""
 
         def brief(row: Row) -> dict[str, Any]:
-            known = {name: getattr(row, name) for name in ("fidelity", "method", "setting")}
             errors = {name: row.errors[name] for name in self.wanted}
-            cost = {"wall_time_per_second": row.wall_time}
-            return {**known, "error": row.worst(self.wanted), **cost, "errors": errors}
+            return row.as_dict() | {"error": row.worst(self.wanted), "errors": errors}
 
         following = None if self.following is None else brief(self.following) | {"cost": self.ratio}
         asked = {"error": self.error, "wanted": list(self.wanted)}
@@ -345,7 +301,8 @@ def cheapest(rows: Sequence[Row]) -> Row | None:
 def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choice:
     """Recommend the cheapest level of the module that meets an error in all wanted outputs.
 
-    The next is the cheapest of a higher fidelity that meets it too, else the cheapest that is much finer.
+    The next is the cheapest of a higher fidelity that meets it too, else the cheapest with a tenth of the
+    error.
 
     Args:
         rows: measured; those of peers are left out. error: largest allowed. wanted: names in Row.errors.
@@ -362,7 +319,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         )
         raise NoneMeets(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
-    much = _FINER * min(error, chosen.worst(wanted))
+    much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
     # one line a level: its best that is cheaper or, where nothing is known, any
     passed: dict[str, tuple[str, str]] = {}
@@ -424,10 +381,10 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 
     Args:
         title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
-        error: largest allowed; by default USUAL_ERROR.
+        error: largest allowed, by default 1 %.
     """
     console = terminal()
-    allowed = USUAL_ERROR if error is None else error
+    allowed = 0.01 if error is None else error
     levels = at_levels(rows, allowed, wanted)
     console.print(title, style="bold")
     console.print(
@@ -435,37 +392,22 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
         f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
     )
     table = _table(levels, wanted, largest=False)
-    if console.measure(table, options=console.options.update(width=_WIDE)).minimum > console.width:
+    if console.measure(table, options=console.options.update(width=10_000)).minimum > console.width:
         table = _table(levels, wanted, largest=True)
     console.print(table)
 
 
 # --- trial runs ---
 
-REFERENCE_TOLERANCE = 1e-12
-# no further call once so much time has passed, s
-_PATIENCE = 0.5
-# shortest time that can be measured, s a call
-_RESOLUTION = 1e-8
-_PULSING = frozenset(NOT_MODELLED[1])
 # relative to the energy in, for they are small or zero by themselves
 _ENERGIES = ("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual")
-# a matter of cost, not of accuracy
-NOT_COMPARED = ("rhs_evaluations",)
-
-
-# --- wall time ---
 
 
 def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
-    """Measure the median wall time of some calls, s.
-
-    Args:
-        run: what is timed. repeats: at most so many calls; fewer (at least one) of what is slow.
-    """
+    """Measure the median wall time, s, of at most so many calls; of what is slow fewer, at least one."""
     times: list[float] = []
     begun = time.perf_counter()
-    while len(times) < repeats and (not times or time.perf_counter() - begun < _PATIENCE):
+    while len(times) < repeats and (not times or time.perf_counter() - begun < 0.5):
         begin = time.perf_counter()
         run()
         times.append(time.perf_counter() - begin)
@@ -493,17 +435,12 @@ def kernel_time(
         take_steps(module, lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1])
 
     spent, none = (median_time(partial(steps, number), repeats) for number in (len(inputs), 0))
-    return max(spent - none, _RESOLUTION * len(inputs))
-
-
-# --- a run ---
+    # what can be measured takes 10 ns a call
+    return max(spent - none, 1e-8 * len(inputs))
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
     """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop.
-
-    Args:
-        scene: as it is to be run. progress: told how much is done (0 to 1).
 
     Raises:
         Refused: the module refuses its parameters, an input or a step.
@@ -529,21 +466,19 @@ def time_of(scene: Scene, record: Result) -> float:
 # --- errors over windows of time ---
 
 
-def window_means(values: Array, rows: int) -> Array:
-    """Average over windows of so many rows; what is left over belongs to the last window."""
-    count = max(values.size // rows, 1)
-    edges = np.arange(count) * rows
-    sizes = np.diff(np.append(edges, values.size))
-    means: Array = np.add.reduceat(values, edges) / sizes
-    return means
-
-
 def _features(record: Result, name: str, window: float) -> list[Array]:
-    """Window means and, of what pulses, window RMS; the start itself is left out: it is no step."""
+    """Window means and, of what pulses, window RMS; the start itself is left out: it is no step.
+
+    What is left over belongs to the last window.
+    """
     values = record[name][1:]
     rows = max(round(window / float(record.time[1] - record.time[0])), 1)
-    means = window_means(values, rows)
-    return [means, np.sqrt(window_means(values**2, rows))] if name in _PULSING else [means]
+    edges = np.arange(max(values.size // rows, 1)) * rows
+
+    def means(values: Array) -> Array:
+        return np.asarray(np.add.reduceat(values, edges) / np.diff(np.append(edges, values.size)))
+
+    return [means(values), np.sqrt(means(values**2))] if name in NOT_MODELLED[AVERAGED] else [means(values)]
 
 
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
@@ -557,7 +492,8 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
         fidelity: of the run.
     """
     largest_energy = float(np.abs(exact["energy_in"]).max())
-    errors = dict.fromkeys(NOT_COMPARED, 0.0) | dict.fromkeys(NOT_MODELLED[fidelity], math.nan)
+    # evaluations are a matter of cost
+    errors = {"rhs_evaluations": 0.0} | dict.fromkeys(NOT_MODELLED[fidelity], math.nan)
     for name in exact.names:
         if name == TIME or name in errors:
             continue
@@ -577,9 +513,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
     Raises:
         SceneError: the scene is refused there.
     """
-    rigid = at_fidelity(scene.given, level.fidelity)
-    inertia = {name: rigid[name] for name in ("output_inertia",) if name in rigid}
-    values: dict[str, float | None] = {"max_step": None, **inertia, **level.values}
+    values = {**at_fidelity(scene.given, level.fidelity), "max_step": None, **level.values}
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
     return scene.replaced(
@@ -589,7 +523,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
 
 def reference_level(scene: Scene) -> Level:
     """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
-    return event(ELASTIC if is_elastic(scene.given) else RIGID, REFERENCE_TOLERANCE)
+    return event(ELASTIC if is_elastic(scene.given) else RIGID, 1e-12)
 
 
 def measure_scene(
@@ -608,29 +542,30 @@ def measure_scene(
         Refused: the reference itself is refused.
     """
     lengths = (scene.run.communication_step,) if steps is None else steps
-    share = 1.0 / (1 + len(levels) * len(lengths))
-    tell = progress or (lambda done: None)
-    finest = at_level(scene, reference_level(scene))
-    reference = run_in_process(finest, lambda done: tell(done * share))
+    runs = [(level, step) for step in lengths for level in levels]
 
-    def of_level(level: Level, step: float) -> Callable[[Progress], dict[str, Any]]:
-        def run(report: Progress) -> dict[str, Any]:
-            ours = at_level(scene, level, step)
-            record = run_in_process(ours, report)
-            last = record.last()
-            return {
-                "errors": window_errors(record, reference, scene.accuracy.window, level.fidelity),
-                "wall_time": time_of(ours, record),
-                "evaluations": last["rhs_evaluations"],
-                "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
-            }
+    def share(number: int) -> Progress:
+        """Tell how much is done, of one of the runs and of the reference, which is the first."""
+        tell = progress or (lambda done: None)
+        return lambda done: tell((number + done) / (1 + len(runs)))
 
-        return run
+    reference = run_in_process(at_level(scene, reference_level(scene)), share(0))
 
-    attempts: list[Attempt] = [
-        (level.row(step), of_level(level, step)) for step in lengths for level in levels
+    def measure(number: int, level: Level, step: float) -> dict[str, Any]:
+        ours = at_level(scene, level, step)
+        record = run_in_process(ours, share(number))
+        last = record.last()
+        return {
+            "errors": window_errors(record, reference, scene.accuracy.window, level.fidelity),
+            "wall_time": time_of(ours, record),
+            "evaluations": last["rhs_evaluations"],
+            "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
+        }
+
+    return [
+        attempt(level.row(step), partial(measure, number, level, step))
+        for number, (level, step) in enumerate(runs, 1)
     ]
-    return attempt_all(attempts, progress, share)
 
 
 # --- kept between runs ---
@@ -687,18 +622,10 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
     return at_level(scene, chosen), choice
 
 
-# --- the trade ---
+# --- the trade: least error for the cost, on log-log axes ---
 
-# communication steps of a scene over its own
-_LONGER = (1, 10, 100)
 WORST = "worst"
-_DPI = 110
-# a slope is fitted to at least so many points
-_FITTED = 3
 _AXES = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
-
-
-# --- least error for the cost, on log-log axes ---
 
 
 def front(rows: Sequence[Row], error: str, cost: str) -> list[Row]:
@@ -721,7 +648,7 @@ def front(rows: Sequence[Row], error: str, cost: str) -> list[Row]:
 
 def slope(costs: Array, errors: Array) -> float:
     """Fit the exponent p of error ~ cost^p; NaN of fewer than three different points."""
-    if np.unique(costs).size < _FITTED:
+    if np.unique(costs).size < 3:
         return math.nan
     return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
 
@@ -756,19 +683,12 @@ def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
 
 
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """Draw one error against wall time and against right-hand sides.
-
-    Args:
-        rows: measured. error: name in Row.errors. title: of the figure.
-    """
-    figure = Figure(figsize=(11.0, 5.0), dpi=_DPI, layout="constrained")
+    """Draw one error, by its name in Row.errors, against wall time and against right-hand sides."""
+    figure = Figure(figsize=(11.0, 5.0), dpi=110, layout="constrained")
     figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
     for axes, cost in zip(figure.subplots(1, 2, sharey=True), _AXES, strict=True):
         _panel(axes, rows, error, cost)
     return figure
-
-
-# --- a scene ---
 
 
 def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
@@ -777,7 +697,7 @@ def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     Raises:
         Refused: the module refuses the scene.
     """
-    longer = (factor * scene.run.communication_step for factor in _LONGER)
+    longer = (factor * scene.run.communication_step for factor in (1, 10, 100))
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
     levels = list(all_levels(is_elastic(scene.given)))
     return measure_scene(scene, levels, steps, progress)
@@ -790,12 +710,3 @@ def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
         errors = {name: row.errors[name] for name in wanted if name in row.errors}
         kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
     return kept
-
-
-def leave_rows(folder: Path, title: str, rows: Sequence[Row]) -> dict[str, Path]:
-    """Leave rows of with_worst in a folder, as CSV, and a plot as PNG and SVG. Returns the files by name."""
-    files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
-    figure = work_precision(rows, WORST, title)
-    for kind in ("png", "svg"):
-        files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
-    return files

@@ -483,7 +483,7 @@ def orders(
         return slice(low + (int(np.argmax(turning)) if begin is None else 0), high)
 
     # what is sure to be refused after the run is refused now: by the speed that is given, else by first steps
-    step, given = scene.run.communication_step, scene.drive.prescribed().get("omega1")
+    step, given = scene.run.communication_step, scene.prescribed.get("omega1")
     if of == LINK1 and given is not None and not scene.parameters().get("input_hold"):
         times = communication_points(scene.run.stop_time, step)
         turned = np.cumsum([evaluate(given, at) for at in times]) * step / math.tau

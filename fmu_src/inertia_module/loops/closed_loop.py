@@ -12,24 +12,15 @@ from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names, run, take_steps
 from ..harness.simulate import Plant, Result, whole_steps
-from .sources import Sampled, Signal, Sources
+from .sources import Sampled, Sources
 
 __all__ = ["ClosedLoop", "connect", "initial_inputs"]
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
-_PROGRESS_CALLS = 200
 
 # units of the signals that sources, controllers and loads bring along
-SIGNAL_UNITS = {
-    "vehicle_speed": "m/s",
-    "distance": "m",
-    "drag_torque": "N.m",
-    "slope_torque": "N.m",
-    "rolling_torque": "N.m",
-    "brake_torque": "N.m",
-    "brake_force": "N",
-    "load_speed": "rad/s",
-}
+SIGNAL_UNITS = {"vehicle_speed": "m/s", "distance": "m", "brake_force": "N", "load_speed": "rad/s"}
+SIGNAL_UNITS |= dict.fromkeys(("drag_torque", "slope_torque", "rolling_torque", "brake_torque"), "N.m")
 
 
 def connect(systems: Sequence[Any]) -> Any:
@@ -57,31 +48,29 @@ def connect(systems: Sequence[Any]) -> Any:
                     f"{label} must be given by one system, is given by {origin[label]} and by {system.name}"
                 )
             origin[label] = system.name
-    own = [system for system in systems if isinstance(system, Sampled)]
-    if len(own) == len(systems):
-        if len({system.dt for system in own}) > 1:
-            steps = ", ".join(f"{system.name} {system.dt:g} s" for system in own)
-            raise ValueError(f"systems must have one step, have {steps}")
-        signals: dict[str, Signal] = {}
-        for system in own:
-            signals |= system.signals if isinstance(system, Sources) else {}
-        return Sources(signals, own[0].dt) if len(signals) == len(origin) else _surroundings(own)
-    import control as ct
+    given, labels = list(origin), [label for system in systems for label in system.input_labels]
+    wanted = [label for label in dict.fromkeys(labels) if label not in origin]
+    if not all(isinstance(system, Sampled) for system in systems):
+        import control as ct
 
-    wanted = {label: None for system in systems for label in system.input_labels if label not in origin}
-    return ct.interconnect(
-        [system.to_control() if isinstance(system, Sampled) else system for system in systems],
-        inputs=list(wanted),
-        outlist=[f"{name}.{label}" for label, name in origin.items()],
-        outputs=list(origin),
-        name="surroundings",
-    )
+        return ct.interconnect(
+            [system.to_control() if isinstance(system, Sampled) else system for system in systems],
+            inputs=wanted,
+            outlist=[f"{name}.{label}" for label, name in origin.items()],
+            outputs=given,
+            name="surroundings",
+        )
+    if len({system.dt for system in systems}) > 1:
+        steps = ", ".join(f"{system.name} {system.dt:g} s" for system in systems)
+        raise ValueError(f"systems must have one step, have {steps}")
+    if all(isinstance(system, Sources) for system in systems):
+        signals = {name: signal for system in systems for name, signal in system.signals.items()}
+        return Sources(signals, systems[0].dt)
+    return _surroundings(systems, wanted, given)
 
 
-def _surroundings(systems: Sequence[Sampled]) -> Sampled:
-    """Connect systems by their laws, evaluated until no input changes any more."""
-    given = [label for system in systems for label in system.output_labels]
-    wanted = {label: None for system in systems for label in system.input_labels if label not in given}
+def _surroundings(systems: Sequence[Sampled], wanted: Sequence[str], given: Sequence[str]) -> Sampled:
+    """Connect systems, from signals wanted to those given, by laws evaluated until no input changes."""
     places = {label: place for place, label in enumerate([*wanted, *given])}
     parts, outputs_from, states_from = [], len(wanted), 0
     for system in systems:
@@ -107,7 +96,7 @@ def _surroundings(systems: Sequence[Sampled]) -> Sampled:
         raise ValueError(f"systems must have no algebraic loop, have one among {', '.join(given)}")
 
     names = [f"{system.name}_{label}" for system in systems for label in system.state_labels]
-    return Sampled("surroundings", systems[0].dt, list(wanted), given, law, names)
+    return Sampled("surroundings", systems[0].dt, wanted, given, law, names)
 
 
 def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
@@ -161,15 +150,6 @@ class ClosedLoop:
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
 
-    def _steps(self, stop_time: float) -> int:
-        number = whole_steps(stop_time, self.step)
-        if not number:
-            raise ValueError(
-                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
-                f" one, is {stop_time:g} s"
-            )
-        return number
-
     def run(self, stop_time: float, progress: Progress | None = None) -> Result:
         """Step to the stop time, s, and return a row a communication point as a named table.
 
@@ -180,7 +160,12 @@ class ClosedLoop:
             ValueError: the stop time is not a whole number of steps.
             FmuError: the FMU refuses a value or a step.
         """
-        number, first = self._steps(stop_time), 1 + len(self._outputs)
+        number, first = whole_steps(stop_time, self.step), 1 + len(self._outputs)
+        if not number:
+            raise ValueError(
+                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
+                f" one, is {stop_time:g} s"
+            )
         rows = np.empty((number + 1, len(self.names)))
         rows[:, 0] = np.arange(number + 1) * self.step
         if isinstance(self.surroundings, Sources):
@@ -195,7 +180,7 @@ class ClosedLoop:
     def _close(self, rows: NDArray[np.float64], first: int, progress: Progress | None) -> None:
         """Fill rows whose times are given; columns from first on are the signals of the surroundings."""
         number, systems = len(rows) - 1, self.surroundings
-        report_every = max(number // _PROGRESS_CALLS, 1)
+        report_every = max(number // 200, 1)
         names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)
         length, given, ends = np.array([self.step]), np.empty((1, len(driven))), np.empty((2, len(names)))
         ends[1] = self.plant.read(names)

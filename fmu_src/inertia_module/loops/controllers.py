@@ -25,16 +25,14 @@ def pi_speed_controller(
     Its law is that of Governor, for any speed and any command.
 
     Args:
-        step: communication step, s.
-        proportional_gain: command per unit of the measured speed.
-        integral_gain: command per unit of the measured speed and second.
-        limits: least and greatest command.
+        step: communication step, s. limits: least and greatest command.
+        proportional_gain: command per unit of the measured speed; integral_gain: and second.
         feedforward: command per unit of the reference.
         measured: name of the measured speed. command: name of the output.
 
     Returns:
-        A system with inputs reference and measured, output command, and
-        the integral, in units of the command, as its state.
+        A system with inputs reference and measured, output command, and the integral, in units of the
+        command, as its state.
 
     Raises:
         ValueError: a gain is negative or not finite, or the limits are not in order.
@@ -59,8 +57,7 @@ def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0)
         margin: excess of speed without braking, m/s.
 
     Returns:
-        A system without states, with inputs reference and vehicle_speed, m/s,
-        and output brake_force, N.
+        A system without states, with inputs reference and vehicle_speed, m/s, and output brake_force, N.
     """
 
     def law(_: float, __: Any, u: Any) -> tuple[list[float], tuple[()]]:

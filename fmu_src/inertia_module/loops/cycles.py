@@ -72,13 +72,11 @@ class Cycle:
             (lower, upper), m/s, each of shape (n,).
         """
         times = np.asarray(time, dtype=np.float64)
-        ends = np.stack([self.speed_at(times - TIME_TOLERANCE), self.speed_at(times + TIME_TOLERANCE)])
-        lower, upper = ends.min(axis=0), ends.max(axis=0)
-        for breakpoint_time, speed in zip(self.time, self.speed, strict=True):
-            inside = np.abs(times - breakpoint_time) <= TIME_TOLERANCE
-            lower[inside] = np.minimum(lower[inside], speed)
-            upper[inside] = np.maximum(upper[inside], speed)
-        return np.maximum(lower - SPEED_TOLERANCE, 0.0), upper + SPEED_TOLERANCE
+        ends = [self.speed_at(times - TIME_TOLERANCE), self.speed_at(times + TIME_TOLERANCE)]
+        # rows of times and columns of breakpoints; those out of the window count as one of its ends
+        inside = np.abs(times[:, None] - self.time) <= TIME_TOLERANCE
+        speeds = np.column_stack([np.where(inside, self.speed, ends[0][:, None]), ends[1]])
+        return np.maximum(speeds.min(axis=1) - SPEED_TOLERANCE, 0.0), speeds.max(axis=1) + SPEED_TOLERANCE
 
 
 _IDLING = "idling"

@@ -4,14 +4,8 @@ The engine is a rotor with inertia, limits of torque over speed, and a sampled s
 
     J_E omega' = tau - T        -drag(omega) <= tau <= greatest(omega)
 
-The governor is a control unit: it samples the speed, sets tau and holds it until the next sample. So between
-samples omega is linear under a constant load T, and a step of any length is exact, works and impulses
-included.
-
-In front of a module it is a plant whose omega1 is the speed asked for: coupled through its speed
-(CoupledEngine), its rotor is its own, its speed goes to the module, the mean torque of each step comes back;
-or through its torque (TorqueDrivenEngine), its rotor is in the module, whose speed comes back. The ledger of
-either counts the energy lost between both.
+The governor samples the speed, sets tau and holds it until the next sample. So between samples omega is
+linear under a constant load T, and a step of any length is exact, works and impulses included.
 """
 
 from __future__ import annotations
@@ -29,7 +23,7 @@ from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..kernel.links import inertia_at_input
 from ..memory import Module
-from .sources import between
+from .sources import Table, between
 
 __all__ = [
     "SCHEMES",
@@ -63,8 +57,7 @@ class EngineMap:
     """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
 
     Attributes:
-        speed: breakpoints, rad/s, rising.
-        greatest: torque at full load, N.m, at each of them, from 0.
+        speed: breakpoints, rad/s, rising. greatest: torque at full load, N.m, at each of them, from 0.
         drag: torque against the motion without fuel, N.m, from 0.
 
     Raises:
@@ -76,17 +69,13 @@ class EngineMap:
     drag: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        rising = all(a < b for a, b in zip(self.speed, self.speed[1:], strict=False))
-        if not self.speed or not rising or not all(math.isfinite(value) for value in self.speed):
-            raise ValueError(f"speed must be finite breakpoints that rise, is {self.speed}")
         for name, torques in (("greatest", self.greatest), ("drag", self.drag)):
-            if len(torques) != len(self.speed):
-                raise ValueError(
-                    f"{name} must be {len(self.speed)} torques, one for each speed, is {len(torques)}"
-                )
-            for torque in torques:
-                if not (math.isfinite(torque) and torque >= 0.0):
-                    raise ValueError(f"{name} must be finite torques from 0 N.m, has {torque}")
+            try:
+                Table(self.speed, torques)
+            except ValueError as error:
+                raise ValueError(f"speed and {name}: {error}") from None
+            if min(torques) < 0.0:
+                raise ValueError(f"{name} must be torques from 0 N.m, has {min(torques)}")
 
     def limits(self, speed: float) -> tuple[float, float]:
         """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""
@@ -148,7 +137,7 @@ class Governor:
 
 
 class EngineState(NamedTuple):
-    """State of an engine, which may be set to an old one.
+    """State of an engine.
 
     Attributes:
         speed: rad/s. angle: rad. integral: of the governor, N.m. torque: held until the next sample, N.m.
@@ -166,17 +155,6 @@ class EngineState(NamedTuple):
     impulse_out: float = 0.0
 
 
-class LoadTorque(NamedTuple):
-    """Load of the coming step: T = value + inertia omega'.
-
-    Attributes:
-        value: N.m. inertia: that turns with the engine, kg.m2.
-    """
-
-    value: float
-    inertia: float = 0.0
-
-
 class Engine:
     """An engine with governor.
 
@@ -186,7 +164,7 @@ class Engine:
         speed: at the start, rad/s. torque: held by the governor's integral at the start, N.m.
 
     Attributes:
-        state: all that changes in a step. inertia, limits, governor, reference: as given.
+        state: all that changes in a step; may be set to an old one.
     """
 
     def __init__(
@@ -216,17 +194,14 @@ class Engine:
         """Kinetic energy, J."""
         return 0.5 * self.inertia * self.state.speed**2
 
-    def advance(self, step: float, load: LoadTorque) -> None:
-        """Advance by a step, s, of any length."""
-        self.state = self.after(step, load)
-
-    def after(self, step: float, load: LoadTorque | None) -> EngineState:
-        """The state after a step, s, of any length; the engine stays where it is.
+    def after(self, step: float, load: float | None, inertia: float = 0.0) -> EngineState:
+        """The state after a step, s, of any length under T = load + inertia omega'; the engine stays.
 
         Args:
             step: s.
-            load: on the engine. None: its speed stays as it is and all torque goes on to the load, as with an
-                engine whose rotor is simulated elsewhere: it knows its speed at the beginning of a step only.
+            load: N.m. None: its speed stays as it is and all torque goes on to the load, as with an engine
+                whose rotor is simulated elsewhere: it knows its speed at the beginning of a step only.
+            inertia: that turns with the engine, kg.m2.
 
         Raises:
             ValueError: the step is not positive.
@@ -244,7 +219,7 @@ class Engine:
             left -= h
             mean, end, on_load = state.speed, state.speed, state.torque
             if load is not None:
-                acceleration = (state.torque - load.value) / (self.inertia + load.inertia)
+                acceleration = (state.torque - load) / (self.inertia + inertia)
                 mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
                 on_load = state.torque - self.inertia * acceleration
             turned = h * mean
@@ -262,14 +237,8 @@ class Engine:
 
 # --- in front of a module ---
 
-# a step has no need to be made again where the speeds at its end agree to this, relative
-_AGREEMENT = 1e-11
-# least inertia that a directional derivative may give, in engine inertias
-_LEAST_SLOPE = -0.5
 # variables of a module driven by torque that the engine goes on with
 _ANSWERS = ("input_speed", "input_angle", "input_turns", "energy_in")
-# angles of the drive at which the interface inertia is computed, for each turn in a period of the motion
-_POINTS_A_TURN = 180
 
 
 @dataclass
@@ -279,8 +248,8 @@ class Ledger:
     Attributes:
         time: s. steps: communication steps. fmu_steps: steps of the FMU, those taken back included.
         derivatives: directional derivatives asked for.
-        defect: energy defect of the coupling, J: work of the engine less work on the module; each side is
-            exact for what it was given. defect_magnitude: sum of |defect| of the steps, J.
+        defect: energy lost between both, J: work of the engine less work on the module; each side is exact
+            for what it was given. defect_magnitude: sum of |defect| of the steps, J.
     """
 
     time: float = 0.0
@@ -297,7 +266,7 @@ class Ledger:
 
 
 class EnginePlant(ABC):
-    """An engine in front of a module, seen from outside.
+    """An engine in front of a module: a plant whose omega1 is the speed the governor is asked for.
 
     Args:
         fmu: a started FMU of the module with omega1 = speed of the engine.
@@ -324,9 +293,9 @@ class EnginePlant(ABC):
         self.ledger = Ledger()
 
     @property
-    @abstractmethod
     def energy_stored(self) -> float:
         """Kinetic energy of engine and module together, J."""
+        return self.fmu["energy_stored"]
 
     @abstractmethod
     def _exchange(self, h: float) -> tuple[float, float]:
@@ -408,7 +377,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})
     turns = int(module.derived.period_turns)
-    angles = np.linspace(0.0, 2.0 * math.pi * turns, _POINTS_A_TURN * turns, endpoint=False)
+    angles = np.linspace(0.0, 2.0 * math.pi * turns, 180 * turns, endpoint=False)
     values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))
 
@@ -435,32 +404,27 @@ SCHEMES = {scheme.value: scheme for scheme in Scheme}
 
 
 class _Answer(NamedTuple):
-    """Result of a step of the module: mean torque, N.m, energy_in, J, its last speed, rad/s, its acceleration
-    with the jump at the beginning, rad/s2.
-    """
+    """Mean torque of a step, N.m, energy_in, J, last speed, rad/s, acceleration with its jump, rad/s2."""
 
     torque: float
     energy: float
     speed: float
     acceleration: float
 
-    def with_inertia(self, inertia: float, acceleration: float | None = None) -> LoadTorque:
-        """Load of the engine: the torque, corrected by inertia times the difference of accelerations."""
-        own = self.acceleration if acceleration is None else acceleration
-        return LoadTorque(self.torque - inertia * own, inertia)
+    def load(self, inertia: float) -> tuple[float, float]:
+        """Load and inertia on the engine: with its acceleration in place of the module's own."""
+        return self.torque - inertia * self.acceleration, inertia
 
 
 class CoupledEngine(EnginePlant):
-    """An engine with a rotor of its own in front of a module; from outside its omega1 is the speed asked for.
+    """An engine with a rotor of its own: its speed goes to the module, the mean torque of a step comes back.
 
     What is left between the speeds of engine and module at a communication point is made up for by a jump at
     the beginning of the module's next step, whose impulse is in the next step mean.
 
     Args:
         fmu: at its start; drive is speed and input_hold constant; a native one for INERTIA and IMPLICIT.
-        engine: at its start.
-        substeps: as of EnginePlant.
-        scheme: of coupling.
+        engine, substeps: as of EnginePlant. scheme: of coupling.
         inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
 
     Raises:
@@ -468,12 +432,7 @@ class CoupledEngine(EnginePlant):
     """
 
     def __init__(
-        self,
-        fmu: Fmu,
-        engine: Engine,
-        scheme: Scheme,
-        inertia: float | None = None,
-        substeps: int = 1,
+        self, fmu: Fmu, engine: Engine, scheme: Scheme, inertia: float | None = None, substeps: int = 1
     ) -> None:
         super().__init__(fmu, engine, DRIVE_SPEED, substeps)
         if scheme == Scheme.INERTIA and (inertia is None or not inertia > 0.0):
@@ -489,7 +448,7 @@ class CoupledEngine(EnginePlant):
     @property
     def energy_stored(self) -> float:
         """Kinetic energy of engine and module together, J."""
-        return self.engine.energy_stored + self.fmu["energy_stored"]
+        return self.engine.energy_stored + super().energy_stored
 
     def _exchange(self, h: float) -> tuple[float, float]:
         before, last = self.engine.state, self._last
@@ -498,9 +457,8 @@ class CoupledEngine(EnginePlant):
         else:
             ramped = self.scheme == Scheme.INERTIA
             answer = self._move_module(h, self._acceleration if ramped else None)
-            torque = last.torque if self.scheme == Scheme.JACOBI else answer.torque
-            load = answer.with_inertia(self._inertia) if ramped else LoadTorque(torque)
-            after = self.engine.after(h, load)
+            known = last if self.scheme == Scheme.JACOBI else answer
+            after = self.engine.after(h, *known.load(self._inertia))
         self.engine.state, self._last = after, answer
         self._acceleration = (after.speed - before.speed) / h
         return after.work_out - before.work_out, answer.energy - last.energy
@@ -520,15 +478,17 @@ class CoupledEngine(EnginePlant):
         """Try the step, take it back and make it again."""
         engine, kept = self.engine, self.fmu.get_state()
         try:
-            first = engine.after(h, self._last.with_inertia(self._inertia)).speed
+            first = engine.after(h, *self._last.load(self._inertia)).speed
             rate = (first - engine.speed) / h
             tried = answer = self._move_module(h, rate)
             (slope,) = self.fmu.jacobian(("input_torque_mean",), ("omega1",))[0]
             self.ledger.derivatives += 1
-            least = _LEAST_SLOPE * engine.inertia
+            # what a directional derivative may give
+            least = -0.5 * engine.inertia
             inertia = max(slope * h, least)
-            wanted = engine.after(h, tried.with_inertia(inertia, rate)).speed
-            if abs(wanted - first) > _AGREEMENT * abs(wanted):
+            wanted = engine.after(h, tried.torque - inertia * rate, inertia).speed
+            # else there is no need to make it again
+            if abs(wanted - first) > 1e-11 * abs(wanted):
                 self.fmu.set_state(kept)
                 answer = self._move_module(h, (wanted - engine.speed) / h)
                 # the secant is what the next step is tried with
@@ -539,7 +499,7 @@ class CoupledEngine(EnginePlant):
         finally:
             self.fmu.free_state(kept)
         self._inertia = inertia
-        return engine.after(h, LoadTorque(answer.torque)), answer
+        return engine.after(h, answer.torque), answer
 
 
 def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, float]:
@@ -553,20 +513,18 @@ def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, 
 
 
 class TorqueDrivenEngine(EnginePlant):
-    """An engine in front of a module driven by torque; from outside its omega1 is the speed asked for.
+    """An engine whose torque goes to the module, which carries its rotor and gives the speed back.
 
-    The speed of link 1 is a state of the FMU, whose input_inertia carries the rotor of the engine too; left
-    of the engine are its map and its sampled governor, which see input_speed at communication points. Between
-    two samples the torque is constant, so with steps that end at every sample the two do exactly what one
-    piece would do, whatever the inertia. In a longer step the governor takes the samples that are due with
-    the speed at its beginning, and the module gets the mean of the torques: no energy is lost by that.
+    Left of the engine are its map and its sampled governor, which see input_speed at communication points.
+    Between two samples the torque is constant, so with steps that end at every sample the two do exactly what
+    one piece would do, whatever the inertia. In a longer step the governor takes the samples that are due
+    with the speed at its beginning, and the module gets the mean of the torques: no energy is lost by that.
 
     Args:
         fmu: at its start; the inertia of the engine is in its input_inertia (see torque_driven). Of the
             readings, engine_work_out is all that the torque has done (the rotor takes none of it), and
             engine_energy, the rotor's, is a part of energy_stored of the FMU.
-        engine: at its start.
-        substeps: as of EnginePlant.
+        engine, substeps: as of EnginePlant.
 
     Raises:
         ValueError: as EnginePlant, or a module that cannot carry the rotor.
@@ -581,11 +539,6 @@ class TorqueDrivenEngine(EnginePlant):
                 f" engine's rotor too, is {inertia:g}"
             )
         self._last = fmu.read(_ANSWERS)
-
-    @property
-    def energy_stored(self) -> float:
-        """Kinetic energy of engine and module together, J."""
-        return self.fmu["energy_stored"]
 
     def _exchange(self, h: float) -> tuple[float, float]:
         before, after = self.engine.state, self.engine.after(h, None)

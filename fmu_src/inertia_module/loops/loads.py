@@ -42,30 +42,24 @@ class Coupling(NamedTuple):
         return self.stiffness * twist + self.damping * speed_difference
 
 
-def sample(a: list[list[float]], b: list[list[float]], step: float) -> tuple[Array, Array]:
-    """Exact step of x' = a x + b u with u held: (A, B) of x+ = A x + B u."""
-    from scipy.linalg import expm
-
-    n, inputs = np.shape(b)
-    # the inputs are states that stay
-    whole = expm(step * np.block([[np.array(a), np.array(b)], [np.zeros((inputs, n + inputs))]]))
-    return whole[:n, :n], whole[:n, n:]
-
-
 def sample_coupled(inertia: float, coupling: Coupling, friction: float, step: float) -> tuple[Array, Array]:
     """Exact step of twist, speed and angle of an inertia behind a coupling.
 
     Returns:
-        (A, B) for the state (twist, speed, angle) and the input (speed of the shaft, torque against).
+        (A, B) for the state (twist, speed, angle) and the input (speed of the shaft, torque against), held.
     """
+    from scipy.linalg import expm
+
     stiffness, damping = coupling
-    a = [
-        [0.0, -1.0, 0.0],
-        [stiffness / inertia, -(damping + friction) / inertia, 0.0],
-        [0.0, 1.0, 0.0],
+    # the inputs are states that stay
+    rates = np.zeros((5, 5))
+    rates[:3] = [
+        [0.0, -1.0, 0.0, 1.0, 0.0],
+        [stiffness / inertia, -(damping + friction) / inertia, 0.0, damping / inertia, -1.0 / inertia],
+        [0.0, 1.0, 0.0, 0.0, 0.0],
     ]
-    b = [[1.0, 0.0], [damping / inertia, -1.0 / inertia], [0.0, 0.0]]
-    return sample(a, b, step)
+    whole = expm(step * rates)
+    return whole[:3, :3], whole[:3, 3:]
 
 
 class Load(NamedTuple):
@@ -179,14 +173,8 @@ def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float
 
 
 _VEHICLE_OUTPUTS = (
-    "load_torque",
-    "load_speed",
-    "vehicle_speed",
-    "distance",
-    "drag_torque",
-    "slope_torque",
-    "rolling_torque",
-    "brake_torque",
+    *("load_torque", "load_speed", "vehicle_speed", "distance"),
+    *("drag_torque", "slope_torque", "rolling_torque", "brake_torque"),
 )
 
 

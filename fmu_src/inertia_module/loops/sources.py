@@ -130,10 +130,10 @@ class Sources(Sampled):
 
     def table(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The signals at times, s, shape (times, signals)."""
-        found = np.empty((times.size, len(self.signals)))
-        for place, signal in enumerate(self.signals.values()):
-            found[:, place] = signal(times) if isinstance(signal, Table) else signal
-        return found
+        given = self.signals.values()
+        return np.column_stack(
+            [one(times) if isinstance(one, Table) else np.full(times.size, one) for one in given]
+        )
 
 
 def source(name: str, signal: Signal, step: float) -> Sources:

@@ -98,8 +98,7 @@ def script(name: str, content: Any) -> str:
 
 def _packed(content: bytes) -> str:
     """Bytes as text: compressed (raw deflate), base64."""
-    compressor = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
-    return base64.b64encode(compressor.compress(content) + compressor.flush()).decode()
+    return base64.b64encode(zlib.compress(content, 9, -zlib.MAX_WBITS)).decode()
 
 
 # --- tables of a model ---
@@ -145,7 +144,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
     parameters, inputs = start_of(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
-    signals = inputs | scene.drive.prescribed() | scene.load.prescribed()
+    signals = inputs | scene.prescribed
     return {
         "name": "scene",
         "title": scene.title,

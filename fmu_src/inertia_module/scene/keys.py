@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, ValidationInfo, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
-from pydantic_core.core_schema import plain_serializer_function_ser_schema
+from pydantic_core import core_schema
 
 from ..common.errors import Refused, did_you_mean, must_be
 from ..common.units import allowed_number, number_of, to_si
@@ -50,32 +51,30 @@ def checked(
         number = to_si(value, unit)
     except ValueError as error:
         raise ValueError(f"{sentence}: {error}") from None
-    if (
-        (minimum is not None and number < minimum)
-        or (maximum is not None and number > maximum)
-        or (above is not None and number <= above)
-    ):
+    low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
+    if not low <= number <= high or (above is not None and number <= above):
         raise ValueError(sentence)
     return number
 
 
 @dataclass(frozen=True)
-class InUnit(BeforeValidator):
+class InUnit:
     """Pydantic validator of a quantity that JSON has as text with its unit.
 
     Attributes:
-        unit: that it comes in, "1" or "" for none. variable: that it is a value of, or None.
+        check: gives its value, or refuses it. unit: that it comes in, "1" or "" for none.
+        variable: that it is a value of, or None.
     """
 
-    unit: str = ""
+    check: Callable[[Any], Any]
+    unit: str
     variable: Variable | None = None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        schema = BeforeValidator.__get_pydantic_core_schema__(self, source, handler)
-        return {
-            **schema,
-            "serialization": plain_serializer_function_ser_schema(self.written, when_used="json"),
-        }
+        written = core_schema.plain_serializer_function_ser_schema(self.written, when_used="json")
+        return core_schema.no_info_before_validator_function(
+            self.check, handler(source), serialization=written
+        )
 
     def written(self, value: Any) -> Any:
         """A value as in a scene file, digit for digit: an item by its name, a whole number as one."""
@@ -101,7 +100,7 @@ def quantity(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> InUnit:
     """Pydantic validator of a quantity in a unit within a range."""
-    return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit=unit)
+    return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit)
 
 
 Time = Annotated[float, quantity("s", 0.0)]
@@ -127,7 +126,7 @@ def in_range(variable: Variable) -> InUnit:
             raise ValueError(sentence)
         return number
 
-    return InUnit(check, unit=variable.unit, variable=variable)
+    return InUnit(check, variable.unit, variable)
 
 
 def fields_of(variables: Sequence[Variable]) -> Any:
@@ -154,16 +153,12 @@ class Tabulated(Strict):
         file: path from the folder of the scene.
     """
 
-    file: str | None = None
+    file: str | None = Field(default=None, exclude=True)
 
     @classmethod
-    def columns(cls, _: Any = None) -> dict[str, str]:
-        """Units in SI, where the heading of a file gives none, of points and values, by name.
-
-        The argument is the context of the validation.
-        """
-        lists = {name: one for name, one in cls.model_fields.items() if get_origin(one.annotation) is list}
-        return {name: unit_of(field) or "1" for name, field in lists.items()}
+    def columns(cls) -> list[str]:
+        """Names of points and values."""
+        return [name for name, one in cls.model_fields.items() if get_origin(one.annotation) is list]
 
     @model_validator(mode="before")
     @classmethod
@@ -171,24 +166,20 @@ class Tabulated(Strict):
         """Fill the columns from the file."""
         if not isinstance(data, dict) or "file" not in data:
             return data
-        context = info.context or {}
-        asked = cls.columns(context)
-        if asked.keys() & data.keys():
+        asked = cls.columns()
+        if not data.keys().isdisjoint(asked):
             points, values = asked
             raise ValueError(f"give either 'file' or '{points}' and '{values}', not both")
         try:
-            columns, units = read_columns(context.get("folder", Path()) / str(data["file"]))
+            columns, units = read_columns((info.context or {}).get("folder", Path()) / str(data["file"]))
         except TableError as error:
             raise ValueError(str(error)) from None
         filled = dict(data)
-        for name, default in asked.items():
+        for name in asked:
             if name not in columns:
                 raise ValueError(f"{data['file']} must have a column {name} {did_you_mean(name, columns)}")
-            unit = units.get(name, default)
-            try:
-                filled[name] = [checked(f"{value!r} {unit}", default) for value in columns[name]]
-            except ValueError as error:
-                raise ValueError(f"{name} of {data['file']} {error}") from None
+            # quantities of the scene, in the unit of the heading or in SI
+            filled[name] = [f"{value!r} {units.get(name, '')}" for value in columns[name]]
         return filled
 
     @model_validator(mode="after")
@@ -205,11 +196,7 @@ class Tabulated(Strict):
 
 
 class ConstantOrTable(Strict):
-    """Quantity given as a constant or as a table over time: exactly one of two keys.
-
-    Attributes:
-        SIGNAL: its name; that of the table ends with _over_time.
-    """
+    """Quantity given as a constant, by the key SIGNAL, or as a table, by that with _over_time."""
 
     SIGNAL: ClassVar[str]
 
@@ -288,19 +275,6 @@ def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) 
     return f"{key} = {value!r}: there is no such key {did_you_mean(location[-1], known)}"
 
 
-def one_line(scene: type[BaseModel], failure: ValidationError) -> str:
-    """Message for the first error, and the number of further errors.
-
-    Args:
-        scene: the model that was validated. failure: what pydantic found.
-    """
-    # an unknown key before others: what is missing may only be misspelt
-    errors = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
-    line = _line(scene, errors[0])
-    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-    return " ".join(line.split()) + more
-
-
 def _line(scene: type[BaseModel], error: Any) -> str:
     """Line for one error of pydantic."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
@@ -356,15 +330,6 @@ def keys_of(given: Keys) -> dict[str, Any]:
     return found
 
 
-def without_files(data: dict[str, Any]) -> dict[str, Any]:
-    """Tables without the names of the CSV files whose columns they hold."""
-    return {
-        name: without_files(value) if isinstance(value, dict) else value
-        for name, value in data.items()
-        if name != "file"
-    }
-
-
 def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
     """Tables with one key changed, in copies; None takes it away."""
     head, *rest = path
@@ -375,22 +340,22 @@ def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str
     return others if value is None else {**others, head: value}
 
 
-def validated(
-    model: type[Model], tables: dict[str, Any], folder: Path = Path(), before: Model | None = None
-) -> Model:
+def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
     """Tables as a scene of a kind.
 
     Args:
         model: Scene, or another kind. tables: as read from TOML, or Scene.tables; some may be checked ones.
-        folder: where paths of CSV files in them start. before: the scene that a change made them from.
+        folder: where paths of CSV files in them start.
 
     Raises:
         SceneError: in one line, the key, the value and what is allowed.
     """
     load = tables.get("load")
     kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)
-    context = {"folder": folder, "measured": measured_speed(kind), "before": before}
     try:
-        return model.model_validate(tables, context=context)
+        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
     except ValidationError as failure:
-        raise SceneError(one_line(model, failure)) from None
+        # an unknown key before others: what is missing may only be misspelt
+        first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
+        more = f" (and {len(others)} more)" if others else ""
+        raise SceneError(" ".join(_line(model, first).split()) + more) from None

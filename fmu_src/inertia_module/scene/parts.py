@@ -6,7 +6,6 @@ bare numbers are in that unit.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -20,8 +19,7 @@ from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
 from ..loops.sources import Sampled, Signal, Table
 from .keys import (
-    SHAFT_SPEED,
-    SPEED_UNITS,
+    VEHICLE_SPEED,
     AngularSpeed,
     ConstantOrTable,
     Duration,
@@ -40,14 +38,9 @@ Turning = Annotated[float, quantity("rad/s", 0.0, LARGEST_SPEED)]
 
 
 class AnyDrive(Strict):
-    """A drive of link 1.
-
-    Attributes:
-        INPUT: of the module, which the drive gives. COMMANDED: True if [controller] commands it.
-    """
+    """A drive of link 1, which gives the input INPUT of the module."""
 
     INPUT: ClassVar[str] = "omega1"
-    COMMANDED: ClassVar[bool] = False
 
     @property
     def mode(self) -> int:
@@ -64,28 +57,17 @@ class AnyDrive(Strict):
         given: Signal | None = getattr(self, self.INPUT, None)
         return given
 
-    def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        signal = self.signal()
-        return {} if signal is None else {self.INPUT: signal}
-
     def systems(self, step: float) -> list[Any]:
         """Make the systems that give the inputs, of this step, s."""
-        return [loops.source(name, signal, step) for name, signal in self.prescribed().items()]
+        signal = self.signal()
+        return [] if signal is None else [loops.source(self.INPUT, signal, step)]
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Parameters of the module with what its drive adds to them."""
         return {**parameters} if self.mode == DRIVE_SPEED else {**parameters, "drive": float(DRIVE_TORQUE)}
 
     def check_step(self, step: float, inertia: float) -> None:
-        """Refuse a step that is too long for the drive.
-
-        Args:
-            step: s. inertia: of all that turns with link 1, kg.m2.
-
-        Raises:
-            ValueError: the step is too long.
-        """
+        """Refuse a step, s, that is too long; inertia: of all that turns with link 1, kg.m2."""
 
 
 class ConstantDrive(AnyDrive):
@@ -120,17 +102,11 @@ class TableDrive(Tabulated, AnyDrive):
 class ControlledDrive(AnyDrive):
     """The speed of link 1 is what [controller] commands."""
 
-    COMMANDED: ClassVar[bool] = True
-
     kind: Literal["controlled"]
 
 
 class TorqueDrive(AnyDrive):
-    """A torque on link 1, whose speed follows from it.
-
-    Attributes:
-        omega1: speed of link 1 at the start, rad/s.
-    """
+    """A torque on link 1, whose speed follows from it and is omega1, rad/s, at the start."""
 
     INPUT: ClassVar[str] = "drive_torque"
 
@@ -144,8 +120,6 @@ class TorqueDrive(AnyDrive):
 
 class ControlledTorque(TorqueDrive):
     """The torque on link 1 is what [controller] commands."""
-
-    COMMANDED: ClassVar[bool] = True
 
     kind: Literal["controlled_torque"]
 
@@ -307,19 +281,7 @@ class SlopeOverDistance(Tabulated):
     slope: list[Annotated[float, quantity("1")]]
 
 
-class AnyLoad(Strict, ABC):
-    """A load on the output shaft."""
-
-    def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        return {}
-
-    @abstractmethod
-    def build(self, step: float, one_way: bool) -> loops.Load:
-        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
-
-
-class TorqueLoad(ConstantOrTable, AnyLoad):
+class TorqueLoad(ConstantOrTable):
     """A torque on the output shaft that does not depend on the motion."""
 
     SIGNAL: ClassVar[str] = "torque"
@@ -328,16 +290,12 @@ class TorqueLoad(ConstantOrTable, AnyLoad):
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
 
-    def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        return {"load_torque": self.one_signal()}
-
     def build(self, step: float, one_way: bool) -> loops.Load:
-        """Make the torque as a system."""
+        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
         return loops.Load(loops.source("load_torque", self.one_signal(), step))
 
 
-class ShaftLoad(AnyLoad):
+class ShaftLoad(Strict):
     """A shaft with inertia, viscous friction and a torque against it."""
 
     kind: Literal["shaft"]
@@ -353,12 +311,8 @@ class ShaftLoad(AnyLoad):
         )
 
 
-class VehicleLoad(AnyLoad):
-    """A vehicle on a road, behind a final drive.
-
-    Attributes:
-        times_to: speeds, m/s, to which the summary gives the time from standstill.
-    """
+class VehicleLoad(Strict):
+    """A vehicle on a road, behind a final drive; times_to: speeds that the summary has times to, m/s."""
 
     kind: Literal["vehicle"]
     mass: Annotated[float, quantity("kg", above=0.0)]
@@ -388,16 +342,12 @@ Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind
 # --- controllers ---
 
 
-def _speed_unit(context: Any) -> str:
-    return SPEED_UNITS[(context or {}).get("measured", SHAFT_SPEED)]
-
-
 def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
     """Validator of a quantity whose unit depends on the speed that is controlled."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
-        unit = vehicle_unit if _speed_unit(info.context) == "m/s" else shaft_unit
-        return checked(value, unit, minimum)
+        measured = (info.context or {}).get("measured")
+        return checked(value, vehicle_unit if measured == VEHICLE_SPEED else shaft_unit, minimum)
 
     return BeforeValidator(check)
 
@@ -419,11 +369,6 @@ class TableReference(Tabulated):
     kind: Literal["table"]
     time: Times
     speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
-
-    @classmethod
-    def columns(cls, context: Any = None) -> dict[str, str]:
-        """Units of both columns; that of the speed depends on the load."""
-        return {"time": "s", "speed": _speed_unit(context)}
 
 
 def _known_cycle(name: Any) -> str:

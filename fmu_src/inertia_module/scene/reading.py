@@ -10,17 +10,13 @@ from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
-from .keys import Keys, Model, SceneError, changed, keys_of, validated, without_files
+from .keys import Keys, Model, SceneError, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """The tables of a scene file, not checked.
-
-    Raises:
-        SceneError: it is no TOML.
-    """
+    """The tables of a scene file, not checked, refused if it is no TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -57,10 +53,9 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", error)
+        raise SceneError(f"{path} must be a scene file (TOML): {reason}") from None
     try:
         tables = _tables(text)
         for name, value in keys_of(keys).items():
@@ -90,6 +85,6 @@ def scene_text(scene: Scene) -> str:
     Raises:
         NotInstalled: the extra jobs is not.
     """
-    tables = without_files(scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True))
+    tables = scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     written: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
     return written

@@ -35,17 +35,8 @@ if TYPE_CHECKING:
 
 # variables of the FMU that the summary and the figure need, whatever outputs the scene wants
 SUMMARISED = (
-    "omega2",
-    "omega_out",
-    "input_speed",
-    "input_torque_mean",
-    "output_torque_mean",
-    "energy_in",
-    "energy_out",
-    "energy_stored",
-    "energy_lost",
-    *LOSSES,
-    "energy_residual",
+    *("omega2", "omega_out", "input_speed", "input_torque_mean", "output_torque_mean"),
+    *("energy_in", "energy_out", "energy_stored", "energy_lost", *LOSSES, "energy_residual"),
     "contact_switches",
     *("housing_engagements", "housing_torque_peak", "housing_slip_peak"),
     *("output_engagements", "torque_peak", "output_slip_peak"),
@@ -58,11 +49,7 @@ TIME_TO = "time_to_"
 
 
 class Quantity(NamedTuple):
-    """One number of a summary.
-
-    Attributes:
-        value: in its unit. unit: "" for counts and ratios.
-    """
+    """One number of a summary in its unit, which is "" for counts and ratios."""
 
     value: float
     unit: str
@@ -244,7 +231,6 @@ def _vehicle(table: Result) -> dict[str, Quantity]:
 
 def summarise(
     table: Result,
-    measured: str | None,
     cycle: Cycle | None,
     wall_time: float,
     also: Mapping[str, Quantity] = MappingProxyType({}),
@@ -252,8 +238,7 @@ def summarise(
     """Numbers of a run.
 
     Args:
-        table: all of SUMMARISED, and the signals of the loop.
-        measured: name of the speed under control, or None. cycle: to be followed, or None.
+        table: all of SUMMARISED, and the signals of the loop. cycle: to be followed, or None.
         wall_time: of the run, s. also: more numbers, as of times_to and freewheel_duty.
     """
     simulated = float(table.time[-1] - table.time[0])
@@ -273,9 +258,10 @@ def summarise(
     }
     if "vehicle_speed" in table:
         summary |= _vehicle(table)
-    if measured is not None:
-        unit = table.units["reference"]
-        factor, shown = (KILOMETRE_PER_HOUR, "km/h") if unit == "m/s" else (1.0, unit)
+    if "reference" in table:
+        measured, factor, shown = "omega_out", 1.0, "rad/s"
+        if "vehicle_speed" in table:
+            measured, factor, shown = "vehicle_speed", KILOMETRE_PER_HOUR, "km/h"
         error = (table[measured] - table["reference"]) / factor
         summary["tracking_error_rms"] = Quantity(float(np.sqrt(np.mean(error**2))), shown)
         summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), shown)
@@ -395,16 +381,16 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
         SceneError: its fidelity is still to be chosen.
     """
     if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be chosen first (fidelity.trials.choose), is 'auto'")
+        raise SceneError(
+            "mechanism.fidelity must be one by name, or be chosen first (fidelity.trials.choose), is 'auto'"
+        )
     values = scene.parameters()
     if scene.accuracy.tolerance is not None:
         values["tolerance"] = scene.accuracy.tolerance
-    speeds = {"omega_out": values.get("omega_out_start", 0.0)}
     omega1 = scene.drive.start_speed
-    if omega1 is None:
-        return values, initial_inputs(scene.surroundings, speeds)
-    inputs = initial_inputs(scene.surroundings, {**speeds, "input_speed": omega1})
-    return values, {**inputs, "omega1": omega1}
+    measured = {"omega_out": values.get("omega_out_start", 0.0), "input_speed": omega1 or 0.0}
+    inputs = initial_inputs(scene.surroundings, measured)
+    return values, inputs if omega1 is None else {**inputs, "omega1": omega1}
 
 
 def scene_plan(scene: Scene) -> Plan:
@@ -415,8 +401,6 @@ def scene_plan(scene: Scene) -> Plan:
     """
     from ..export.systems import make_plan  # imports the builder of FMUs
 
-    if scene.chooses_fidelity:
-        raise SceneError("mechanism.fidelity must be a fidelity by name for an export, is 'auto'")
     values, inputs = start_of(scene)
     for name in ("housing_stiffness", "freewheel_stiffness"):
         if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:
@@ -497,11 +481,10 @@ def _run_on(
     began = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     wall_time = time.perf_counter() - began
-    measured = scene.measured if scene.controller is not None else None
     speeds = getattr(scene.load, "times_to", ())
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
     duty, unknown = freewheel_duty(record, scene.parameters())
-    quantities = summarise(record, measured, scene.cycle, wall_time, times | duty)
+    quantities = summarise(record, scene.cycle, wall_time, times | duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     above = [
         f"{name.replace('_', ' ')} is above its limit, {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"

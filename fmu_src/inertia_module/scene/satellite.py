@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 from ..common.units import allowed_number
-from ..contract.variables import BY_NAME
+from ..contract.variables import default_parameters
 from .keys import InUnit, SceneError, Strict, checked, quantity
 
 # kg/m3; tungsten as the heavy alloy that weights are made of
@@ -28,7 +28,7 @@ def _density(value: Any) -> float:
 
 
 Length = Annotated[float, quantity("m", maximum=1e3, above=0.0)]
-Material = Annotated[float, InUnit(_density, unit="kg/m3")]
+Material = Annotated[float, InUnit(_density, "kg/m3")]
 
 
 class Satellite(Strict):
@@ -62,12 +62,9 @@ class Satellite(Strict):
                     f"mechanism.{name} must not be given with [mechanism.satellite], which it follows from,"
                     f" is {given[name]:g}"
                 )
-
-        def value(name: str) -> float:
-            return given.get(name, BY_NAME[name].start or 0.0)
-
-        planar = value("layout") != 0.0
-        pitch = value("satellite_radius") if planar else value("wheel_radius") * value("z6") / value("z17")
+        known = {**default_parameters(), **given}
+        planar = known["layout"] != 0.0
+        pitch = known["satellite_radius"] if planar else known["wheel_radius"] * known["z6"] / known["z17"]
         radius, width, thickness = self.weight_radius, self.width, self.weight_width
         if radius > pitch:
             raise SceneError(

@@ -6,24 +6,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, Field, ValidationInfo, create_model, model_validator
+from pydantic import BaseModel, Field, create_model, model_validator
 
 from .. import loops
 from ..common.errors import Refused, did_you_mean
-from ..contract.variables import (
-    BY_NAME,
-    COMPUTED,
-    ENUMERATIONS,
-    LARGEST_STEP,
-    OUTPUT,
-    PARAMETER,
-    VARIABLES,
-    Group,
-    with_causality,
-)
+from ..contract import variables
+from ..contract.variables import BY_NAME, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
+from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.cycles import CYCLES, Cycle
+from ..loops.sources import Signal, Sources
 from ..memory import Module
 from .keys import (
     AUTO,
@@ -35,31 +28,27 @@ from .keys import (
     Strict,
     changed,
     fields_of,
+    in_range,
     measured_speed,
     quantity,
     validated,
-    without_files,
 )
-from .parts import Controller, Drive, Load
+from .parts import Controller, Drive, Load, PiController, PiTorqueController
 from .satellite import Satellite
-
-_TOLERANCE = BY_NAME["tolerance"]
-# the parameters that say there is an elastic output
-_ELASTIC = frozenset(variable.name for variable in VARIABLES if variable.group == Group.ELASTIC)
 
 # tolerance has a table of its own: [accuracy]
 Mechanism: type[BaseModel] = create_model(
     "Mechanism",
     __base__=Strict,
     __doc__="Parameters of the module that differ from the defaults (scene R1).",
-    **fields_of([variable for variable in with_causality(PARAMETER) if variable.name != "tolerance"]),
+    **fields_of([one for one in with_causality(variables.PARAMETER) if one.name != "tolerance"]),
     satellite=(Satellite | None, None),
 )
 
 
 def is_elastic(values: Mapping[str, float]) -> bool:
     """Tell whether parameters describe an elastic output."""
-    return not _ELASTIC.isdisjoint(values)
+    return any(BY_NAME[name].group == variables.Group.ELASTIC for name in values)
 
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
@@ -70,10 +59,8 @@ def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float
     """
     changed = {**values, FIDELITY: float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
-        inertia = (
-            values.get(name, BY_NAME[name].start or 0.0) for name in ("output_inertia", "driven_inertia")
-        )
-        changed["output_inertia"] = sum(inertia)
+        known = {**variables.default_parameters(), **values}
+        changed["output_inertia"] = known["output_inertia"] + known["driven_inertia"]
     return changed
 
 
@@ -86,7 +73,7 @@ class Accuracy(Strict):
         window: s, over which outputs are averaged before they are compared.
     """
 
-    tolerance: Annotated[float, quantity("1", _TOLERANCE.minimum, _TOLERANCE.maximum)] | None = None
+    tolerance: Annotated[float, in_range(BY_NAME["tolerance"])] | None = None
     error: Annotated[float, quantity("1", maximum=1.0, above=0.0)] | None = None
     window: Duration = 1.0
 
@@ -134,8 +121,8 @@ class Run(Strict):
     """Length of the run, its steps, and the outputs it records."""
 
     stop_time: Duration
-    communication_step: Annotated[float, quantity("s", maximum=LARGEST_STEP, above=0.0)]
-    outputs: list[str] = Field(default=[one.name for one in with_causality(OUTPUT)], min_length=1)
+    communication_step: Annotated[float, quantity("s", maximum=variables.LARGEST_STEP, above=0.0)]
+    outputs: list[str] = Field(default=[one.name for one in with_causality(variables.OUTPUT)], min_length=1)
 
     def check_outputs(self, known: Iterable[str]) -> None:
         """Refuse an output that is not one of those known."""
@@ -199,12 +186,14 @@ class Scene(Strict):
     @cached_property
     def built_load(self) -> loops.Load:
         """The load as a system."""
-        return self.load.build(self.run.communication_step, self._one_way)
+        # freewheels may keep the output shaft from turning backwards
+        one_way = all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
+        return self.load.build(self.run.communication_step, one_way)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
         """Keys that are given, by table, in SI units."""
-        return without_files(self.model_dump(exclude_none=True))
+        return self.model_dump(exclude_none=True)
 
     @cached_property
     def surroundings(self) -> Any:
@@ -222,6 +211,12 @@ class Scene(Strict):
         braked = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not braked:
             yield loops.source("brake_force", 0.0, step)
+
+    @property
+    def prescribed(self) -> dict[str, Signal]:
+        """Inputs of the module that do not depend on its state, by name."""
+        given = [system.signals for system in self.systems() if isinstance(system, Sources)]
+        return {name: one[name] for one in given for name in PLANT_INPUTS if name in one}
 
     def replaced(self, **tables: Mapping[str, Any]) -> Scene:
         """The scene with other keys, checked anew.
@@ -245,21 +240,14 @@ class Scene(Strict):
         Raises:
             SceneError: as load_scene.
         """
-        paths = {name: name.split(".") for name in keys}
-        anew = {head for head, *_ in paths.values()}
+        anew = {name.partition(".")[0] for name in keys}
         # units of a controller depend on the load
         anew |= {"controller"} if "load" in anew else set()
-        kept = self.model_fields_set & Scene.model_fields.keys() - anew
-        data = {name: getattr(self, name) for name in kept}
-        data |= {name: table for name, table in self.tables.items() if name in anew}
-        for name, path in paths.items():
-            data = changed(data, path, keys[name])
-        return validated(Scene, data, before=self)
-
-    @property
-    def _around(self) -> tuple[Any, ...]:
-        """Parts of the scene that determine the systems around the FMU."""
-        return self.drive, self.load, self.controller, self.run.communication_step, self._one_way
+        given = self.model_fields_set
+        data = {name: self.tables.get(name) if name in anew else getattr(self, name) for name in given}
+        for name, value in keys.items():
+            data = changed(data, name.split("."), value)
+        return validated(Scene, data)
 
     @cached_property
     def given(self) -> dict[str, float]:
@@ -273,11 +261,6 @@ class Scene(Strict):
         """Parameters of the mechanism that follow from sizes and materials of its satellites."""
         satellite: Satellite | None = getattr(self.mechanism, "satellite")  # noqa: B009  # of create_model
         return {} if satellite is None else satellite.parameters(self.given)
-
-    @property
-    def _one_way(self) -> bool:
-        """Tell whether the freewheels keep the output shaft from turning backwards."""
-        return all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
@@ -310,16 +293,12 @@ class Scene(Strict):
         return {**values, name: own + rigid} if rigid else values
 
     @model_validator(mode="after")
-    def _check(self, info: ValidationInfo) -> Scene:
+    def _check(self) -> Scene:
         """Refuse tables that contradict each other; the module itself looks at all parameters together."""
-        before = (info.context or {}).get("before")
-        if before is not None and before._around == self._around:
-            # connecting the systems costs as much as a short run
-            self.__dict__.update(built_load=before.built_load, surroundings=before.surroundings)
         self._check_drive()
         self._check_choice()
         self._check_vehicle()
-        self.run.check_outputs([*COMPUTED, *self.surroundings.output_labels])
+        self.run.check_outputs([*variables.COMPUTED, *self.surroundings.output_labels])
         try:
             self.built_load.check_step(self._carrying[1])
             turning = self.parameters().get("input_inertia", 0.0)
@@ -335,7 +314,7 @@ class Scene(Strict):
     def _check_drive(self) -> None:
         """Refuse a drive that contradicts [controller] or mechanism.drive."""
         kind, needed, given = self.drive.kind, self.drive.mode, self.given.get("drive")
-        if self.controller is None and self.drive.COMMANDED:
+        if self.controller is None and kind in (PiController.DRIVE, PiTorqueController.DRIVE):
             raise SceneError(f"drive.kind = {kind!r} must come with a [controller], there is none")
         if self.controller is not None and kind != self.controller.DRIVE:
             raise SceneError(
@@ -343,7 +322,7 @@ class Scene(Strict):
                 f" {self.controller.DRIVE!r}, is {kind!r}"
             )
         if given is not None and given != needed:
-            names = {number: name for name, number, _ in ENUMERATIONS["Drive"]}
+            names = {number: name for name, number, _ in variables.ENUMERATIONS["Drive"]}
             other = "speed" if needed == DRIVE_TORQUE else "torque"
             raise SceneError(
                 f"with drive.kind = {kind!r} mechanism.drive must be {names[needed]!r}, which the scene sets"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -23,7 +24,6 @@ from .run import Quantity, SceneResult, energy
 from .schema import Run
 
 _READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
-_PEAKS = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
 
 Array = NDArray[np.float64]
 
@@ -64,9 +64,9 @@ class SteppingDrive(Strict):
     kappa2: Annotated[float, quantity("1", 0.0)]
     angle: Annotated[float, quantity("rad", above=0.0)]
 
-    def speeds(self, times: Array) -> Array:
+    def signal(self) -> Callable[[Array], Array]:
         """Speed of the hub, rad/s, at times, s, shape (n,)."""
-        return stepping_speed(times / self.T, self.kappa2) * self.angle / self.T
+        return lambda times: stepping_speed(times / self.T, self.kappa2) * self.angle / self.T
 
 
 class HubTable(Tabulated):
@@ -75,10 +75,6 @@ class HubTable(Tabulated):
     kind: Literal["table"]
     time: Times
     hub_speed: list[Annotated[float, quantity("rad/s")]]
-
-    def speeds(self, times: Array) -> Array:
-        """Speed of the hub, rad/s, at times, s, shape (n,)."""
-        return np.interp(times, self.time, self.hub_speed)
 
 
 class ShaftRun(Run):
@@ -153,7 +149,7 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
     torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
         "time": times,
-        "hub_speed": scene.drive.speeds(times),
+        "hub_speed": scene.drive.signal()(times),
         "load_torque": [evaluate(torque, at) for at in times],
     }
     run, values, began = scene.run, scene.parameters(), time.perf_counter()
@@ -161,7 +157,8 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
     )
     wall_time, simulated = time.perf_counter() - began, float(record.time[-1])
-    peaks = {name: float(np.abs(record[name]).max()) for name in _PEAKS}
+    names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
+    peaks = {name: float(np.abs(record[name]).max()) for name in names}
     quantities = {
         "simulated_time": Quantity(simulated, "s"),
         **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
