@@ -125,8 +125,9 @@ def sweep(
     shares = list[Share]()
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
         if sensitivity is not None:
-            shares, points = indices(axes, sensitivity, seed, evaluator)
-        rows = evaluator(points)
+            shares, rows = indices(axes, sensitivity, seed, evaluator)
+        else:
+            rows = evaluator(points)
     units = {axis.name: axis.unit for axis in axes} | evaluator.units
     files = write_tables(folder, "sweep", rows, units)
     if sensitivity is not None:
@@ -143,8 +144,8 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 
 def indices(
     axes: Sequence[Axis], number: int, seed: int, evaluate: Callable[[Sequence[Point]], list[Row]]
-) -> tuple[list[Share], list[Point]]:
-    """Compute Sobol indices of all figures that vary; with the points they are from.
+) -> tuple[list[Share], list[Row]]:
+    """Compute Sobol indices of all figures that vary; with the rows they are from.
 
     Args:
         axes: the ranges, independent and uniform. number: n, a power of 2, for n (d + 2) runs. seed: of the
@@ -157,32 +158,25 @@ def indices(
 
     if number < 2 or number & (number - 1):
         raise Refused(f"sensitivity must be a power of 2, such as 256, is {number}")
-    points: list[Point] = []
-    names: list[str] = []
-    tables: list[NDArray[np.float64]] = []
+    every, names = list[Row](), list[str]()
 
     def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Figures, shape (m, points), at shares of the ranges, shape (axes, points)."""
-        asked = of_shares(axes, shares.T)
-        rows = evaluate(asked)
-        points.extend(asked)
-        refused = next((row for row in rows if row.refused), None)
-        if refused is not None:
-            raise Refused(
-                f"Sobol indices must have runs at all points, at {refused.point}: {refused.refused}"
-            )
+        rows = evaluate(of_shares(axes, shares.T))
+        for row in rows:
+            if row.refused:
+                raise Refused(f"Sobol indices must have runs at all points, at {row.point}: {row.refused}")
+        every.extend(rows)
         names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
-        tables.append(np.array([[row.figures[name] for row in rows] for name in names]))
-        return tables[-1]
+        return np.array([[row.figures[name] for row in rows] for name in names])
 
     with np.errstate(divide="ignore", invalid="ignore"):
         found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
-    table = np.hstack(tables)
-    varies = np.ptp(table, axis=1) > CONSTANT * np.abs(table).max(axis=1)
     shape = len(names), len(axes)  # SciPy leaves out the axis of a single range
     first, total = (np.reshape(part, shape).tolist() for part in (found.first_order, found.total_order))
-    return [
-        Share(names[m], axis.name, first[m][n], total[m][n])
-        for m in np.flatnonzero(varies)
-        for n, axis in enumerate(axes)
-    ], points
+    shares = []
+    for name, *of_axes in zip(names, first, total, strict=True):
+        values = [row.figures[name] for row in every]
+        if np.ptp(values) > CONSTANT * np.abs(values).max():
+            shares += [Share(name, *one) for one in zip([axis.name for axis in axes], *of_axes, strict=True)]
+    return shares, every

@@ -11,6 +11,7 @@ import contextlib
 import logging
 import math
 import threading
+import weakref
 from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -42,36 +43,20 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         self.name = task.identity
 
     def setup(self, worker: Worker) -> None:
-        """Write the FMU to a file."""
+        """Write the FMU to a file; it goes when no thread runs an instance any more."""
         self.closing = contextlib.ExitStack()
         self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
         self.path.write_bytes(self.task.fmu)
         self.local = threading.local()
-        self.lock, self.running, self.ended = threading.Lock(), 0, False
-
-    def teardown(self, worker: Worker) -> None:
-        """Close the instances of the FMU and remove it, once no thread runs one: its client may be gone."""
-        with self.lock:
-            self.ended = True
-            self._close_if_idle()
-
-    def _close_if_idle(self) -> None:
-        if self.ended and self.running == 0:
-            self.closing.close()
+        # not teardown: where the client is gone a thread may still run an instance
+        weakref.finalize(self, self.closing.close)
 
     def evaluate(self, points: list[Point]) -> Batch:
         """Evaluate points."""
-        with self.lock:
-            self.running += 1
-        try:
-            if not hasattr(self.local, "figures_of"):
-                runner = self.closing.enter_context(SceneRunner(self.path))
-                self.local.figures_of = self.task.prepare(self.task.settings, runner)
-            return evaluate(self.local.figures_of, points)
-        finally:
-            with self.lock:
-                self.running -= 1
-                self._close_if_idle()
+        if not hasattr(self.local, "figures_of"):
+            runner = self.closing.enter_context(SceneRunner(self.path))
+            self.local.figures_of = self.task.prepare(self.task.settings, runner)
+        return evaluate(self.local.figures_of, points)
 
 
 def _evaluated_here(name: str, points: list[Point]) -> str:
