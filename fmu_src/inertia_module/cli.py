@@ -530,8 +530,7 @@ def chart(
             maps[name] = steady_map(SteadyMachine(read[name].parameters()), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
     for name, one in maps.items():
-        files.append(one.save(folder / f"{name}_map.csv", unit))
-        files += one.save_tables(folder / f"{name}_map", unit) if mapped else []
+        files += one.save(folder / f"{name}_map", unit, mapped)
     if mapped or omega1 is not None:
         for name, found in charts.items():
             table = converter_table(SteadyMachine(read[name].parameters()), found, at)

@@ -52,7 +52,7 @@ STEADY = 1e-5
 TRIES = 5
 # drive angles at which lock-up is looked at
 ANGLES = 3000
-# of mount and input torque in the time that the drive takes for a turn where link 2 is held
+# in the time that the drive takes for a turn where link 2 is held
 SAMPLES = 60
 
 
@@ -93,27 +93,21 @@ class SteadyMachine:
         kernel: as in Module.
 
     Attributes:
-        ideal: True without losses, weight, play and wind-up: torques are proportional to omega1^2.
+        parameters: as given. module: the mechanism, started. ideal: True without losses, weight, play and
+            wind-up: torques are proportional to omega1^2.
 
     Raises:
-        Refused: the parameters cannot be, or a freewheel is missing.
+        Refused: the parameters cannot be; by its methods, a freewheel is missing.
     """
 
     def __init__(self, parameters: Mapping[str, float | str], kernel: str = "auto") -> None:
         given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "constant"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **given, **zeros}
-        self._kernel = kernel
-        module = self._started(1.0, 0.0)
-        housing, output = (module[f"{name}_freewheel"] for name in ("housing", "output"))
-        if housing * output == 0.0:
-            raise Refused(
-                f"housing_freewheel and output_freewheel must both be 1, are {housing:g} and {output:g}:"
-                " without both there is no mean torque"
-            )
-        d = module.derived
+        self.parameters, self._kernel = parameters, kernel
+        self.module = module = self._started(1.0, 0.0)
+        self._derived = d = module.derived
         self.ideal = d.viscous == 0.0 and d.losses == 0.0
-        self._derived = d
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)
         self._tries = TRIES if self._turns % period == 0 else 1
@@ -123,6 +117,15 @@ class SteadyMachine:
         speeds = {"omega1": omega1, "omega2_start": omega2, "omega_out_start": omega_out}
         return Module(self._kernel).start(**{**self._values, **speeds, "load_torque": 0.0})
 
+    def check_freewheels(self) -> None:
+        """Refuse a mechanism that lacks a freewheel: it has no mean torque."""
+        housing, output = (self.module[f"{name}_freewheel"] for name in ("housing", "output"))
+        if housing * output == 0.0:
+            raise Refused(
+                f"housing_freewheel and output_freewheel must both be 1, are {housing:g} and {output:g}:"
+                " without both there is no mean torque"
+            )
+
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """Compute the steady pulses.
 
@@ -131,8 +134,25 @@ class SteadyMachine:
         """
         return self._settled(omega1, ratio)[1]
 
+    def samples(self, names: Sequence[str], omega1: float, ratio: float) -> Array:
+        """Sample outputs in steady pulses, SAMPLES in the time of a turn of the drive where link 2 is held.
+
+        Args:
+            names: of the outputs. omega1, ratio: as of at.
+
+        Returns:
+            Rows over the turns of a mean, shape (m, names).
+        """
+        (module, _), found = self._settled(omega1, ratio), []
+        turn, begun = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module)
+        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
+            module.advance(turn / SAMPLES)
+            found.append(module.read(names))
+        return np.array(found)
+
     def _settled(self, omega1: float, ratio: float) -> tuple[Module, SteadyPulses]:
-        """Run until the means are steady or TRIES are over; returns module and means. Arguments as of at."""
+        """Run until the means are steady or TRIES are over; module and means. Arguments as of at."""
+        self.check_freewheels()
         speed = ratio * abs(omega1)
         for start in (0.0, speed):
             module = self._started(omega1, speed, start)
@@ -144,23 +164,6 @@ class SteadyMachine:
                 if self._tries == 1 or abs(module["omega2"] - omega2) <= STEADY * abs(omega1):
                     return module, pulses
         return module, pulses
-
-    def _samples(self, module: Module, omega1: float, names: Sequence[str]) -> Array:
-        """Outputs over the next turns of the drive, SAMPLES a turn where link 2 is held, shape (m, names)."""
-        turn, begun, found = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
-        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
-            module.advance(turn / SAMPLES)
-            found.append(module.read(names))
-        return np.array(found)
-
-    def input_pulses(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Compute RMS about its mean and largest magnitude of the input torque, N m, of SAMPLES a turn.
-
-        Args:
-            omega1, ratio: as of at.
-        """
-        torques = self._samples(self._settled(omega1, ratio)[0], omega1, ["input_torque"])
-        return float(torques.std()), float(np.abs(torques).max())
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Shortest and longest time that the turns of a mean can take, s."""
@@ -209,17 +212,6 @@ class SteadyMachine:
         module.advance(MOST_TURNS * math.tau / abs(omega1))
         braked = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]
         return braked, math.copysign(1.0, omega1) * module["input_torque_mean"]
-
-    def mount(self, load: str, omega1: float, ratio: float) -> float:
-        """Find the largest load on the mount, of SAMPLES a turn of the drive.
-
-        Args:
-            load: "force", N, or "moment" about the origin, N m. omega1, ratio: as in at.
-        """
-        module = self._started(omega1, ratio * abs(omega1))
-        parts = [f"shaking_{load}_{axis}" for axis in "xyz"]
-        self._samples(module, omega1, parts)  # what the start at rest leaves behind goes
-        return float(np.linalg.norm(self._samples(module, omega1, parts), axis=1).max())
 
     def lock_up_torque(self, omega1: float) -> float:
         """Find the largest load torque, N m, at which the drive stays at rest in link 1, without stiction.
@@ -362,27 +354,26 @@ class SteadyMap:
     speed_ratio: Array
     columns: dict[str, Array]
 
-    def save(self, path: Path, unit: str = "rad/s") -> Path:
-        """Write as CSV, a row for each speed, in this unit, and ratio, whole or not at all."""
-        speeds = self.omega1 * factor_between("rad/s", unit)
-        grid = [part.ravel() for part in np.meshgrid(speeds, self.speed_ratio, indexing="ij")]
-        columns = {"omega1": grid[0], "speed_ratio": grid[1]}
-        columns |= {name: values.ravel() for name, values in self.columns.items()}
-        return write_columns(path, columns, {"omega1": unit, **MAP_UNITS})
+    def save(self, stem: Path, unit: str = "rad/s", tables: bool = False) -> list[Path]:
+        """Write stem.csv, a row for each speed and ratio, whole or not at all.
 
-    def save_tables(self, stem: Path, unit: str = "rad/s") -> list[Path]:
-        """Write stem_COLUMN.csv, a row for each ratio, a column for each speed, and stem.mat, a struct map.
-
-        Each is whole or not at all; speeds are in this unit.
+        Args:
+            unit: of the speeds. tables: whether stem_COLUMN.csv, a row for each ratio and a column for each
+                speed, and stem.mat, a struct map, are written too.
         """
-        speeds, files = self.omega1 * factor_between("rad/s", unit), []
+        speeds, units = self.omega1 * factor_between("rad/s", unit), {"omega1": unit, **MAP_UNITS}
+        grid = np.meshgrid(speeds, self.speed_ratio, indexing="ij")
+        long = {"omega1": grid[0], "speed_ratio": grid[1], **self.columns}
+        columns = {name: values.ravel() for name, values in long.items()}
+        files = [write_columns(Path(f"{stem}.csv"), columns, units)]
+        if not tables:
+            return files
         for name, values in self.columns.items():
             table = {f"{name} at {speed:.6g} {unit}": row for speed, row in zip(speeds, values, strict=True)}
-            units = dict.fromkeys(table, MAP_UNITS[name])
-            path = Path(f"{stem}_{name}.csv")
-            files.append(write_columns(path, {"speed_ratio": self.speed_ratio, **table}, units))
+            wide = {"speed_ratio": self.speed_ratio, **table}
+            files.append(write_columns(Path(f"{stem}_{name}.csv"), wide, dict.fromkeys(table, units[name])))
         fields = {"omega1": speeds, "speed_ratio": self.speed_ratio, **self.columns}
-        return [*files, write_mat(Path(f"{stem}.mat"), "map", fields, {"omega1": unit, **MAP_UNITS})]
+        return [*files, write_mat(Path(f"{stem}.mat"), "map", fields, units)]
 
 
 def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> SteadyMap:
@@ -423,6 +414,7 @@ def torque_converter_chart(
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
     machine = SteadyMachine(parameters, kernel)
+    machine.check_freewheels()
     if machine.ideal:
         chart = _chart_of_map(parameters, omega1 < 0.0, kernel)
         found = _over_ratios(machine, omega1) if engagements else {}

@@ -30,8 +30,6 @@ from ..harness.chart import (
     NOMINAL_SPEED,
     RATIOS,
     SteadyMachine,
-    SteadyPulses,
-    TorqueConverterChart,
     torque_converter_chart,
 )
 from ..harness.fmu import fmu_file
@@ -47,29 +45,23 @@ from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, wr
 # --- figures of a mechanism ---
 
 
-class Mechanism:
-    """A mechanism whose steady pulses are found once for each speed and ratio.
+class Mechanism(SteadyMachine):
+    """A mechanism whose steady pulses and charts are found once for each speed and ratio.
 
     Args:
         parameters: of the module by name, those that differ from the defaults.
+
+    Attributes:
+        pulses: as at. chart: chart at a speed, rad/s. Both refuse a missing freewheel.
 
     Raises:
         Refused: the parameters cannot be.
     """
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
-        self.parameters = parameters
-        self.module = Module("plain")
-        self.module.check(**parameters)
-
-    def check_room(self) -> None:
-        """Refuse what can be computed but not built.
-
-        Raises:
-            Refused: the module warns that there is no room for its parts, or that they are no bodies.
-        """
-        if found := self.module.warnings():
-            raise Refused("; ".join(found))
+        super().__init__(parameters)
+        self.pulses = cache(self.at)
+        self.chart = cache(lambda speed: torque_converter_chart(parameters, speed))
 
     @property
     def envelope_diameter(self) -> float:
@@ -79,46 +71,19 @@ class Mechanism:
         rim.check(**{**self.parameters, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
         return 2.0 * max(_farthest(self.module.derived), _farthest(rim.derived))
 
-    @property
-    def total_imbalance_mass(self) -> float:
-        """Mass of the imbalances of all satellites of all modules, kg."""
-        return math.prod(self.module[name] for name in ("modules", "satellites", "imbalance_mass"))
-
-    @cached_property
-    def machine(self) -> SteadyMachine:
-        """The mechanism with its output shaft held."""
-        return SteadyMachine(self.parameters)
-
-    @cached_property
-    def pulses(self) -> Callable[[float, float], SteadyPulses]:
-        """Function from a speed, rad/s, and a ratio to steady pulses; refuses a missing freewheel."""
-        return cache(self.machine.at)
-
-    @cached_property
-    def input_pulses(self) -> Callable[[float, float], tuple[float, float]]:
-        """Function from a speed, rad/s, and a ratio to ripple and peak of the input torque, N.m."""
-        return cache(self.machine.input_pulses)
-
-    @cached_property
-    def chart(self) -> Callable[[float], TorqueConverterChart]:
-        """Function from a speed, rad/s, to the chart; refuses a missing freewheel."""
-        return cache(lambda speed: torque_converter_chart(self.parameters, omega1=speed))
-
     def least_torque(self, speed: float) -> float:
         """Least mean output torque over all speed ratios, N.m: 0 without lock-up, for it then ends."""
-        chart = self.chart(speed)
-        return float(chart.output_torque.min()) * speed**2 if chart.lock_up_torque[0] > 0.0 else 0.0
+        numbers = self.chart(speed).summary(speed)
+        return numbers["least_torque"] if numbers["lock_up_torque"] > 0.0 else 0.0
 
     def engagement_frequency(self, speed: float, ratio: float) -> float:
         """Engagements a second of the freewheel that engages more often, Hz; speed in rad/s."""
         pulses = self.pulses(speed, ratio)
         return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
 
-    @property
-    def satellite_ratio(self) -> float:
-        """Speed of a satellite in its bearing over that of link 1 where link 2 is at rest: its fastest."""
-        d = self.module.derived
-        return float(d.k * d.s)
+    def largest(self, names: Sequence[str], speed: float, ratio: float) -> float:
+        """Largest magnitude of the vector of some outputs in steady pulses; speed in rad/s."""
+        return float(np.linalg.norm(self.samples(names, speed, ratio), axis=1).max())
 
 
 def _farthest(d: Any) -> float:
@@ -151,18 +116,19 @@ class Named(NamedTuple):
 
 _BOTH = ("speed", "ratio")
 _SPEED = ("speed",)
+_FORCE, _MOMENT = ([f"shaking_{load}_{axis}" for axis in "xyz"] for load in ("force", "moment"))
 NAMED = {
     "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
     "steady_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
     "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.least_torque(w)),
-    "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: float(m.chart(w).lock_up_torque[0]) * w**2),
+    "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).summary(w)["lock_up_torque"]),
     "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
     "greatest_input_torque": Named(
         "N.m", _SPEED, lambda m, w, i: float(m.chart(w).input_torque.max()) * w**2
     ),
-    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.input_pulses(w, i)[0]),
-    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.input_pulses(w, i)[1]),
+    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.samples(["input_torque"], w, i).std()),
+    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(["input_torque"], w, i)),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
@@ -175,11 +141,14 @@ NAMED = {
     "bearing_force_peak": Named(
         "N", _SPEED, lambda m, w, i: max(m.pulses(w, one).bearing_force for one in RATIOS[::4])
     ),
-    "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.satellite_ratio * w),
-    "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount("force", w, i)),
-    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount("moment", w, i)),
+    # where link 2 is at rest
+    "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.module.derived.k * m.module.derived.s * w),
+    "mount_force": Named("N", _BOTH, lambda m, w, i: m.largest(_FORCE, w, i)),
+    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.largest(_MOMENT, w, i)),
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
-    "total_imbalance_mass": Named("kg", (), lambda m, w, i: m.total_imbalance_mass),
+    "total_imbalance_mass": Named(
+        "kg", (), lambda m, w, i: math.prod(m.module.read(("modules", "satellites", "imbalance_mass")))
+    ),
 }
 
 
@@ -298,24 +267,26 @@ def read_spec(path: Path | str, keys: Keys = None) -> Spec:
     return load_tables(path, keys, lambda tables: Spec)
 
 
-def absent(name: str, row: Row) -> str:
-    """Say of a figure that a row has not why."""
-    return "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
-
-
 def shown(value: float | str, unit: str = "") -> str:
     """Write a value with its unit, a name as it is."""
     return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
+
+
+def figure_of(row: Row, name: str, unit: str = "") -> str:
+    """Write the figure of a row with its unit, or why it has none."""
+    absent = "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
+    return shown(row.figures.get(name, absent), unit)
 
 
 class Limit(NamedTuple):
     """A limit of a figure.
 
     Attributes:
-        figure: its name. bound: in the unit of the figure. side: 1.0 for a maximum, -1.0 for a minimum.
+        figure: its name. unit: of it. bound: in this unit. side: 1.0 for a maximum, -1.0 for a minimum.
     """
 
     figure: str
+    unit: str
     bound: float
     side: float
 
@@ -325,18 +296,17 @@ class Limit(NamedTuple):
         Args:
             row: of the design. margin: by which the limit is narrower, relative to it.
         """
-        value = row.figures.get(self.figure)
-        if value is None or not math.isfinite(value):
+        value = row.figures.get(self.figure, math.nan)
+        if not math.isfinite(value):
             return MISSING
         narrower = 0.0 if self.figure in NAMED else margin
         return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + narrower
 
-    def text(self, row: Row, unit: str) -> str:
+    def text(self, row: Row) -> str:
         """Compare what a row has with the limit, in a line."""
-        value = row.figures.get(self.figure)
-        has = shown(absent(self.figure, row) if value is None else value, unit)
         side = "at most" if self.side > 0.0 else "at least"
-        return f"{self.figure} is {has}, must be {side} {shown(self.bound, unit)}"
+        has = figure_of(row, self.figure, self.unit)
+        return f"{self.figure} is {has}, must be {side} {shown(self.bound, self.unit)}"
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
@@ -356,16 +326,11 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
                 f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
             ) from None
         if given is not None:
-            found.append(Limit(name, float(given), side))
+            found.append(Limit(name, unit, float(given), side))
     if len(found) == 2 and found[0].bound > found[1].bound:
         low, high = (limit.bound for limit in found)
         raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
     return found
-
-
-def excess(violations: Iterable[float]) -> float:
-    """Sum of violations, those left out that are none."""
-    return sum(max(violation, 0.0) for violation in violations)
 
 
 class Judge:
@@ -401,11 +366,12 @@ class Judge:
 
     def beyond(self, row: Row) -> float:
         """Sum of what a row is beyond its limits: 0 where all are met."""
-        return excess(self.violations(row))
+        return sum(max(violation, 0.0) for violation in self.violations(row))
 
-    def tightest(self, row: Row) -> Limit | None:
-        """The limit that a row is the furthest beyond, or nearest to; None without limits."""
-        return max(self.limits, key=lambda limit: limit.violation(row), default=None)
+    def tightest(self, row: Row) -> str:
+        """Line on the limit that a row is the furthest beyond, or nearest to; "" without limits."""
+        limit = max(self.limits, key=lambda limit: limit.violation(row), default=None)
+        return "" if limit is None else limit.text(row)
 
     def costs(self, row: Row) -> list[float]:
         """The goals as numbers that are to be small."""
@@ -435,25 +401,26 @@ class Judge:
 LEVEL = "fidelity"
 # share by which the nearest design comes nearer to the limits while a search still improves
 NEARER = 1e-3
-# turns of the output shaft, or of the wheels of a car, below which a load stays at rest
-AT_REST = 1.0
+# rad, a turn of the output shaft, or of the wheels of a car, below which a load stays at rest
+AT_REST = math.tau
 
 
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
     Args:
-        settings: tables of the scene by fidelity; "named": as of Spec; "runs": whether the scene is run.
+        settings: "scenes": tables of the scene by fidelity; "named": as of Spec; "runs": whether it is run.
     """
-    scenes = {level: validated(Scene, settings[level]) for level in settings if level in LEVELS}
+    scenes = {level: validated(Scene, tables) for level, tables in settings["scenes"].items()}
 
     def figures(point: Point) -> Figures:
         keys = {name: value for name, value in point.items() if name != LEVEL}
         scene = scenes[str(point[LEVEL])].with_keys(keys)
         mechanism = Mechanism(scene.parameters())
-        mechanism.check_room()
+        if unbuildable := mechanism.module.warnings():
+            raise Refused("; ".join(unbuildable))
         found = {
-            name: Quantity(NAMED[name].value(mechanism, *at), NAMED[name].unit)
+            name: Quantity(float(NAMED[name].value(mechanism, *at)), NAMED[name].unit)
             for name, at in settings["named"].items()
         }
         return found | summary_of(runner, scene) if settings["runs"] else found
@@ -492,17 +459,13 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
         found["no mean torque"] = str(error)
     if mechanism.module["satellite_inertia"] == 0.0:
         found["weightless satellites"] = "but for its imbalance a satellite has no inertia"
-    moved = turned(scene, figures)
-    if moved < AT_REST:
-        found["load at rest"] = f"in the run it is moved by {moved:.2g} turns"
-    return found
-
-
-def turned(scene: Scene, figures: Mapping[str, float]) -> float:
-    """Turns of the wheels of a car in a run, or at most of another load; infinite where nothing was run."""
+    # of the wheels of a car, at most of another load; where nothing was run there is nothing to say
+    turned = figures.get("omega_out_maximum", math.inf) * scene.run.stop_time
     if isinstance(scene.load, VehicleLoad):
-        return figures.get("distance", math.inf) / (math.tau * scene.load.wheel_radius)
-    return figures.get("omega_out_maximum", math.inf) * scene.run.stop_time / math.tau
+        turned = figures.get("distance", math.inf) / scene.load.wheel_radius
+    if turned < AT_REST:
+        found["load at rest"] = f"in the run it is moved by {turned / math.tau:.2g} turns"
+    return found
 
 
 @dataclass(frozen=True)
@@ -536,10 +499,8 @@ class DesignResult:
         keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
         figures = {}
         for name in self.spec.figures:
-            searched, checked = (
-                row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
-            )
-            figures[name] = f"{shown(searched)} → {shown(checked, self.judge.unit(name))}"
+            checked = figure_of(one.checked, name, self.judge.unit(name))
+            figures[name] = f"{figure_of(one.searched, name)} → {checked}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         limits = f"missed by {', '.join(missed)}" if missed else "met"
         return {**keys, **figures, "limits": limits, **{f"but: {n}": said for n, said in one.doubts.items()}}
@@ -550,8 +511,7 @@ class DesignResult:
         # where none meets them the one that is the least beyond the limits: of those checked, if any was
         rows = [one.checked for one in self.chosen or finalists] or self.rows
         row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
-        limit = self.judge.tightest(row)
-        where = "" if limit is None else limit.text(row, self.judge.unit(limit.figure))
+        where = self.judge.tightest(row)
         if self.chosen:
             binds = f"; nearest to its limit in the first: {where}" if where else ""
             short = [name for one in self.chosen for name in one.doubts]
@@ -601,8 +561,11 @@ def design(
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.with_fidelity(level) for level in levels}
-    settings: dict[str, Any] = {level: scene.tables for level, scene in scenes.items()}
-    settings |= {"named": read.named, "runs": len(read.named) < len(read.figures)}
+    settings = {
+        "scenes": {level: scene.tables for level, scene in scenes.items()},
+        "named": read.named,
+        "runs": len(read.named) < len(read.figures),
+    }
     task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -691,36 +654,23 @@ def _search(
     keys, limits = len(spec.axes), len(judge.limits) + 1
     problem = Designs(n_var=keys, n_obj=len(spec.goals), n_ieq_constr=limits, xl=0.0, xu=1.0)
     for seed in range(settings.seed, settings.seed + settings.starts):
-
-        def over(generation: int, first: bool = seed == settings.seed) -> bool:
-            """Tell whether time is over: for what is added, not for the generations asked for."""
-            added = not first or generation >= settings.generations
-            return added and time.monotonic() - begun > settings.longest
-
         algorithm = NSGA2(pop_size=settings.population, sampling=_population(spec, seed))
         algorithm.setup(problem, termination=NoTermination(), seed=seed)
-        if _evolve(algorithm, settings, over, progress):
-            return list(found.values()), False
-        if over(settings.generations):
-            return list(found.values()), True
+        # of the nearest design to the limits, by generation: what it is beyond them in all
+        nearest, wanted, improving = list[float](), settings.generations, False
+        while len(nearest) < wanted or improving:
+            added = seed > settings.seed or len(nearest) >= settings.generations
+            if added and time.monotonic() - begun > settings.longest:
+                return list(found.values()), nearest[-1:] != [0.0]
+            algorithm.next()
+            nearest.append(float(np.maximum(algorithm.pop.get("G"), 0.0).sum(axis=1).min()))
+            before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
+            improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
+            if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
+                # the goals get as many as if the search had begun here
+                wanted += len(nearest)
+            if progress is not None:
+                progress(min(len(nearest) / wanted, 1.0))
+        if nearest[-1] == 0.0:
+            break
     return list(found.values()), False
-
-
-def _evolve(algorithm: Any, settings: Search, over: Callable[[int], bool], progress: Progress | None) -> bool:
-    """Run a start of a search to its end; whether a design meets all limits.
-
-    Args:
-        algorithm: of pymoo, set up. over: whether time is, by the number of generations there were.
-    """
-    nearest, wanted, improving = list[float](), settings.generations, False
-    while (len(nearest) < wanted or improving) and not over(len(nearest)):
-        algorithm.next()
-        nearest.append(min(map(excess, algorithm.pop.get("G").tolist())))
-        before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
-        improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
-        if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
-            # the goals get as many as if the search had begun here
-            wanted += len(nearest)
-        if progress is not None:
-            progress(min(len(nearest) / wanted, 1.0))
-    return nearest[-1:] == [0.0]
