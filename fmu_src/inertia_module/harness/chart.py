@@ -89,12 +89,11 @@ class SteadyMachine:
     """A mechanism whose output shaft is held at a speed.
 
     Args:
-        parameters: of the module by name, those that differ from the defaults; as in Module.set.
-        kernel: as in Module.
+        parameters, kernel: as of torque_converter_chart.
 
     Attributes:
-        parameters: as given. module: the mechanism, started. ideal: True without losses, weight, play and
-            wind-up: torques are proportional to omega1^2.
+        module: the mechanism, started. ideal: True without losses, weight, play and wind-up: torques are
+            proportional to omega1^2.
 
     Raises:
         Refused: the parameters cannot be; by its methods, a freewheel is missing.
@@ -151,7 +150,7 @@ class SteadyMachine:
         return np.array(found)
 
     def _settled(self, omega1: float, ratio: float) -> tuple[Module, SteadyPulses]:
-        """Run until the means are steady or TRIES are over; module and means. Arguments as of at."""
+        """Run until the means are steady or TRIES are over; module and means."""
         self.check_freewheels()
         speed = ratio * abs(omega1)
         for start in (0.0, speed):
@@ -202,11 +201,7 @@ class SteadyMachine:
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns link 1.
-
-        Args:
-            omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, above 1.
-        """
+        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns: ratio above 1."""
         module = self._started(omega1, ratio * abs(omega1))
         module.advance(SETTLING_TURNS * math.tau / abs(omega1))
         module.advance(MOST_TURNS * math.tau / abs(omega1))
@@ -377,11 +372,7 @@ class SteadyMap:
 
 
 def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> SteadyMap:
-    """Map of a mechanism from a tenth of an input speed up to that.
-
-    Args:
-        machine: of the mechanism. omega1: rad/s, not 0. progress: called with the share done.
-    """
+    """Map of a mechanism from a tenth of an input speed, rad/s, not 0, up to that; told the share done."""
     speeds, rows = omega1 * MAP_SPEEDS, []
     for speed in speeds:
         rows.append(_over_ratios(machine, speed))
@@ -454,7 +445,7 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
     """The converter table of a mechanism, whose output torque is right at each ratio (docs/mechanics.md).
 
     Args:
-        machine: of the mechanism. chart: of it at this speed. omega1: speed of the input, rad/s, not 0.
+        chart: of the mechanism at this speed. omega1: speed of the input, rad/s, not 0.
 
     Returns:
         Columns of shape (n,), all finite: speed_ratio, output over input speed, rising from 0; torque_ratio,

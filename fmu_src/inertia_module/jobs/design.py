@@ -26,12 +26,7 @@ from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
 from ..common.units import to_si
 from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
-from ..harness.chart import (
-    NOMINAL_SPEED,
-    RATIOS,
-    SteadyMachine,
-    torque_converter_chart,
-)
+from ..harness.chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
 from ..harness.fmu import fmu_file
 from ..memory import Module
 from ..scene import Scene, SceneError
@@ -40,23 +35,13 @@ from ..scene.parts import VehicleLoad
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, Quantity, SceneRunner
 from .axes import Axis, Point, axes_of, of_shares, shares_sampled
-from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
+from .evaluation import Evaluate, Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 
 # --- figures of a mechanism ---
 
 
 class Mechanism(SteadyMachine):
-    """A mechanism whose steady pulses and charts are found once for each speed and ratio.
-
-    Args:
-        parameters: of the module by name, those that differ from the defaults.
-
-    Attributes:
-        pulses: as at. chart: chart at a speed, rad/s. Both refuse a missing freewheel.
-
-    Raises:
-        Refused: the parameters cannot be.
-    """
+    """A mechanism whose steady pulses and charts are found once for each speed, rad/s, and ratio."""
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
         super().__init__(parameters)
@@ -90,10 +75,7 @@ def _farthest(d: Any) -> float:
     """Largest distance of an imbalance from the central axis, m, at any drive angle.
 
     Planar: R0 + r + l. Bevel: with R, T and z of the layout (Karetin 2020, equation 2) R^2 + T^2 + z^2 is
-    linear in cos B, hence largest where that is 1 or -1.
-
-    Args:
-        d: derived constants of the kernel.
+    linear in cos B, hence largest where that is 1 or -1. d: derived constants of the kernel.
     """
     if d.planar != 0.0:
         return float(d.axial + d.radial)
@@ -183,17 +165,12 @@ class Demand(Strict):
 
 
 class Search(Strict):
-    """Settings of the search for designs.
+    """Settings of the search for designs (docs/design.md).
 
     Attributes:
-        population, generations: of NSGA-II. starts: how many there are, each with another population, as
-            long as no design meets all limits; each gets more generations until the nearest has come no
-            nearer over stall of them, and those asked for again once one meets them.
-        longest: s, after which there are no more starts or generations.
-        seed: same seed, same result, unless longest ends it. fidelity: of the search.
-        check: fidelity at which the finalists are run. finalists: how many of them.
-        margin: by which limits of what the scene gives are narrower in the search, for what the cheap
-            fidelity leaves out; steady figures and sizes are the same at all.
+        population, generations, seed: of NSGA-II. starts, stall, longest: how long it goes on; see _search.
+        fidelity, check: levels of the search and of the finalists. margin: by which limits of what the scene
+            gives are narrower in the search, relative to them, for what the cheap fidelity leaves out.
     """
 
     population: int = Field(default=40, ge=4, le=10_000)
@@ -256,14 +233,7 @@ class Spec(Scene):
 
 
 def read_spec(path: Path | str, keys: Keys = None) -> Spec:
-    """Read and check a specification: the TOML of a scene with [free], [figures] and [search].
-
-    Args:
-        path, keys: as for load_scene.
-
-    Raises:
-        SceneError: in one line, the file, the key, the value and what is allowed.
-    """
+    """Read a specification: the TOML of a scene with [free], [figures] and [search]; all as load_scene."""
     return load_tables(path, keys, lambda tables: Spec)
 
 
@@ -291,11 +261,7 @@ class Limit(NamedTuple):
     side: float
 
     def violation(self, row: Row, margin: float = 0.0) -> float:
-        """Excess of a row over the limit, relative to it; below 0 what is left.
-
-        Args:
-            row: of the design. margin: by which the limit is narrower, relative to it.
-        """
+        """Excess of a row over the limit, narrower by a margin, relative to it; below 0 what is left."""
         value = row.figures.get(self.figure, math.nan)
         if not math.isfinite(value):
             return MISSING
@@ -318,15 +284,14 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
     found = []
     for which, side in (("minimum", -1.0), ("maximum", 1.0)):
         given = getattr(demand, which)
+        if given is None:
+            continue
         try:
-            if isinstance(given, str):
-                given = to_si(given, unit or "1")
+            found.append(Limit(name, unit, to_si(given, unit or "1"), side))
         except ValueError as error:
             raise SceneError(
                 f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
             ) from None
-        if given is not None:
-            found.append(Limit(name, unit, float(given), side))
     if len(found) == 2 and found[0].bound > found[1].bound:
         low, high = (limit.bound for limit in found)
         raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
@@ -334,17 +299,7 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
 
 
 class Judge:
-    """Judges rows by a specification.
-
-    Args:
-        spec: the specification. units: of the figures by name.
-
-    Attributes:
-        limits: all of them.
-
-    Raises:
-        SceneError: as limits_of.
-    """
+    """Judges rows by a specification, with units of the figures by name; refuses as limits_of."""
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
         self.spec, self.units, self.limits = spec, units, list[Limit]()
@@ -430,12 +385,7 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
 
 @dataclass(frozen=True)
 class Finalist:
-    """A design that was run at both levels of fidelity.
-
-    Attributes:
-        searched, checked: its rows at the fidelity of the search and at that of the check.
-        scene: with its values. file: the scene. doubts: see doubts_of.
-    """
+    """A design that was run at the fidelity of the search and at that of the check, as a scene in a file."""
 
     searched: Row
     checked: Row
@@ -448,7 +398,7 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
     """Say why a design that meets its limits may be no answer: what in short, and in a sentence.
 
     Args:
-        scene: of the design. figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
+        figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
     """
     found, mechanism = {}, Mechanism(scene.parameters())
     try:
@@ -503,7 +453,7 @@ class DesignResult:
             figures[name] = f"{figure_of(one.searched, name)} → {checked}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         limits = f"missed by {', '.join(missed)}" if missed else "met"
-        return {**keys, **figures, "limits": limits, **{f"but: {n}": said for n, said in one.doubts.items()}}
+        return keys | figures | {"limits": limits} | {f"but: {n}": said for n, said in one.doubts.items()}
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
@@ -577,7 +527,7 @@ def design(
         rows = evaluate(of_shares(read.axes, _population(read, read.search.seed)))
         keys = {axis.name: axis.unit for axis in read.axes}
         units = keys | evaluator.units
-        known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
+        known = [*(name for row in rows for name in row.figures), *NAMED]
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
         for figure in read.figures:
@@ -626,15 +576,14 @@ def _population(spec: Spec, seed: int) -> NDArray[np.float64]:
 
 
 def _search(
-    spec: Spec,
-    judge: Judge,
-    evaluate: Callable[[Sequence[Point]], list[Row]],
-    progress: Progress | None,
+    spec: Spec, judge: Judge, evaluate: Evaluate, progress: Progress | None
 ) -> tuple[list[Row], bool]:
     """Search by NSGA-II; all designs, each once, in the order asked for, and whether time ended it.
 
     The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits.
+    searched alike. A design that is refused is beyond its limits. As long as none meets all limits a start
+    gets more generations until the nearest has come no nearer over `stall` of them, then there is another
+    start with another population; once one meets them there are as many generations as asked for from there.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem

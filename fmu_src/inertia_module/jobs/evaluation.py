@@ -46,6 +46,10 @@ class Row(NamedTuple):
     refused: str = ""
 
 
+# rows of points, in their order
+Evaluate = Callable[[Sequence[Point]], list[Row]]
+
+
 class Batch(NamedTuple):
     """Rows, and the units of their figures by name."""
 
@@ -115,12 +119,9 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
 class Evaluator(Closing):
     """Evaluator of points, as often as it is called; a context manager that ends its workers.
 
-    Its results are kept in a journal: a line for each batch, written as soon as it is there.
-
     Args:
-        task: what is evaluated. folder: of the journal; made if it is not there. scheduler, workers: as in
-            workers.pool; they start when the first point is to be evaluated. progress: told the share done
-            of the points of a call.
+        task: what is evaluated. folder: of the journal. scheduler, workers: as in workers.pool; they start
+            when the first point is to be evaluated. progress: told the share done of the points of a call.
 
     Attributes:
         rows: all results, by key. units: of their figures by name. new: how many were not there before.
@@ -141,8 +142,7 @@ class Evaluator(Closing):
         for name in ("distributed", "pyarrow"):
             library(name, "jobs")
         self.path = writable_folder(folder) / JOURNAL
-        self.rows: dict[str, Row] = {}
-        self.units: dict[str, str] = {}
+        self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})
         there = self.path.is_file()
         text = self.path.read_text(encoding="utf-8") if there else f"{head}\n"
@@ -203,11 +203,7 @@ def _key(point: Point) -> str:
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:
-    """Read a scene; with what to call its results.
-
-    Raises:
-        SceneError: as load_scene.
-    """
+    """Read a scene, as load_scene; with what to call its results."""
     return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
 
 
@@ -221,12 +217,10 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     """
     arrow = library("pyarrow", "jobs")
     parquet = library("pyarrow.parquet", "jobs")
-    columns: dict[str, list[Any]] = {}
-    for part in ("point", "figures"):
-        values = [getattr(row, part) for row in rows]
-        names = dict.fromkeys(key for one in values for key in one)
-        columns |= {key: [one.get(key) for one in values] for key in names}
-    columns |= {"cost": [row.cost for row in rows], "refused": [row.refused for row in rows]}
+    own = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
+    keys = [name for row in rows for name in row.point]
+    names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
+    columns = {name: [one.get(name) for one in own] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
     arrays = {title: arrow.array(values) for title, values in columns.items()}
     schema = arrow.schema(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,8 +17,8 @@ from ..harness.fmu import fmu_file
 from ..harness.results import write_rows
 from ..scene import Scene
 from ..scene.run import time_to
-from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled
-from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
+from .axes import Axis, axes_of, grid, of_shares, shares_sampled
+from .evaluation import Evaluate, Evaluator, Row, Task, read, summaries, write_tables
 
 # a figure that varies less than this, relative to its magnitude, does not vary
 CONSTANT = 1e-9
@@ -135,6 +135,12 @@ def sweep(
     return SweepResult(axes, rows, units, evaluator.new, unreached(base, rows), shares, files)
 
 
+def varies(values: NDArray[np.float64]) -> bool:
+    """Tell whether values of a figure differ by more than rounding, NaN left out."""
+    known = values[np.isfinite(values)]
+    return known.size > 1 and bool(np.ptp(known) > CONSTANT * np.abs(known).max())
+
+
 def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
     """Count, by the time to a speed, the rows that do not reach it; without those where all do."""
     names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
@@ -143,7 +149,7 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 
 
 def indices(
-    axes: Sequence[Axis], number: int, seed: int, evaluate: Callable[[Sequence[Point]], list[Row]]
+    axes: Sequence[Axis], number: int, seed: int, evaluate: Evaluate
 ) -> tuple[list[Share], list[Row]]:
     """Compute Sobol indices of all figures that vary; with the rows they are from.
 
@@ -176,7 +182,6 @@ def indices(
     first, total = (np.reshape(part, shape).tolist() for part in (found.first_order, found.total_order))
     shares = []
     for name, *of_axes in zip(names, first, total, strict=True):
-        values = [row.figures[name] for row in every]
-        if np.ptp(values) > CONSTANT * np.abs(values).max():
+        if varies(np.array([row.figures[name] for row in every])):
             shares += [Share(name, *one) for one in zip([axis.name for axis in axes], *of_axes, strict=True)]
     return shares, every
