@@ -290,6 +290,12 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     )
     assert "none came nearer in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "not at its end when search.longest = 600 s was over" in verdict([short], [], True, {}).verdict()
+    # a refused design is never the nearest one, however far the others are
+    far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
+    judge = Judge(spec, UNITS)
+    assert judge.beyond(far) > judge.beyond(refused)
+    none = DesignResult(spec, judge, [refused, far], [], [], 2, {}, False).verdict()
+    assert none.endswith("the nearest one: omega_out_final is 500 rad/s, must be at most 50 rad/s")
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---

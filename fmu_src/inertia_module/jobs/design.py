@@ -341,11 +341,11 @@ class Judge:
         return min(found, key=self.costs, default=None)
 
     def fronts(self, rows: Sequence[Row]) -> list[list[Row]]:
-        """Rows by rank: the first ones are those that no other is better than in every goal."""
+        """Rows by rank, at least one: the first ones are those that no other is better than in every goal."""
         from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
         if not rows:
-            return []
+            return [[]]
         ranks = NonDominatedSorting().do(np.array([self.costs(row) for row in rows]))
         return [sorted((rows[n] for n in rank), key=self.costs) for rank in ranks]
 
@@ -459,7 +459,8 @@ class DesignResult:
         """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
         finalists, search = self.finalists, self.spec.search
         # where none meets them the one that is the least beyond the limits: of those checked, if any was
-        rows = [one.checked for one in self.chosen or finalists] or self.rows
+        rows = [one.checked for one in self.chosen or finalists]
+        rows = rows or [row for row in self.rows if not row.refused]
         row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
         where = self.judge.tightest(row)
         if self.chosen:
@@ -468,8 +469,6 @@ class DesignResult:
             doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
             binds += f"; but {doubts} of them" if doubts else ""
             return f"{len(self.chosen)} of {len(finalists)} checked designs meet all limits{binds}"
-        if row.refused:
-            return f"no design of {len(self.rows)} could be computed: {row.refused}"
         if self.front:
             number = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
             return (
@@ -525,8 +524,7 @@ def design(
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
         rows = evaluate(of_shares(read.axes, _population(read, read.search.seed)))
-        keys = {axis.name: axis.unit for axis in read.axes}
-        units = keys | evaluator.units
+        units = {axis.name: axis.unit for axis in read.axes} | evaluator.units
         known = [*(name for row in rows for name in row.figures), *NAMED]
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
@@ -535,8 +533,9 @@ def design(
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
         rows, cut = _search(read, judge, evaluate, progress)
-        fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
-        picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
+        computed = [row for row in rows if not row.refused]
+        fronts = judge.fronts([row for row in computed if judge.meets(row, read.search.margin)])
+        picked = _finalists(fronts, read.search.finalists) or [min(computed, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
         # what the journal has of searches by other seeds
         own = [{**row.point, LEVEL: levels[1]} for row in rows]
@@ -553,16 +552,13 @@ def design(
                 goals = [f"{goal} {shown(better.figures[goal], judge.unit(goal))}" for goal in read.goals]
                 doubts["bettered by another search"] = f"whose designs are here too: {', '.join(goals)}"
             finalists.append(Finalist(row, again, scene, file, doubts))
-    front = fronts[0] if fronts else []
-    files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
+    files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files, cut)
+    return DesignResult(read, judge, rows, fronts[0], finalists, evaluator.new, files, cut)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
     """Pick at most so many rows: spread over the first front, and filled up from the next ones."""
-    if not fronts:
-        return []
     first, rest = fronts[0], [row for front in fronts[1:] for row in front]
     if len(first) <= number:
         return [*first, *rest[: number - len(first)]]
