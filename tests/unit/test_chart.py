@@ -18,8 +18,9 @@ from inertia_module.figures.jobs import chart_figure
 from inertia_module.harness.chart import (
     LARGEST_TORQUE_RATIO,
     MAP_SPEEDS,
-    MAP_UNITS,
+    MAPPED,
     RATIOS,
+    UNITS,
     SteadyMachine,
     TorqueConverterChart,
     converter_table,
@@ -409,8 +410,8 @@ def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(c
         columns, _ = read_columns(tmp_path / "out" / f"{name}.csv")
         assert columns["output_torque"][0] == numbers["stall_torque"] > 0.0
     columns, units = read_columns(tmp_path / "out" / "rubbed_map.csv")
-    assert list(columns) == ["omega1", "speed_ratio", *MAP_UNITS]
-    assert units == {"omega1": "rad/s", **{name: unit for name, unit in MAP_UNITS.items() if unit}}
+    assert list(columns) == ["omega1", "speed_ratio", *MAPPED]
+    assert units == {"omega1": "rad/s", **{name: UNITS[name] for name in MAPPED if name != "efficiency"}}
     assert not list((tmp_path / "out").glob("*map_*"))
     assert not (tmp_path / "out" / "planar_map.csv").exists()
     assert (tmp_path / "out" / "chart.png").read_bytes().startswith(b"\x89PNG")
@@ -428,7 +429,8 @@ def test_command_leaves_the_same_map_long_wide_and_for_matlab_in_the_unit_of_the
     assert read["omega1"] == pytest.approx(1500.0 * SPEEDS, rel=1e-12)
     assert set(long["efficiency"]) == {1.0}
     assert not any(long["loss"])
-    for name, unit in MAP_UNITS.items():
+    for name in MAPPED:
+        unit = UNITS.get(name)
         wide, units = read_columns(tmp_path / f"planar_map_{name}.csv")
         assert set(units.values()) == ({unit} if unit else set())
         assert list(wide)[1:] == [f"{name} at {speed:.6g} rpm" for speed in read["omega1"]]

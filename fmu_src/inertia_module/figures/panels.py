@@ -62,11 +62,7 @@ def headline(axes: Axes, text: str) -> None:
 
 
 def smooth(time: Array, values: Array, window: float = SMOOTHING) -> Array:
-    """Mean of values over a Hann window, s, around each row (cut off at the ends).
-
-    Args:
-        time, values: shape (n,), time in equal steps.
-    """
+    """Mean of values over a Hann window, s, around each row (cut off at the ends); time in equal steps."""
     rows = round(window / float(time[1] - time[0]))
     weights = np.hanning(min(max(rows, 1), len(time)) + 2)[1:-1]
     total = np.convolve(values, weights, mode="same")

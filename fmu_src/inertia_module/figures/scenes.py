@@ -39,6 +39,9 @@ LOOKS = {
     "omega_out": ("output shaft", VERMILION, "-"),
     "reference": ("reference", GREEN, "--"),
     "input_torque": ("input", BLACK, "-"),
+    "output_torque_mean": ("output", VERMILION, "-"),
+    "input_torque_mean": ("input", BLACK, "-"),
+    "brake_torque": ("brake", BLUE, "-"),
     "output_torque": ("output freewheel", VERMILION, "-"),
     "housing_torque": ("housing freewheel", BLUE, "-"),
     "load_torque": ("load", GREEN, "--"),
@@ -164,18 +167,12 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
         axes.set_xlabel("time [s]")
     for axes in grid[:2, 0]:
         axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
+    told = "whole run: output shaft at {omega_out_final:.4g} rad/s after {simulated_time:g} s, "
     # the first speed of a vehicle that was asked for and reached, and when
-    reached = [
-        f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
-        for name in numbers
-        if name.startswith(TIME_TO)
-    ]
-    headline(
-        grid[0, 0],
-        f"whole run: output shaft at {numbers['omega_out_final']:.4g} rad/s after"
-        f" {numbers['simulated_time']:g} s, {''.join(reached[:1])}"
-        f"mean torque {numbers['output_torque_mean']:.3g} N·m",
-    )
+    for name in [name for name in numbers if name.startswith(TIME_TO)][:1]:
+        told += f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
+    told += "mean torque {output_torque_mean:.3g} N·m"
+    headline(grid[0, 0], told.format_map(numbers))
     headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switches in all)")
 
 
@@ -254,16 +251,10 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     heights = (1.6, 1, 1, 1.2, 1) if lost else (1.6, 1, 1, 1.2)
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     _followed_speed(panels[0], table, result.scene.cycle)
-    outside = (
-        f"out of tolerance {numbers['time_out_of_tolerance']:.2f} s of {numbers['simulated_time']:g} s, "
-        if result.scene.cycle is not None
-        else ""
-    )
-    headline(
-        panels[0],
-        f"{outside}error {numbers['tracking_error_rms']:.2f} km/h rms and"
-        f" {numbers['tracking_error_maximum']:.2f} km/h at most",
-    )
+    told = "error {tracking_error_rms:.2f} km/h rms and {tracking_error_maximum:.2f} km/h at most"
+    if result.scene.cycle is not None:
+        told = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + told
+    headline(panels[0], told.format_map(numbers))
     names, commanded = (_input(table), "omega_out"), "input ω1 (commanded)"
     plot(panels[1], table, names, "speed", "rad/s", omega1=commanded)
     panels[1].set_ylim(bottom=0.0)
@@ -290,15 +281,12 @@ def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
 def _mean_torques(axes: Axes, table: Result) -> None:
     time, torque = table.time, table["output_torque_mean"]
     axes.fill_between(time, torque, color=VERMILION, alpha=0.25, linewidth=0, step="pre")
-    brake = smooth(time, table["brake_torque"])
-    for values, colour, label in (
-        (smooth(time, torque), VERMILION, "output"),
-        (smooth(time, table["input_torque_mean"]), BLACK, "input"),
-        (-brake, BLUE, "brake"),
-    ):
-        axes.plot(time, values, color=colour, linewidth=1.5, label=label)
-    axes.set_ylim(-1.15 * float(brake.max()) - 5.0, 1.15 * float(np.quantile(torque, 0.995)) + 5.0)
-    dress(axes, "torque [N·m]")
+    names = ("output_torque_mean", "input_torque_mean", "brake_torque")
+    means = {name: smooth(time, table[name]) for name in names}
+    means["brake_torque"] *= -1.0
+    plot(axes, Result({"time": time, **means}), names, "torque", "N·m")
+    low, high = float(means["brake_torque"].min()), float(np.quantile(torque, 0.995))
+    axes.set_ylim(1.15 * low - 5.0, 1.15 * high + 5.0)
 
 
 def _energy_shares(axes: Axes, table: Result) -> None:
@@ -332,8 +320,5 @@ def _shaft_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     plot(panels[2], table, ("twist",), "twist", "mrad")
     _energies(panels[3], table, 0, energy_lost="lost, less the balancer's work")
     panels[3].set_xlabel("time [s]")
-    headline(
-        panels[0],
-        f"driven mass at most {result.summary['driven_acceleration_peak']:.4g} rad/s²,"
-        f" hub {np.abs(law).max():.4g} rad/s²",
-    )
+    peak = result.summary["driven_acceleration_peak"]
+    headline(panels[0], f"driven mass at most {peak:.4g} rad/s², hub {np.abs(law).max():.4g} rad/s²")

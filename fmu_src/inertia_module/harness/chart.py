@@ -201,7 +201,7 @@ class SteadyMachine:
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns: ratio above 1."""
+        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns it."""
         module = self._started(omega1, ratio * abs(omega1))
         module.advance(SETTLING_TURNS * math.tau / abs(omega1))
         module.advance(MOST_TURNS * math.tau / abs(omega1))
@@ -238,10 +238,10 @@ COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 
 ENGAGEMENTS = ("housing_engagements", "output_engagements")
 _TORQUES = ("output_torque", "input_torque", "ripple", "peak", "lock_up_torque")
+# of maps and converter tables; their other columns are pure numbers
+UNITS = {**dict.fromkeys(_TORQUES, "N.m"), "loss": "W", "capacity_factor": "rad/s/(N.m)^0.5"}
 # columns of a map, as of SteadyPulses
-MAP_UNITS = {"input_torque": "N.m", "output_torque": "N.m", "loss": "W", "efficiency": "", "ripple": "N.m"}
-# of a converter table; its other columns are pure numbers
-CONVERTER_UNITS = {"capacity_factor": "rad/s/(N.m)^0.5", "output_torque": "N.m", "input_torque": "N.m"}
+MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
@@ -341,7 +341,7 @@ class SteadyMap:
 
     Attributes:
         omega1: rad/s, shape (m,). speed_ratio: shape (n,).
-        columns: of MAP_UNITS by name, in these units, shape (m, n); the efficiency is 0 and the output torque
+        columns: those MAPPED by name, shape (m, n); the efficiency is 0 and the output torque
             below 0 where the shaft would have to be driven.
     """
 
@@ -356,7 +356,7 @@ class SteadyMap:
             unit: of the speeds. tables: whether stem_COLUMN.csv, a row for each ratio and a column for each
                 speed, and stem.mat, a struct map, are written too.
         """
-        speeds, units = self.omega1 * factor_between("rad/s", unit), {"omega1": unit, **MAP_UNITS}
+        speeds, units = self.omega1 * factor_between("rad/s", unit), {"omega1": unit, **UNITS}
         grid = np.meshgrid(speeds, self.speed_ratio, indexing="ij")
         long = {"omega1": grid[0], "speed_ratio": grid[1], **self.columns}
         columns = {name: values.ravel() for name, values in long.items()}
@@ -366,7 +366,9 @@ class SteadyMap:
         for name, values in self.columns.items():
             table = {f"{name} at {speed:.6g} {unit}": row for speed, row in zip(speeds, values, strict=True)}
             wide = {"speed_ratio": self.speed_ratio, **table}
-            files.append(write_columns(Path(f"{stem}_{name}.csv"), wide, dict.fromkeys(table, units[name])))
+            files.append(
+                write_columns(Path(f"{stem}_{name}.csv"), wide, dict.fromkeys(table, units.get(name, "")))
+            )
         fields = {"omega1": speeds, "speed_ratio": self.speed_ratio, **self.columns}
         return [*files, write_mat(Path(f"{stem}.mat"), "map", fields, units)]
 
@@ -377,7 +379,7 @@ def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> Ste
     for speed in speeds:
         rows.append(_over_ratios(machine, speed))
         progress(len(rows) / speeds.size)
-    return SteadyMap(speeds, RATIOS, {name: np.array([row[name] for row in rows]) for name in MAP_UNITS})
+    return SteadyMap(speeds, RATIOS, {name: np.array([row[name] for row in rows]) for name in MAPPED})
 
 
 def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
@@ -486,9 +488,9 @@ def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> lis
     least = np.maximum(np.abs(passed) / LARGEST_TORQUE_RATIO, LEAST_SHARE * taken.max())
     given = np.copysign(np.maximum(np.abs(taken), least), taken)
     rows = zip(*(part.tolist() for part in (table["speed_ratio"], passed / given, given)), strict=True)
-    units = {"omega1": "rad/s", **CONVERTER_UNITS}
+    units = {"omega1": "rad/s", **UNITS}
     return [
-        write_columns(Path(f"{stem}.csv"), table, CONVERTER_UNITS),
+        write_columns(Path(f"{stem}.csv"), table, units),
         write_mat(Path(f"{stem}.mat"), "converter", {"omega1": omega1, **table}, units),
         write_rows(Path(f"{stem}.vtcc"), VECTO_HEADINGS, rows),
     ]

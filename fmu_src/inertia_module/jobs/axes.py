@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -65,11 +66,7 @@ class Axis:
         return self.low + share * (self.high - self.low)
 
     def grid(self) -> list[float | str]:
-        """The values of a grid.
-
-        Raises:
-            Refused: how many there are is not given.
-        """
+        """The values of a grid, if their number is given."""
         if self.values:
             return list(self.values)
         if not self.number:
@@ -90,10 +87,7 @@ def _unit_and_value(name: str, scene: Scene) -> tuple[str, Any]:
 
 
 def _value(scene: Scene, name: str, given: Any) -> float | str:
-    """Value of a key: a quantity as a number in SI units; a name as it is.
-
-    What the key cannot have, whatever the other keys are, is refused.
-    """
+    """Value of a key, in SI units or a name; one that it cannot have, whatever the others are, is refused."""
     value = given.strip() if isinstance(given, str) else float(given)
     try:
         scene.with_keys({name: value})
@@ -129,24 +123,16 @@ def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]
 
 
 def _by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -> list[tuple[str, Any]]:
-    """Keys by dots, each once, with what is given for them: None where nothing is.
-
-    Args:
-        given: "NAME" or "NAME=TEXT" each, or by name. what: is done to the keys. example: of one.
-
-    Raises:
-        Refused: there is none, or one twice.
-    """
+    """Keys by dots, each once, with what is given for them, None for nothing; what: is done to the keys."""
     pairs: list[tuple[str, Any]] = []
     for item in given.items() if isinstance(given, Mapping) else given:
         name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
         pairs.append((full_name(name.strip()), text if equals else None))
     if not pairs:
         raise Refused(f"at least one key must be {what}, such as {example}, none is")
-    names = [name for name, _ in pairs]
-    for name in names:
-        if names.count(name) > 1:
-            raise Refused(f"{name} must be {what} once, is given {names.count(name)} times")
+    for name, times in Counter(name for name, _ in pairs).items():
+        if times > 1:
+            raise Refused(f"{name} must be {what} once, is given {times} times")
     return pairs
 
 
@@ -174,11 +160,7 @@ def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]
 
 
 def grid(axes: Sequence[Axis]) -> list[Point]:
-    """Combine all values, the last axis fastest.
-
-    Raises:
-        Refused: an axis has no number of points, or there are more than LARGEST_GRID.
-    """
+    """Combine all values, the last axis fastest; at most LARGEST_GRID points."""
     values = [one.grid() for one in axes]
     total = math.prod(map(len, values))
     if total > LARGEST_GRID:
@@ -193,14 +175,11 @@ def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
 
 
 def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
-    """Shares (0 to 1) of ranges, shape (points, number).
+    """Shares (0 to 1) of a number of ranges, shape (points, number); same seed, same points.
 
     Args:
-        number: of ranges. sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence,
-            scrambled; COUNT is best a power of 2). seed: same seed, same points.
-
-    Raises:
-        Refused: it is neither.
+        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled; COUNT is best a
+            power of 2).
     """
     from scipy.stats import qmc
 

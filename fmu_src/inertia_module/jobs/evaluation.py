@@ -18,7 +18,6 @@ from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import content_hash, writable_folder, write_atomically
 from ..common.terminal import Progress
-from ..harness.fmu import Closing
 from ..harness.results import heading, write_rows
 from ..scene import Scene, load_scene
 from ..scene.keys import validated
@@ -116,7 +115,7 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
     return batch
 
 
-class Evaluator(Closing):
+class Evaluator(ExitStack):
     """Evaluator of points, as often as it is called; a context manager that ends its workers.
 
     Args:
@@ -139,6 +138,7 @@ class Evaluator(Closing):
         workers: int | None = None,
         progress: Progress | None = None,
     ) -> None:
+        super().__init__()
         for name in ("distributed", "pyarrow"):
             library(name, "jobs")
         self.path = writable_folder(folder) / JOURNAL
@@ -159,13 +159,7 @@ class Evaluator(Closing):
             write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
         self.task, self.new = task, 0
         self.progress = progress or (lambda share: None)
-        self._pool = (scheduler, workers)
-        self._stack = ExitStack()
-        self._client: Any = None
-
-    def close(self) -> None:
-        """End the workers."""
-        self._stack.close()
+        self._pool, self._client = (scheduler, workers), None
 
     def _take(self, batch: Batch) -> None:
         self.rows.update({_key(row.point): row for row in batch.rows})
@@ -188,7 +182,7 @@ class Evaluator(Closing):
             from .workers import evaluations, pool
 
             if self._client is None:
-                self._client = self._stack.enter_context(pool(self.task, *self._pool))
+                self._client = self.enter_context(pool(self.task, *self._pool))
             done = 0
             for batch in evaluations(self._client, self.task.identity, missing):
                 self.keep(batch)
@@ -211,12 +205,8 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     """Write rows as NAME.parquet (units in the metadata of its columns) and NAME.csv (units in headings).
 
     Columns are the keys varied, the figures, cost and refused; empty where there is none.
-
-    Raises:
-        NotInstalled: pyarrow is not.
     """
-    arrow = library("pyarrow", "jobs")
-    parquet = library("pyarrow.parquet", "jobs")
+    arrow, parquet = library("pyarrow", "jobs"), library("pyarrow.parquet", "jobs")
     own = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
     keys = [name for row in rows for name in row.point]
     names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])

@@ -151,11 +151,10 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 def indices(
     axes: Sequence[Axis], number: int, seed: int, evaluate: Evaluate
 ) -> tuple[list[Share], list[Row]]:
-    """Compute Sobol indices of all figures that vary; with the rows they are from.
+    """Compute Sobol indices of all figures that vary from n (d + 2) runs; with the rows of these.
 
     Args:
-        axes: the ranges, independent and uniform. number: n, a power of 2, for n (d + 2) runs. seed: of the
-            points. evaluate: gives rows of points.
+        axes: the d ranges, independent and uniform. number: n, a power of 2. seed: of the points.
 
     Raises:
         Refused: number is no power of 2, or a point was refused: indices take whole ranges.

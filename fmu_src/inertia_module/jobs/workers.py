@@ -99,11 +99,7 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
 
 
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
-    """Evaluate points on the workers; the batches as they come, in no order.
-
-    Args:
-        client: of pool. name: identity of its task. points: where.
-    """
+    """Evaluate points on the workers of pool, by the name of its task; batches as they come, in no order."""
     waiting, alone = deque(points), deque[list[Point]]()
     under_way: dict[Any, list[Point]] = {}
     size = 1
