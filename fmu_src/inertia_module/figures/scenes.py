@@ -37,7 +37,8 @@ LOOKS = {
     "input_speed": ("input ω1", BLACK, "-"),
     "omega2": ("link 2 ω2", SKY, "-"),
     "omega_out": ("output shaft", VERMILION, "-"),
-    "reference": ("reference", GREEN, "--"),
+    "reference": ("reference", BLACK, "--"),
+    "vehicle_speed": ("vehicle", VERMILION, "-"),
     "input_torque": ("input", BLACK, "-"),
     "output_torque_mean": ("output", VERMILION, "-"),
     "input_torque_mean": ("input", BLACK, "-"),
@@ -266,16 +267,14 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
 
 
 def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
-    scale, wanted = 1.0 / KILOMETRE_PER_HOUR, "reference"
     if cycle is not None:
-        lower, upper = (scale * bound for bound in cycle.tolerance_band(table.time))
+        lower, upper = (bound / KILOMETRE_PER_HOUR for bound in cycle.tolerance_band(table.time))
         band = axes.fill_between(table.time, lower, upper, color=GREEN, alpha=0.25, linewidth=0)
         band.set_label("tolerance ±2 km/h, ±1 s")
-        wanted = cycle.name
-    axes.plot(table.time, table["reference"] * scale, "--", color=BLACK, linewidth=1.2, label=wanted)
-    axes.plot(table.time, table["vehicle_speed"] * scale, color=VERMILION, linewidth=1.6, label="vehicle")
+    names = ("reference", "vehicle_speed")
+    wanted = cycle.name if cycle is not None else "reference"
+    plot(axes, table.converted(dict.fromkeys(names, "km/h")), names, "speed", "km/h", reference=wanted)
     axes.set_ylim(bottom=0.0)
-    dress(axes, "speed [km/h]")
 
 
 def _mean_torques(axes: Axes, table: Result) -> None:

@@ -60,7 +60,8 @@ class SteadyPulses(NamedTuple):
     """Means over whole periods of the drive.
 
     Attributes:
-        output_torque: what the load takes, N m. input_torque: M1, N m.
+        output_torque: what the load takes, N m, below 0 where the shaft would have to be driven.
+        input_torque: M1, N m.
         efficiency: power to the load over power in; 0 where nothing comes out.
         link2_ratio: mean speed of link 2 over that of link 1, magnitudes.
         ripple: RMS of the torque in the output freewheel about its mean, N m. peak: its largest, N m.
@@ -247,19 +248,14 @@ VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm"
 
 @dataclass(frozen=True)
 class TorqueConverterChart:
-    """Steady mean torques over the speed ratio; all torques over omega1 squared. Arrays of shape (n,).
+    """Means over the speed ratio as of SteadyPulses, torques over omega1 squared, N m s^2; shapes (n,).
 
     Attributes:
         speed_ratio: output over input speed, magnitudes, rising from 0.
-        output_torque, input_torque: mean torques, N m s^2; with losses the output torque is below 0 where
-            the shaft would have to be driven.
-        efficiency: output over input power, 1.
-        link2_ratio: mean speed of link 2 over the input speed.
-        ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
         lock_up_torque: largest load torque that lock-up at ratio 1 holds, without stiction, N m s^2, the
             same in all rows; 0 where it is not reached.
-        housing_engagements, output_engagements: of the freewheels, a turn of link 1, in lock-up those just
-            before it; None where they were not asked for.
+        housing_engagements, output_engagements: in lock-up those just before it; None where they were not
+            asked for.
     """
 
     speed_ratio: Array

@@ -98,6 +98,8 @@ class Named(NamedTuple):
 
 _BOTH = ("speed", "ratio")
 _SPEED = ("speed",)
+# all the way from stall on
+_ALL = RATIOS[::4]
 _FORCE, _MOMENT = ([f"shaking_{load}_{axis}" for axis in "xyz"] for load in ("force", "moment"))
 NAMED = {
     "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
@@ -106,9 +108,7 @@ NAMED = {
     "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).summary(w)["lock_up_torque"]),
     "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
-    "greatest_input_torque": Named(
-        "N.m", _SPEED, lambda m, w, i: float(m.chart(w).input_torque.max()) * w**2
-    ),
+    "greatest_input_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).input_torque.max() * w**2),
     "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.samples(["input_torque"], w, i).std()),
     "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(["input_torque"], w, i)),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
@@ -119,10 +119,7 @@ NAMED = {
     "housing_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).housing_slip),
     "output_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).output_slip),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
-    # all the way from stall on
-    "bearing_force_peak": Named(
-        "N", _SPEED, lambda m, w, i: max(m.pulses(w, one).bearing_force for one in RATIOS[::4])
-    ),
+    "bearing_force_peak": Named("N", _SPEED, lambda m, w, i: max(m.pulses(w, r).bearing_force for r in _ALL)),
     # where link 2 is at rest
     "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.module.derived.k * m.module.derived.s * w),
     "mount_force": Named("N", _BOTH, lambda m, w, i: m.largest(_FORCE, w, i)),
