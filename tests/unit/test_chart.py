@@ -25,6 +25,7 @@ from inertia_module.harness.chart import (
     TorqueConverterChart,
     converter_table,
     save_converter,
+    save_map,
     steady_map,
     torque_converter_chart,
 )
@@ -263,18 +264,18 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_w
     told = []
     parameters = {**PLANAR, "input_friction": 0.01}
     found = steady_map(SteadyMachine(parameters, compiled), 200.0, told.append)
-    efficiency = found.columns["efficiency"]
-    assert efficiency.shape == (found.omega1.size, FEW.size)
-    assert found.omega1[[0, -1]] == pytest.approx([20.0, 200.0])
+    efficiency = found["efficiency"]
+    assert efficiency.shape == (found["omega1"].size, FEW.size)
+    assert found["omega1"][[0, -1]] == pytest.approx([20.0, 200.0])
     assert told[-1] == 1.0
     middle = efficiency[:, 7]
     assert (np.diff(middle) > 0.0).all()
     # torques go with the square of the speed, so the loss is b1 over a torque times the speed
     assert 1.0 / middle - 1.0 == pytest.approx(
-        (1.0 / middle[0] - 1.0) * found.omega1[0] / found.omega1, rel=1e-4
+        (1.0 / middle[0] - 1.0) * found["omega1"][0] / found["omega1"], rel=1e-4
     )
     chart = torque_converter_chart(parameters, kernel=compiled, omega1=200.0)
-    assert chart.speed_ratio == pytest.approx(found.speed_ratio)
+    assert chart.speed_ratio == pytest.approx(found["speed_ratio"])
     assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
     assert len(chart_figure({"rubbed": chart}).axes) == 6
@@ -288,7 +289,7 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_w
 def test_a_row_of_the_map_is_what_a_run_of_the_rigid_module_takes_gives_and_loses(compiled, tmp_path):
     """The shaft's flywheel tells the torque, the energies input torque and loss, samples the ripple."""
     found = steady_map(SteadyMachine(LOSSY, compiled), 200.0, lambda _: None)
-    rows = read_columns(found.save(tmp_path / "map", "rpm")[0])[0]
+    rows = read_columns(save_map(found, tmp_path / "map", "rpm")[0])[0]
     omega1, inertia, step = 200.0, 1e5, 1e-4
     names = ("output_torque", "drive_angle", "drive_turns", "omega_out", "energy_in", "energy_lost")
     for ratio in FEW[[4, 7, 10]]:

@@ -15,7 +15,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ..common.units import factor_between
-from ..harness.chart import SteadyMap, TorqueConverterChart
+from ..harness.chart import TorqueConverterChart
 from ..jobs.axes import Axis
 from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
@@ -43,15 +43,15 @@ PANELS = (
 
 def chart_figure(
     charts: Mapping[str, TorqueConverterChart],
-    maps: Mapping[str, SteadyMap] | None = None,
+    maps: Mapping[str, Mapping[str, Array]] | None = None,
     speed_unit: str = "rad/s",
     allowed: Mapping[str, float] = MappingProxyType({}),
 ) -> Figure:
     """Draw torque ratio and efficiency, output and input torque, ripple and engagements over the speed ratio.
 
     Args:
-        charts: by the names for the legend. maps: whose efficiency is drawn. speed_unit: of the input.
-        allowed: by name, engagements of a freewheel a turn of the input.
+        charts: by the names for the legend. maps: of steady_map, whose efficiency is drawn.
+        speed_unit: of the input. allowed: by name, engagements of a freewheel a turn of the input.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with engagements and with maps higher by half.
@@ -101,16 +101,16 @@ def chart_figure(
     return figure
 
 
-def _efficiency(axes: Axes, found: SteadyMap, unit: str) -> None:
+def _efficiency(axes: Axes, found: Mapping[str, Array], unit: str) -> None:
     """Draw lines of equal efficiency over speed ratio and input speed."""
-    efficiency = found.columns["efficiency"]
+    ratios, efficiency = found["speed_ratio"], found["efficiency"]
     end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
-    speeds = np.abs(found.omega1) * factor_between("rad/s", unit)
-    curves = found.speed_ratio, speeds, efficiency, LEVELS
+    speeds = np.abs(found["omega1"]) * factor_between("rad/s", unit)
+    curves = ratios, speeds, efficiency, LEVELS
     filled = axes.contourf(*curves, cmap="viridis")
     axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
     axes.figure.colorbar(filled, ax=axes)
-    axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
+    axes.set_xlim(0.0, ratios[min(end, ratios.size - 1)])
     axes.set_xlabel("speed ratio, output / input")
     axes.set_ylabel(f"input speed [{unit}]")
 

@@ -1,14 +1,9 @@
-"""Torque converter chart of a mechanism: torque, efficiency and ripple over the speed ratio.
+"""Torque converter chart of a mechanism: torque, efficiency and ripple over the speed ratio (as SAE J643).
 
-The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
-(SAE J643). In a mechanism without losses everything goes with the square of the input speed as well, so
-one chart holds for all speeds. Its efficiency is 1 and its torque ratio one over the speed ratio; at
-stall it passes torque and takes no power. Mechanisms differ in the torque they pass. With losses the chart is
-that of one input speed, and a map tells torques, loss and efficiency over speed ratio and input speed.
-
-It is made of steady pulses at a speed ratio: of the rigid module, its output shaft held by a large inertia.
-All losses are in it: mean torques, and the share of the energy put in that is lost, over whole periods of
-the drive. Fidelity `averaged` has these means in a map, found once and interpolated.
+Without losses everything goes with the square of the input speed as well: one chart, of the map of fidelity
+`averaged`, holds for all speeds. With losses it is that of one input speed, and a map tells more of them.
+These are made of steady pulses at a speed ratio, of the rigid module with its output shaft held by a large
+inertia: means over whole periods of the drive, with all losses in them.
 """
 
 from __future__ import annotations
@@ -331,51 +326,43 @@ def _scale(number: str, omega1: float | None) -> tuple[float, str]:
     return 1.0, "rad/s" if number == "indexing_speed" else ""
 
 
-@dataclass(frozen=True)
-class SteadyMap:
-    """Steady pulses over input speed and speed ratio.
+def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> dict[str, Array]:
+    """Map of a mechanism from a tenth of an input speed up to that.
 
-    Attributes:
-        omega1: rad/s, shape (m,). speed_ratio: shape (n,).
-        columns: those MAPPED by name, shape (m, n); the efficiency is 0 and the output torque
-            below 0 where the shaft would have to be driven.
+    Args:
+        omega1: rad/s, not 0. progress: called with the share done.
+
+    Returns:
+        Columns by name: omega1, rad/s, shape (m,), speed_ratio, shape (n,), and those MAPPED, shape (m, n).
     """
-
-    omega1: Array
-    speed_ratio: Array
-    columns: dict[str, Array]
-
-    def save(self, stem: Path, unit: str = "rad/s", tables: bool = False) -> list[Path]:
-        """Write stem.csv, a row for each speed and ratio, whole or not at all.
-
-        Args:
-            unit: of the speeds. tables: whether stem_COLUMN.csv, a row for each ratio and a column for each
-                speed, and stem.mat, a struct map, are written too.
-        """
-        speeds, units = self.omega1 * factor_between("rad/s", unit), {"omega1": unit, **UNITS}
-        grid = np.meshgrid(speeds, self.speed_ratio, indexing="ij")
-        long = {"omega1": grid[0], "speed_ratio": grid[1], **self.columns}
-        columns = {name: values.ravel() for name, values in long.items()}
-        files = [write_columns(Path(f"{stem}.csv"), columns, units)]
-        if not tables:
-            return files
-        for name, values in self.columns.items():
-            table = {f"{name} at {speed:.6g} {unit}": row for speed, row in zip(speeds, values, strict=True)}
-            wide = {"speed_ratio": self.speed_ratio, **table}
-            files.append(
-                write_columns(Path(f"{stem}_{name}.csv"), wide, dict.fromkeys(table, units.get(name, "")))
-            )
-        fields = {"omega1": speeds, "speed_ratio": self.speed_ratio, **self.columns}
-        return [*files, write_mat(Path(f"{stem}.mat"), "map", fields, units)]
-
-
-def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> SteadyMap:
-    """Map of a mechanism from a tenth of an input speed, rad/s, not 0, up to that; told the share done."""
     speeds, rows = omega1 * MAP_SPEEDS, []
     for speed in speeds:
         rows.append(_over_ratios(machine, speed))
         progress(len(rows) / speeds.size)
-    return SteadyMap(speeds, RATIOS, {name: np.array([row[name] for row in rows]) for name in MAPPED})
+    columns = {name: np.array([row[name] for row in rows]) for name in MAPPED}
+    return {"omega1": speeds, "speed_ratio": RATIOS, **columns}
+
+
+def save_map(found: Mapping[str, Array], stem: Path, unit: str = "rad/s", tables: bool = False) -> list[Path]:
+    """Write a map as stem.csv, a row for each speed and ratio, whole or not at all.
+
+    Args:
+        unit: of the speeds. tables: whether stem_COLUMN.csv, a row for each ratio and a column for each
+            speed, and stem.mat, a struct map, are written too.
+    """
+    speeds, ratios = found["omega1"] * factor_between("rad/s", unit), found["speed_ratio"]
+    units = {"omega1": unit, **UNITS}
+    grid = dict(zip(("omega1", "speed_ratio"), np.meshgrid(speeds, ratios, indexing="ij"), strict=True))
+    long = {name: values.ravel() for name, values in {**found, **grid}.items()}
+    files = [write_columns(Path(f"{stem}.csv"), long, units)]
+    if not tables:
+        return files
+    for name in MAPPED:
+        rows = zip(speeds, found[name], strict=True)
+        wide = {f"{name} at {speed:.6g} {unit}": row for speed, row in rows}
+        of_wide = dict.fromkeys(wide, units.get(name, ""))
+        files.append(write_columns(Path(f"{stem}_{name}.csv"), {"speed_ratio": ratios, **wide}, of_wide))
+    return [*files, write_mat(Path(f"{stem}.mat"), "map", {**found, "omega1": speeds}, units)]
 
 
 def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
