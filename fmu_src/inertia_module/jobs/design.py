@@ -154,12 +154,6 @@ class Demand(Strict):
     maximum: float | str | None = None
     goal: Literal["least", "greatest"] | None = None
 
-    @model_validator(mode="after")
-    def _asks_something(self) -> Demand:
-        if self.minimum is None and self.maximum is None and self.goal is None:
-            raise ValueError("must have a minimum, a maximum or a goal ('least' or 'greatest'), has none")
-        return self
-
 
 class Search(Strict):
     """Settings of the search for designs (docs/design.md).
@@ -212,6 +206,9 @@ class Spec(Scene):
     def _check_demands(self) -> Spec:
         axes_of(self.free, self)
         for name, demand in self.figures.items():
+            if demand.minimum is None and demand.maximum is None and demand.goal is None:
+                goals = "a goal ('least' or 'greatest')"
+                raise SceneError(f"figures.{name} must have a minimum, a maximum or {goals}, has none")
             asked = NAMED[name].asks if name in NAMED else ()
             given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
             if given != asked:

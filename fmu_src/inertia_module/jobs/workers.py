@@ -100,19 +100,20 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
 
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
     """Evaluate points on the workers of pool, by the name of its task; batches as they come, in no order."""
-    waiting, alone = deque(points), deque[list[Point]]()
-    under_way: dict[Any, list[Point]] = {}
-    size = 1
-    while waiting or alone or under_way:
+    # of those waiting, how many of the first may end their worker
+    waiting, suspects, size = deque(points), 0, 1
+    # batches, and whether alone
+    under_way: dict[Any, tuple[list[Point], bool]] = {}
+    while waiting or under_way:
         threads = max(sum(client.nthreads().values()), 1)
         fair = math.ceil(len(waiting) / (2 * threads))
-        # who may end its worker is alone under way: Dask suspects all that wait on a worker that dies
-        most = 1 if alone else AHEAD * threads
-        while (waiting or alone) and len(under_way) < most:
-            number = min(size, max(fair, 1), len(waiting))
-            batch = alone.popleft() if alone else [waiting.popleft() for _ in range(number)]
-            future = client.submit(_evaluated_here, name, batch, pure=False)
-            under_way[future] = batch
+        # a suspect is alone under way: Dask suspects all that wait on a worker that dies
+        alone = suspects > 0 or any(alone for _, alone in under_way.values())
+        most, number = (1, 1) if alone else (AHEAD * threads, min(size, max(fair, 1)))
+        while waiting and len(under_way) < most:
+            batch = [waiting.popleft() for _ in range(min(number, len(waiting)))]
+            under_way[client.submit(_evaluated_here, name, batch, pure=False)] = batch, alone
+            suspects = max(suspects - 1, 0)
         try:
             future = wait(list(under_way), timeout=PATIENCE, return_when="FIRST_COMPLETED").done.pop()
             found = Batch.of(future.result(timeout=PATIENCE))
@@ -123,9 +124,10 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
                 client.cluster.scale(len(client.cluster.worker_spec))
             continue
         except KilledWorker as error:
-            batch = under_way.pop(future)
-            if len(batch) > 1:
-                alone.extend([point] for point in batch)
+            batch, alone = under_way.pop(future)
+            if not alone:
+                waiting.extendleft(batch)
+                suspects += len(batch)
                 continue
             ended = f"its worker ended {error.allowed_failures + 1} times"
             found = Batch([Row(batch[0], {}, math.nan, ended)], {})
