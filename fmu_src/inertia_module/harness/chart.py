@@ -85,7 +85,7 @@ class SteadyMachine:
     """A mechanism whose output shaft is held at a speed.
 
     Args:
-        parameters, kernel: as of torque_converter_chart.
+        parameters: of the module by name, those that differ from the defaults; as in Module.set.
 
     Attributes:
         module: the mechanism, started. ideal: True without losses, weight, play and wind-up: torques are
@@ -95,11 +95,11 @@ class SteadyMachine:
         Refused: the parameters cannot be; by its methods, a freewheel is missing.
     """
 
-    def __init__(self, parameters: Mapping[str, float | str], kernel: str = "auto") -> None:
+    def __init__(self, parameters: Mapping[str, float | str]) -> None:
         given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "constant"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **given, **zeros}
-        self.parameters, self._kernel = parameters, kernel
+        self.parameters = parameters
         self.module = module = self._started(1.0, 0.0)
         self._derived = d = module.derived
         self.ideal = d.viscous == 0.0 and d.losses == 0.0
@@ -110,7 +110,7 @@ class SteadyMachine:
 
     def _started(self, omega1: float, omega_out: float, omega2: float = 0.0) -> Module:
         speeds = {"omega1": omega1, "omega2_start": omega2, "omega_out_start": omega_out}
-        return Module(self._kernel).start(**{**self._values, **speeds, "load_torque": 0.0})
+        return Module().start(**{**self._values, **speeds, "load_torque": 0.0})
 
     def check_freewheels(self) -> None:
         """Refuse a mechanism that lacks a freewheel: it has no mean torque."""
@@ -374,7 +374,6 @@ def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
 def torque_converter_chart(
     parameters: Mapping[str, float | str],
     omega1: float = NOMINAL_SPEED,
-    kernel: str = "auto",
     engagements: bool = False,
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
@@ -383,16 +382,15 @@ def torque_converter_chart(
         parameters: of the module by name, those that differ from the defaults; as in Module.set.
         omega1: input speed at which a mechanism with losses is measured, rad/s, not 0; without losses the
             chart is that of all speeds of this sign (backwards the torque is another).
-        kernel: as in Module.
         engagements: whether those of the freewheels are wanted, which cost more than all else without losses.
 
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
-    machine = SteadyMachine(parameters, kernel)
+    machine = SteadyMachine(parameters)
     machine.check_freewheels()
     if machine.ideal:
-        chart = _chart_of_map(parameters, omega1 < 0.0, kernel)
+        chart = _chart_of_map(parameters, omega1 < 0.0)
         found = _over_ratios(machine, omega1) if engagements else {}
         columns = {name: np.interp(chart.speed_ratio, RATIOS, found[name]) for name in ENGAGEMENTS if found}
         return replace(chart, **columns)
@@ -406,11 +404,11 @@ def torque_converter_chart(
     return TorqueConverterChart(RATIOS[:number], **columns)
 
 
-def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel: str) -> TorqueConverterChart:
+def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> TorqueConverterChart:
     """The chart of a mechanism without losses: the map of fidelity averaged."""
     # torques at given speeds, whatever drives the module
     given = {"fidelity": float(codes.AVERAGED), "drive": float(codes.DRIVE_SPEED)}
-    module = Module(kernel).start(**{**parameters, **given})
+    module = Module().start(**{**parameters, **given})
     d, x = module.derived, module.state
     side = d.backward if backward else d.forward
     knots = [side.knots[n].ratio for n in range(int(side.count))]
