@@ -85,8 +85,8 @@ def chart_figure(
             duty[0].plot(speed, chart.output_engagements, color=colour, label=name)
             duty[0].plot(speed, chart.housing_engagements, "--", color=colour)
             duty[1].plot(speed, chart.peak, color=colour, label=name)
-        if name in allowed:
-            duty[0].axhline(allowed[name], color=colour, linestyle=":")
+            if name in allowed:
+                duty[0].axhline(allowed[name], color=colour, linestyle=":")
     for axes, (title, unit) in zip(panels.flat, PANELS, strict=False):
         axes.set_title(title, loc="left", fontsize=11)
         axes.set_ylabel(unit)
