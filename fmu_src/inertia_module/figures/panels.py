@@ -29,8 +29,7 @@ def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> P
 def plain(axes: Axes) -> None:
     """Grid, and no frame above and to the right."""
     axes.grid(alpha=0.25)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    axes.spines[["top", "right"]].set_visible(False)
 
 
 def dress(axes: Axes, label: str) -> None:

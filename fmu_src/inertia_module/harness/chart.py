@@ -99,7 +99,6 @@ class SteadyMachine:
         given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "constant"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **given, **zeros}
-        self.parameters = parameters
         self.module = module = self._started(1.0, 0.0)
         self._derived = d = module.derived
         self.ideal = d.viscous == 0.0 and d.losses == 0.0

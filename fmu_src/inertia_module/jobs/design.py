@@ -53,7 +53,7 @@ class Mechanism(SteadyMachine):
         """Diameter about the central axis that imbalances and pitch circles of the satellites need, m."""
         # the rim of a satellite is where an imbalance on its pitch circle would be
         rim = Module("plain")
-        rim.check(**{**self.parameters, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
+        rim.check(**{**self._values, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
         return 2.0 * max(_farthest(self.module.derived), _farthest(rim.derived))
 
     def least_torque(self, speed: float) -> float:
@@ -463,15 +463,14 @@ class DesignResult:
             doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
             binds += f"; but {doubts} of them" if doubts else ""
             return f"{len(self.chosen)} of {len(finalists)} checked designs meet all limits{binds}"
+        what = f"design of {len(self.rows)}"
+        why = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
         if self.front:
-            number = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
-            return (
-                f"no checked design of {len(finalists)} meets all limits, {number}; the nearest one: {where}"
-            )
-        ended = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
-        if self.cut:
-            ended = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
-        return f"no design of {len(self.rows)} meets all limits, {ended}; the nearest one: {where}"
+            what = f"checked design of {len(finalists)}"
+            why = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
+        elif self.cut:
+            why = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
+        return f"no {what} meets all limits, {why}; the nearest one: {where}"
 
 
 def design(
