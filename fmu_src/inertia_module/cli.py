@@ -497,14 +497,14 @@ def chart(
     A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
     one input speed, and the efficiency over speed ratio and input speed is drawn.
     """
-    from .harness.chart import NOMINAL_SPEED, SteadyMachine, converter_table, save_converter, steady_map
+    from .harness import chart as steady
 
     folder = writable_folder(output or OUTPUT_FOLDER / "chart")
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
     omega1 = None if speed is None else turning(speed)
-    at, unit = omega1 or NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
+    at, unit = omega1 or steady.NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
     read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
     make = partial(inertia_module.torque_converter_chart, omega1=at, engagements=True)
     charts = {name: make(one.parameters()) for name, one in read.items()}
@@ -512,15 +512,14 @@ def chart(
     lossy = [name for name, found in charts.items() if not found.lossless]
     for name in charts if mapped else lossy:
         with progress_bar(f"map of {name}") as progress:
-            maps[name] = steady_map(SteadyMachine(read[name].parameters()), at, progress)
+            maps[name] = steady.steady_map(steady.SteadyMachine(read[name].parameters()), at, progress)
     files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
     for name, one in maps.items():
-        files.append(one.save(folder / f"{name}_map.csv", unit))
-        files += one.save_tables(folder / f"{name}_map", unit) if mapped else []
+        files += steady.save_map(one, folder / f"{name}_map", unit, mapped)
     if mapped or omega1 is not None:
         for name, found in charts.items():
-            table = converter_table(SteadyMachine(read[name].parameters()), found, at)
-            files += save_converter(table, at, folder / f"{name}_converter")
+            table = steady.converter_table(steady.SteadyMachine(read[name].parameters()), found, at)
+            files += steady.save_converter(table, at, folder / f"{name}_converter")
     drawn = {name: maps[name] for name in lossy}
     indexing = {name: one.freewheels.of("indexing_frequency") for name, one in read.items()}
     allowed = {name: min(limits.values()) * math.tau / abs(at) for name, limits in indexing.items() if limits}

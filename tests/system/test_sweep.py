@@ -140,6 +140,18 @@ def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can
     assert {address.ip for address in addresses} == {"127.0.0.1"}
 
 
+def test_workers_that_go_on_keep_nothing_of_a_task_that_is_over(scene, fmu, cluster):
+    task = Task(fmu.read_bytes(), scene.tables, summaries)
+    name = task.identity
+    with pool(task, cluster.address) as client:
+        (batch,) = evaluations(client, name, [{}])
+        assert not batch.rows[0].refused
+        files = client.run(lambda dask_worker: str(dask_worker.plugins[name].path)).values()
+        assert files
+        assert all(Path(file).is_file() for file in files)
+    assert not any(Path(file).exists() for file in files)
+
+
 @pytest.fixture
 def slow_scene():
     return load_scene(REFERENCE, LONG)

@@ -21,9 +21,9 @@ REALISTIC = {
 }
 
 
-def of_pulses(kernel, values, omega1, ratio):
+def of_pulses(_kernel, values, omega1, ratio):
     """Torque on the load and input torque, N m, of its sign, efficiency, mean speed of link 2 over omega1."""
-    return SteadyMachine(values, kernel).at(omega1, ratio)[:4]
+    return SteadyMachine(values).at(omega1, ratio)[:4]
 
 
 def of_map(kernel, values, omega1, ratio):

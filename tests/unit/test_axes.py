@@ -71,8 +71,8 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
             for point in points
         ]
 
-    found, points = indices(axes, 256, 0, rows)
-    assert (len(points), [one[:2] for one in found]) == (256 * (len(axes) + 2), [("sum", n) for n in names])
+    found, every = indices(axes, 256, 0, rows)
+    assert (len(every), [one[:2] for one in found]) == (256 * (len(axes) + 2), [("sum", n) for n in names])
     for one, share in zip(found, expected, strict=True):
         assert one[2:] == pytest.approx((share, share), abs=0.02)
 

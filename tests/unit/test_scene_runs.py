@@ -11,7 +11,7 @@ from inertia_module.common.errors import UnknownName
 from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
 from inertia_module.fidelity.trials import run_in_process, time_of
 from inertia_module.figures.jobs import chart_figure
-from inertia_module.figures.scenes import end_of_run, losses, plot_all, scene_figure
+from inertia_module.figures.scenes import FLOWS, end_of_run, losses, plot, scene_figure
 from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.results import Result
 from inertia_module.loops import EngineMap, Governor
@@ -116,7 +116,7 @@ def test_each_loss_is_told_where_there_is_one():
     for name in LOSSES:
         told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0)
         assert {key: told[key] for key in told if key in LOSSES} == {name: (2.0, "J")}
-        assert list(losses(table(**{name: 2.0}))) == [name.removeprefix("energy_lost_")]
+        assert losses(table(**{name: 2.0})) == [name]
         assert BY_NAME[name].unit == "J"
 
 
@@ -498,17 +498,22 @@ def test_close_up_is_called_what_it_is(torque, shown):
     assert 0 <= first < torque.size
 
 
-@pytest.mark.parametrize(("largest", "unit", "factor"), [(1999.0, "W", 1.0), (5000.0, "kW", 1e3)])
-def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, factor):
-    axes, time = Figure().subplots(), np.arange(3.0)
-    power = np.array([1.0, -largest, 2.0])
-    assert plot_all(axes, time, {"in": (power, "black"), "lost": (0.1 * power, "red")}, "W") == unit
+@pytest.mark.parametrize(
+    ("largest", "unit", "label", "factor"),
+    [(1999.0, "W", "W", 1.0), (5000.0, "W", "kW", 1e3), (5000.0, "rad/s", "rad/s", 1.0)],
+)
+def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, label, factor):
+    axes, power = Figure().subplots(), np.array([1.0, -largest, 2.0])
+    columns = {"time": np.arange(3.0), "energy_in": power, "energy_lost": 0.1 * power}
+    plot(axes, Result(columns), FLOWS, "power", unit)
+    assert axes.get_ylabel() == f"power [{label}]"
     assert [line.get_label() for line in axes.lines] == ["in", "lost"]
     assert axes.lines[0].get_ydata() == pytest.approx(power / factor)
 
 
-def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided(compiled):
-    ratio, output, taken, _ = chart_figure({"ideal": torque_converter_chart({}, kernel=compiled)}).axes
+@pytest.mark.usefixtures("compiled")
+def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided():
+    ratio, output, taken, _ = chart_figure({"ideal": torque_converter_chart({})}).axes
     speeds, ratios = ratio.lines[0].get_data()
     assert ratios == pytest.approx(1.0 / speeds, rel=1e-9)
     assert ratios.max() > 5.0

@@ -14,6 +14,7 @@ from inertia_module.jobs.design import (
     Limit,
     Mechanism,
     doubts_of,
+    figures_wanted,
     limits_of,
     read_spec,
 )
@@ -125,7 +126,7 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     short = row(15.0, 60.0, 1.0)
     assert not judge.meets(short)
     assert judge.beyond(short) == pytest.approx(0.25 + 0.2)
-    assert judge.tightest(short).text(short, "N.m") == "stall_torque is 15 N.m, must be at least 20 N.m"
+    assert judge.tightest(short) == "stall_torque is 15 N.m, must be at least 20 N.m"
     refused = Row({"mass": 1.0}, {}, 0.0, "no")
     assert judge.violations(refused) == [1.0, 1.0, 1.0, 1.0]
     assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
@@ -174,9 +175,9 @@ def test_speed_that_a_design_or_a_run_does_not_reach_is_told():
         Row({}, {"time_to_25_kmh": 3.0}, 0.0),
         Row({}, {}, 0.0, "too heavy"),
     )
-    limit = Limit("time_to_25_kmh", 9.0, 1.0)
-    assert limit.text(slow, "s") == "time_to_25_kmh is not reached, must be at most 9 s"
-    assert limit.text(refused, "s") == "time_to_25_kmh is missing, must be at most 9 s"
+    limit = Limit("time_to_25_kmh", "s", 9.0, 1.0)
+    assert limit.text(slow) == "time_to_25_kmh is not reached, must be at most 9 s"
+    assert limit.text(refused) == "time_to_25_kmh is missing, must be at most 9 s"
     scene = load_scene(example("engine_launch")).replaced(load={"times_to": ["25 km/h"]})
     assert unreached(scene, [slow, slow, fast, refused]) == {"time_to_25_kmh": 2}
     assert unreached(scene, [fast, refused]) == {}
@@ -289,6 +290,12 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     )
     assert "none came nearer in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "not at its end when search.longest = 600 s was over" in verdict([short], [], True, {}).verdict()
+    # a refused design is never the nearest one, however far the others are
+    far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
+    judge = Judge(spec, UNITS)
+    assert judge.beyond(far) > judge.beyond(refused)
+    none = DesignResult(spec, judge, [refused, far], [], [], 2, {}, False).verdict()
+    assert none.endswith("the nearest one: omega_out_final is 500 rad/s, must be at most 50 rad/s")
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---
@@ -323,8 +330,12 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
         found = Mechanism({**planar, "eccentricity": eccentricity}).envelope_diameter
         assert found == pytest.approx(2 * reach)
     of_all = {"modules": 2.0, "satellites": 3.0, "imbalance_mass": "250 g"}
-    assert Mechanism(of_all).total_imbalance_mass == 1.5
-    assert Mechanism({}).total_imbalance_mass == 1.0
-    Mechanism({**planar, "eccentricity": 0.06}).check_room()
+    assert figure("total_imbalance_mass", of_all) == 1.5
+    assert figure("total_imbalance_mass", {}) == 1.0
+    scene = load_scene(example("planar")).replaced(mechanism=planar)
+    asked = {"scenes": {"rigid": scene.tables}, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
+    figures = figures_wanted(asked, None)
+    found = figures({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
+    assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
-        assert_refused(name, Mechanism({**planar, name: value}).check_room)
+        assert_refused(name, figures, {"fidelity": "rigid", f"mechanism.{name}": value})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -15,13 +15,13 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ..common.units import factor_between
-from ..harness.chart import SteadyMap, TorqueConverterChart
+from ..harness.chart import TorqueConverterChart
 from ..jobs.axes import Axis
 from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
 from ..jobs.fit import FitResult
 from ..jobs.orders import BASES, Orders
-from ..jobs.sweep import SweepResult
+from ..jobs.sweep import SweepResult, varies
 from .panels import SIZE, Array, dress, plain, sheet, titled
 
 # --- torque converter charts, one curve a mechanism ---
@@ -30,44 +30,42 @@ COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
 # of the lines of equal efficiency
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
+# panels of a chart, the last two of one with engagements: title and unit
+PANELS = (
+    ("torque ratio, efficiency (broken line)", ""),
+    ("mean output torque / ω1²; bar: lock-up holds", "N·m·s²"),
+    ("mean input torque / ω1², of the drive", "N·m·s²"),
+    ("RMS ripple over mean output torque", "-"),
+    ("engagements: output, housing (broken), allowed (dots)", "a turn of the input"),
+    ("largest torque in the output freewheel / ω1²", "N·m·s²"),
+)
 
 
 def chart_figure(
     charts: Mapping[str, TorqueConverterChart],
-    maps: Mapping[str, SteadyMap] | None = None,
+    maps: Mapping[str, Mapping[str, Array]] | None = None,
     speed_unit: str = "rad/s",
     allowed: Mapping[str, float] = MappingProxyType({}),
 ) -> Figure:
     """Draw torque ratio and efficiency, output and input torque, ripple and engagements over the speed ratio.
 
     Args:
-        charts: by the names for the legend. maps: whose efficiency is drawn. speed_unit: of the input.
-        allowed: by name, engagements of a freewheel a turn of the input.
+        charts: by the names for the legend. maps: of steady_map, whose efficiency is drawn.
+        speed_unit: of the input. allowed: by name, engagements of a freewheel a turn of the input.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with engagements and with maps higher by half.
     """
     engaged = any(one.output_engagements is not None for one in charts.values())
     height = 1.0 + 0.5 * engaged
-    figure = sheet("Torque converter chart", height * SIZE[1])
+    figure = sheet("Torque converter chart", (height + 0.5 * bool(maps)) * SIZE[1])
     upper: Figure | SubFigure = figure
     if maps:
-        figure.set_figheight((height + 0.5) * SIZE[1])
         parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0 * height, 1))
         upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
         for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
-            # lines of equal efficiency
-            speeds = np.abs(found.omega1) * factor_between("rad/s", speed_unit)
-            efficiency = found.columns["efficiency"]
-            end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
-            curves = found.speed_ratio, speeds, efficiency, LEVELS
-            filled = axes.contourf(*curves, cmap="viridis")
-            axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
-            axes.set_xlim(0.0, found.speed_ratio[min(end, found.speed_ratio.size - 1)])
-            axes.figure.colorbar(filled, ax=axes)
             axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
-            axes.set_xlabel("speed ratio, output / input")
-            axes.set_ylabel(f"input speed [{speed_unit}]")
+            _efficiency(axes, found, speed_unit)
     panels = upper.subplots(2 + engaged, 2, sharex=True)
     ratio, output, taken, ripple, *duty = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
@@ -83,33 +81,38 @@ def chart_figure(
             output.plot([1.0, 1.0], [0.0, chart.lock_up_torque[0]], color=colour, linewidth=3.0, alpha=0.5)
         taken.plot(speed, chart.input_torque, color=colour, label=name)
         ripple.plot(speed[passing], chart.ripple[passing] / torque[passing], color=colour, label=name)
-        for engagements, style in ((chart.output_engagements, "-"), (chart.housing_engagements, "--")):
-            if engagements is not None:
-                duty[0].plot(speed, engagements, style, color=colour, label=name if style == "-" else "")
-        if name in allowed:
-            duty[0].axhline(allowed[name], color=colour, linestyle=":")
-        if duty:
+        if chart.output_engagements is not None and chart.housing_engagements is not None:
+            duty[0].plot(speed, chart.output_engagements, color=colour, label=name)
+            duty[0].plot(speed, chart.housing_engagements, "--", color=colour)
             duty[1].plot(speed, chart.peak, color=colour, label=name)
-    lossless = all(chart.lossless for chart in charts.values())
-    lost = ": 1, no losses" if lossless else ""
-    titles = (
-        (f"torque ratio, efficiency (broken line){lost}", ""),
-        ("mean output torque / ω1²; bar: lock-up holds", "N·m·s²"),
-        ("mean input torque / ω1², of the drive", "N·m·s²"),
-        ("RMS ripple over mean output torque", "-"),
-        ("engagements: output, housing (broken), allowed (dots)", "a turn of the input"),
-        ("largest torque in the output freewheel / ω1²", "N·m·s²"),
-    )
-    for axes, (title, unit) in zip(panels.flat, titles, strict=False):
+            if name in allowed:
+                duty[0].axhline(allowed[name], color=colour, linestyle=":")
+    for axes, (title, unit) in zip(panels.flat, PANELS, strict=False):
         axes.set_title(title, loc="left", fontsize=11)
         axes.set_ylabel(unit)
         axes.set_ylim(bottom=0.0)
         axes.legend(fontsize=9, frameon=False)
         plain(axes)
     ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
+    if all(chart.lossless for chart in charts.values()):
+        ratio.set_title(f"{PANELS[0][0]}: 1, no losses", loc="left", fontsize=11)
     for axes in panels[-1]:
         axes.set_xlabel("speed ratio, output / input")
     return figure
+
+
+def _efficiency(axes: Axes, found: Mapping[str, Array], unit: str) -> None:
+    """Draw lines of equal efficiency over speed ratio and input speed."""
+    ratios, efficiency = found["speed_ratio"], found["efficiency"]
+    end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
+    speeds = np.abs(found["omega1"]) * factor_between("rad/s", unit)
+    curves = ratios, speeds, efficiency, LEVELS
+    filled = axes.contourf(*curves, cmap="viridis")
+    axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
+    axes.figure.colorbar(filled, ax=axes)
+    axes.set_xlim(0.0, ratios[min(end, ratios.size - 1)])
+    axes.set_xlabel("speed ratio, output / input")
+    axes.set_ylabel(f"input speed [{unit}]")
 
 
 # --- sweeps ---
@@ -128,12 +131,10 @@ def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
     Raises:
         Refused: the sweep has no such figure.
     """
-    names, known = list(figures), sweep.figures
-    for name in dict.fromkeys(name for name in (*USUAL, *known) if name in known and not figures):
-        values = sweep.figure(name)[np.isfinite(sweep.figure(name))]
-        varies = values.size > 1 and float(np.ptp(values)) > 1e-9 * float(np.abs(values).max())
-        names += [name] if varies and len(names) < MOST else []
-    names = [name for name in names if sweep.figure(name).size]
+    names = list(figures)
+    if not names:
+        known = sorted(sweep.figures, key=lambda name: name not in USUAL)
+        names = [name for name in known if varies(sweep.figure(name))][:MOST]
     if len(sweep.axes) > 2:
         return _parallel(sweep, names)
     rows = max(len(names), 1)
@@ -187,34 +188,25 @@ def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
 
 def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
     """Parallel coordinates: a line for each row, coloured by the first figure."""
-    columns = [(axis.name, *_values(sweep, axis)) for axis in sweep.axes]
-    columns += [(name, sweep.figure(name), []) for name in names]
-    table = [values for _, values, _ in columns]
-    titles = [titled(name, sweep.units.get(name, "")) for name, _, _ in columns]
-    ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in table]
-    # places between the ends, 0 to 1
-    shares = np.array(
-        [
-            (column - low) / (high - low) if high > low else np.full(column.shape, 0.5)
-            for column, (low, high) in zip(table, ends, strict=True)
-        ]
-    ).T
-    picture = sheet(height=5.5, width=2.2 + 1.8 * len(table))
-    panel = picture.subplots()
-    colours = colormaps["viridis"]
-    by = shares[:, len(sweep.axes)] if names else shares[:, 0]
-    for line, share in zip(shares, by, strict=True):
-        if np.isfinite(line).all():
-            panel.plot(line, color=colours(share), alpha=0.5, linewidth=0.9)
-    panel.set_xticks(range(len(table)), [title.replace(" [", "\n[") for title in titles])
-    panel.set_yticks([])
-    for place, ((low, high), (_, _, known)) in enumerate(zip(ends, columns, strict=True)):
+    columns = {axis.name: _values(sweep, axis) for axis in sweep.axes}
+    columns |= {name: (sweep.figure(name), []) for name in names}
+    picture = sheet(height=5.5, width=2.2 + 1.8 * len(columns))
+    panel, shares = picture.subplots(), []
+    for place, (values, known) in enumerate(columns.values()):
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        shares.append((values - low) / (high - low) if high > low else np.full(values.shape, 0.5))
         panel.axvline(place, color="0.3", linewidth=0.8)
         for value, height in ((low, -0.03), (high, 1.03)):
             text = known[int(value)] if known else f"{value:.4g}"
             panel.annotate(text, (place, height), ha="center", va="center", fontsize=8)
-    for side in panel.spines.values():
-        side.set_visible(False)
+    by = shares[len(sweep.axes)] if names else shares[0]
+    for line, share in zip(np.transpose(shares), by, strict=True):
+        if np.isfinite(line).all():
+            panel.plot(line, color=colormaps["viridis"](share), alpha=0.5, linewidth=0.9)
+    titles = [titled(name, sweep.units.get(name, "")).replace(" [", "\n[") for name in columns]
+    panel.set_xticks(range(len(columns)), titles)
+    panel.set_yticks([])
+    panel.set_frame_on(False)
     return picture
 
 
@@ -260,21 +252,20 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
     panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
     dress(panel, titled(up, found.judge.unit(up)))
     x, y = points(found.rows)
-    _stretch(panel, "y", y)
+    _stretch(panel.set_yscale, panel.yaxis, y)
     panel.set_xlabel("design, in the order of the search")
     if across is not None:
-        _stretch(panel, "x", x)
+        _stretch(panel.set_xscale, panel.xaxis, x)
         panel.set_xlabel(titled(across, found.judge.unit(across)))
     panel.margins(0.03)
 
 
-def _stretch(panel: Axes, side: str, values: Array) -> None:
-    """Make a side logarithmic, with plain numbers: the first designs of a search are far from the best."""
+def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
+    """Make an axis logarithmic, with plain numbers: the first designs of a search are far from the best."""
     if (values < 0.0).any():
-        getattr(panel, f"set_{side}scale")("symlog")
+        set_scale("symlog")
         return
-    getattr(panel, f"set_{side}scale")("log")
-    axis = getattr(panel, f"{side}axis")
+    set_scale("log")
     axis.set_major_formatter("{x:g}")
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
     axis.set_minor_formatter(NullFormatter())

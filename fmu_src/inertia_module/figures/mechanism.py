@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
 from ..common.colours import BLACK, BLUE, GREY, ORANGE, VERMILION
 from ..kernel import layout
@@ -106,11 +107,8 @@ def _draw_bevel(axes: Axes, d: Any, view: tuple[int, int]) -> None:
 
 def _cone(half: float, polar: float, azimuth: float) -> Array:
     """Rim of a cone of slant 1 and this half angle, its axis at these angles; from its apex, shape (n, 3)."""
-    sine, cosine = math.sin(polar), math.cos(polar)
-    in_plane = np.array([[sine, 0.0, cosine], [cosine, 0.0, -sine]])
-    along, up = ([x * math.cos(azimuth), x * math.sin(azimuth), z] for x, _, z in in_plane)
-    about = np.outer(CIRCLE[:, 2], up) + np.outer(CIRCLE[:, 1], np.cross(along, up))
-    rim: Array = math.cos(half) * np.array(along) + math.sin(half) * about
+    about_x = np.array([math.cos(half), 0.0, 0.0]) + math.sin(half) * CIRCLE
+    rim: Array = Rotation.from_euler("yz", [polar - 0.5 * math.pi, azimuth]).apply(about_x)
     return rim
 
 

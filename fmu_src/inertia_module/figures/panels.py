@@ -29,8 +29,7 @@ def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> P
 def plain(axes: Axes) -> None:
     """Grid, and no frame above and to the right."""
     axes.grid(alpha=0.25)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    axes.spines[["top", "right"]].set_visible(False)
 
 
 def dress(axes: Axes, label: str) -> None:
@@ -62,11 +61,7 @@ def headline(axes: Axes, text: str) -> None:
 
 
 def smooth(time: Array, values: Array, window: float = SMOOTHING) -> Array:
-    """Mean of values over a Hann window, s, around each row (cut off at the ends).
-
-    Args:
-        time, values: shape (n,), time in equal steps.
-    """
+    """Mean of values over a Hann window, s, around each row (cut off at the ends); time in equal steps."""
     rows = round(window / float(time[1] - time[0]))
     weights = np.hanning(min(max(rows, 1), len(time)) + 2)[1:-1]
     total = np.convolve(values, weights, mode="same")

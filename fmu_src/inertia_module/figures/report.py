@@ -80,22 +80,14 @@ def report_file(
     remarks = [f"warning: {warning}" for warning in result.warnings]
     remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
     remarks += chosen
-    parts: dict[str, Callable[[SceneResult], Part]] = {
-        "Mechanism": _mechanism,
-        "Curves": _curves,
-        "Torque converter chart": _chart,
-        "Orders": _orders,
-        "Energy and losses": _energy,
-        "Duty of the freewheels": _duty,
-    }
-    asked = _asked(result.scene, text, keys)
+    asked, *parameters = _asked(result.scene, text, keys).items()
     sections = {
         "Warnings and remarks": Part(remarks or ["There are none."]),
         "What was found": _found(result),
     }
-    sections["What was asked"] = asked.pop("")
-    for number, (title, make) in enumerate(parts.items()):
-        progress(number / len(parts))
+    sections |= dict([asked])
+    for number, (title, make) in enumerate(PARTS.items()):
+        progress(number / len(PARTS))
         try:
             sections[title] = make(result)
         except Refused as reason:
@@ -107,8 +99,8 @@ def report_file(
         "made": f"{date.today()}",
         "command": command,
     }
-    values = {"scene": result.scene, "sections": {**sections, **asked}, "origin": origin, "text": text}
-    return filled_xml(TEMPLATE, values)
+    sections |= dict(parameters)
+    return filled_xml(TEMPLATE, {"scene": result.scene, "sections": sections, "origin": origin, "text": text})
 
 
 def _picture(figure: Figure, size: float = SMALLER) -> str:
@@ -149,7 +141,7 @@ def _shown(value: Any) -> str:
 
 
 def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
-    """Keys of a scene with their values and sources: by group those of its model, the others by ""."""
+    """Sections of the keys of a scene with their values and sources; last, by group, those of its model."""
     sources = {key: ("scene file", written) for key, written in _flat(tomllib.loads(text))}
     sources |= {key: ("--set", written) for key, written in _flat(keys_of(keys))}
 
@@ -178,7 +170,7 @@ def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
     columns = ("parameter", "value", "source", "meaning")
     parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
     added = "A value other than that of its source has in it what other keys add, as the inertia of a load."
-    return {"": Part([added], ("key", "value", "source"), rows[""]), **parts}
+    return {"What was asked": Part([added], ("key", "value", "source"), rows[""]), **parts}
 
 
 # --- what was found ---
@@ -205,11 +197,6 @@ def _mechanism(result: SceneResult) -> Part:
     return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
 
 
-def _curves(result: SceneResult) -> Part:
-    """Speeds, torques, forces and energies over time."""
-    return Part(picture=_picture(scene_figure(result), size=1.0))
-
-
 def _chart(result: SceneResult) -> Part:
     """Chart at the largest speed of link 1 in the run."""
     scene, speeds = _module(result), input_speed(result.record)
@@ -222,10 +209,8 @@ def _chart(result: SceneResult) -> Part:
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
     figure = chart_figure({"mechanism": chart}, allowed=allowed)
-    text = (
-        f"Steady means over the speed ratio, at the largest speed of link 1 in the run, {omega1:.5g} rad/s."
-    )
-    return Part([text], ("number", "value"), rows, _picture(figure))
+    at = f"at the largest speed of link 1 in the run, {omega1:.5g} rad/s"
+    return Part([f"Steady means over the speed ratio, {at}."], ("number", "value"), rows, _picture(figure))
 
 
 def _orders(result: SceneResult) -> Part:
@@ -237,12 +222,11 @@ def _orders(result: SceneResult) -> Part:
     begin, end = record.time[turning[0]], record.time[turning[-1] + 1]
     found = orders(scene, record=record, begin=begin, end=end)
     rows = [(_words(name), *line) for name, lines in found.lines(NAMED).items() for line in lines.items()]
-    text = f"Cycles a {BASES[LINK1]}, from {begin:g} s to {end:g} s."
+    texts = [f"Cycles a {BASES[LINK1]}, from {begin:g} s to {end:g} s."]
     if is_coarse(record):
-        text += (
-            " The communication step is long for the pulses: what is above the highest order is folded down."
-        )
-    return Part([text], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
+        step = "The communication step is long for the pulses"
+        texts.append(f"{step}: what is above the highest order is folded down.")
+    return Part([" ".join(texts)], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
 
 
 def _energy(result: SceneResult) -> Part:
@@ -264,17 +248,24 @@ def _duty(result: SceneResult) -> Part:
     if DUTY in result.remarks:
         raise Refused(f"it {result.remarks[DUTY]}")
     lines = result.lines()
+    frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [
         (number, *(lines.get(f"{name} {number}", "there is none") for name in FREEWHEELS))
-        for number in (
-            "engagement frequency mean",
-            "engagement frequency maximum",
-            "torque peak",
-            "slip peak",
-        )
+        for number in (*frequencies, "torque peak", "slip peak")
     ]
     text = (
         "The mean frequency is that of the whole run; the largest is that of ten engagements in a row, for a"
         " maker limits how soon its sprags have to engage again. Slip is the speed of overrunning."
     )
     return Part([text], ("number", *(f"{name} freewheel" for name in FREEWHEELS)), rows)
+
+
+# sections of what was found, as far as a scene can have them
+PARTS: dict[str, Callable[[SceneResult], Part]] = {
+    "Mechanism": _mechanism,
+    "Curves": lambda result: Part(picture=_picture(scene_figure(result), size=1.0)),
+    "Torque converter chart": _chart,
+    "Orders": _orders,
+    "Energy and losses": _energy,
+    "Duty of the freewheels": _duty,
+}

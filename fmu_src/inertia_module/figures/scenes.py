@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,24 +16,57 @@ from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
 from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
 from ..scene import SceneResult
-from ..scene.run import TIME_TO, forces, input_speed, work
+from ..scene.run import TIME_TO, forces, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
-# draws rows of a table: of the whole run, or close up
-Panel = Callable[[Axes, Result, slice, bool], None]
+# draws a table from a row on: from the first the whole run, else close up
+Panel = Callable[[Axes, Result, int], None]
 
 PULSES_SHOWN = 4
 # more of them one below the other make the figure higher
 MOST_PANELS = 4
 # switches of freewheels in a row that has any, on average, above which a line does not say what instants did
 MOST_SWITCHES = 1.1
-# of the losses, in their order
-COLOURS = (VERMILION, ORANGE, PURPLE, SKY, BLUE)
 # largest share of the run over which its powers are averaged
 WINDOW = 1.0 / 8.0
-# what swings with the pulses: colours and labels
-IMBALANCE = (PURPLE, "imbalance")
-FORCES = {"satellite_force": (PURPLE, "on the satellite's bearing"), "shaking_force": (BLUE, "on the mount")}
+# a column that is added: what is stored less what was at the start
+GAIN = "energy_stored_gain"
+# looks of columns: label, colour, line
+LOOKS = {
+    "omega1": ("input ω1", BLACK, "-"),
+    "input_speed": ("input ω1", BLACK, "-"),
+    "omega2": ("link 2 ω2", SKY, "-"),
+    "omega_out": ("output shaft", VERMILION, "-"),
+    "reference": ("reference", BLACK, "--"),
+    "vehicle_speed": ("vehicle", VERMILION, "-"),
+    "input_torque": ("input", BLACK, "-"),
+    "output_torque_mean": ("output", VERMILION, "-"),
+    "input_torque_mean": ("input", BLACK, "-"),
+    "brake_torque": ("brake", BLUE, "-"),
+    "output_torque": ("output freewheel", VERMILION, "-"),
+    "housing_torque": ("housing freewheel", BLUE, "-"),
+    "load_torque": ("load", GREEN, "--"),
+    "drive_torque": ("drive", BLUE, "-"),
+    "satellite_force": ("on the satellite's bearing", PURPLE, "-"),
+    "shaking_force": ("on the mount", BLUE, "-"),
+    "imbalance_acceleration": ("imbalance", PURPLE, "-"),
+    "energy_in": ("in", BLACK, "-"),
+    "energy_out": ("out to the load", GREEN, "-"),
+    GAIN: ("gain of stored", BLUE, "-"),
+    "energy_lost": ("lost", VERMILION, "-"),
+    "hub_speed": ("hub", BLACK, "-"),
+    "hub_acceleration": ("hub", BLACK, "-"),
+    "driven_acceleration": ("driven mass", VERMILION, "-"),
+    "twist": ("twist", PURPLE, "-"),
+}
+for _name, _colour in zip(LOSSES, (VERMILION, ORANGE, PURPLE, SKY, BLUE, VERMILION), strict=True):
+    LOOKS[_name] = (_name.removeprefix(LOST_TO).replace("_", " "), _colour, "-")
+FORCES = ("satellite_force", "shaking_force")
+FLOWS = ("energy_in", "energy_out", "energy_lost")
+# what swings with the pulses
+INSTANTS = ("omega2", *FORCES, "imbalance_acceleration")
+# units that are shown with a k where values are large
+LARGE = ("J", "W", "N", "m/s²")
 
 
 def scene_figure(result: SceneResult) -> Figure:
@@ -46,14 +79,44 @@ def scene_figure(result: SceneResult) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
-    figure = sheet(result.scene.title)
-    if "hub_speed" in result.record:
-        _shaft_panels(figure, result)
-    elif result.scene.controller is not None and "vehicle_speed" in result.record:
-        _driving_panels(figure, result)
+    figure, table = sheet(result.scene.title), result.record
+    gain = table["energy_stored"] - table["energy_stored"][0]
+    table = Result(table.columns | forces(table) | {GAIN: gain}, table.units)
+    if "hub_speed" in table:
+        _shaft_panels(figure, result, table)
+    elif result.scene.controller is not None and "vehicle_speed" in table:
+        _driving_panels(figure, result, table)
     else:
-        _pulse_panels(figure, result)
+        _pulse_panels(figure, result, table)
     return figure
+
+
+def plot(
+    axes: Axes, table: Result, names: Iterable[str], what: str, unit: str, first: int = 0, **labels: str
+) -> None:
+    """Draw columns of a table that it has, in their LOOKS, and dress the panel.
+
+    Large values are shown in thousands; what swings with the pulses as dots where the rows are too far apart.
+
+    Args:
+        names: of the columns. what: they are, for the label. unit: of all. first: row to begin at.
+        labels: of columns by name, in place of those of LOOKS.
+    """
+    shown = [name for name in names if name in table]
+    factor, unit = in_thousands(unit, *(table[name] for name in shown))
+    for name in shown:
+        label, colour, line = LOOKS[name]
+        look: dict[str, Any] = {"color": colour, "linestyle": line, "label": labels.get(name, label)}
+        if name in INSTANTS and is_coarse(table):
+            look |= {"linestyle": "none", "marker": ".", "markersize": 2.0, "label": f"{label}, at instants"}
+        axes.plot(table.time[first:], table[name][first:] / factor, linewidth=1.5, **look)
+    dress(axes, f"{what} [{unit}]")
+
+
+def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
+    """Divisor and unit in which values are shown: with a k where they are large."""
+    largest = max(float(np.abs(part).max()) for part in values)
+    return (1e3, f"k{unit}") if unit in LARGE and largest > 2e3 else (1.0, unit)
 
 
 # --- pulses ---
@@ -63,13 +126,6 @@ def is_coarse(table: Result) -> bool:
     """Tell whether the rows are too far apart for the pulses: instants make no curve then."""
     switches = np.diff(table["contact_switches"])
     return bool(switches.sum() > MOST_SWITCHES * np.count_nonzero(switches))
-
-
-def plot_instants(axes: Axes, table: Result, values: Array, rows: slice, label: str, **style: Any) -> None:
-    """Draw what swings with the pulses: a line, or dots where the rows are too far apart for one."""
-    dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.0} if is_coarse(table) else {}
-    shown = f"{label}, at instants" if dots else label
-    axes.plot(table.time[rows], values[rows], label=shown, **style, **dots)
 
 
 def pulse_starts(table: Result) -> NDArray[np.int64]:
@@ -91,218 +147,145 @@ def end_of_run(table: Result) -> tuple[int, str]:
     return first, f"the last {PULSES_SHOWN} pulses"
 
 
-def _pulse_panels(figure: Figure, result: SceneResult) -> None:
+def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     """Draw left the whole run, right its end; the forces take the place of the acceleration."""
-    table, numbers = result.record, result.summary
+    numbers = result.summary
     first, shown = end_of_run(table)
     drawn: list[Panel] = [_speeds, _torques]
-    if not FORCES.keys().isdisjoint(forces(table)) or "imbalance_acceleration" in table:
-        drawn.append(_instant_panel)
+    if found := [name for name in FORCES if name in forces(table)]:
+        drawn.append(partial(_magnitudes, names=found, what="force", unit="N"))
+    elif "imbalance_acceleration" in table:
+        drawn.append(partial(_magnitudes, names=INSTANTS[-1:], what="acceleration", unit="m/s²"))
     if lost := losses(table):
-        drawn.append(partial(_power_panel, energies=_flows(table), label="power"))
-        drawn.append(partial(_power_panel, energies=lost, label="lost"))
-    drawn.append(_energy_panel)
+        drawn += [partial(_powers, names=FLOWS, what="power"), partial(_powers, names=lost, what="lost")]
+    drawn.append(_energies)
     figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
     grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
-    for panels, begin, zoomed in ((grid[:, 0], 0, False), (grid[:, 1], first, True)):
-        for axes, draw in zip(panels, drawn, strict=True):
-            draw(axes, table, slice(begin, None), zoomed)
-        panels[-1].set_xlabel("time [s]")
+    for draw, (left, right) in zip(drawn, grid, strict=True):
+        draw(left, table, 0)
+        draw(right, table, max(first, 1))
+    for axes in grid[-1]:
+        axes.set_xlabel("time [s]")
     for axes in grid[:2, 0]:
         axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
+    told = "whole run: output shaft at {omega_out_final:.4g} rad/s after {simulated_time:g} s, "
     # the first speed of a vehicle that was asked for and reached, and when
-    reached = [
-        f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
-        for name in numbers
-        if name.startswith(TIME_TO)
-    ]
-    headline(
-        grid[0, 0],
-        f"whole run: output shaft at {numbers['omega_out_final']:.4g} rad/s after"
-        f" {numbers['simulated_time']:g} s, {''.join(reached[:1])}"
-        f"mean torque {numbers['output_torque_mean']:.3g} N·m",
-    )
+    for name in [name for name in numbers if name.startswith(TIME_TO)][:1]:
+        told += f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
+    told += "mean torque {output_torque_mean:.3g} N·m"
+    headline(grid[0, 0], told.format_map(numbers))
     headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switches in all)")
 
 
-def _speeds(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+def _speeds(axes: Axes, table: Result, first: int) -> None:
     """Speeds of the links; close up without the input, which would press the others flat."""
-    time = table.time[rows]
-    if not zoomed:
-        axes.plot(time, input_speed(table)[rows], color=BLACK, linewidth=1.2, label="input ω1")
-    plot_instants(axes, table, table["omega2"], rows, "link 2 ω2", color=SKY, linewidth=1.0)
-    axes.plot(time, table["omega_out"][rows], color=VERMILION, linewidth=2.0, label="output shaft")
-    if "reference" in table and table.units["reference"] == "rad/s":
-        axes.plot(time, table["reference"][rows], "--", color=GREEN, linewidth=1.2, label="reference")
-    dress(axes, "speed [rad/s]")
+    reference = "reference" if table.units.get("reference") == "rad/s" else ""
+    driven = "" if first else _input(table)
+    plot(axes, table, (driven, "omega2", "omega_out", reference), "speed", "rad/s", first)
 
 
-def _torques(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
+def _input(table: Result) -> str:
+    """Column of the speed of link 1: as prescribed by the drive, or computed."""
+    return "omega1" if "omega1" in table else "input_speed"
+
+
+def _torques(axes: Axes, table: Result, first: int) -> None:
     """Torques: means over the whole run, close up what happens at each instant (if recorded often enough)."""
-    time = table.time[rows]
-    instants = {"output_torque", "housing_torque", "input_torque"} <= set(table.names)
-    if zoomed and instants and not is_coarse(table):
-        axes.plot(time, table["input_torque"][rows], color=BLACK, linewidth=1.0, label="input")
-        axes.fill_between(time, table["output_torque"][rows], color=VERMILION, alpha=0.35, linewidth=0)
-        axes.plot(
-            time, table["output_torque"][rows], color=VERMILION, linewidth=1.5, label="output freewheel"
-        )
-        axes.plot(time, table["housing_torque"][rows], color=BLUE, linewidth=1.5, label="housing freewheel")
-        dress(axes, "torque [N·m]")
+    instants, time = ("input_torque", "output_torque", "housing_torque"), table.time[first:]
+    if first and set(instants) <= set(table) and not is_coarse(table):
+        axes.fill_between(time, table["output_torque"][first:], color=VERMILION, alpha=0.35, linewidth=0)
+        plot(axes, table, instants, "torque", "N·m", first)
         return
-    torque = table["output_torque_mean"][rows]
-    axes.fill_between(
-        time, torque, step="pre", color=VERMILION, alpha=0.4, linewidth=0, label="output, step mean"
-    )
+    torque = table["output_torque_mean"]
+    filled = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
+    filled.set_label("output, step mean")
     starts = pulse_starts(table)
-    if starts.size > 1 and not zoomed:
-        impulse = np.concatenate([[0.0], np.cumsum(table["output_torque_mean"][1:] * np.diff(table.time))])
-        means, edges = np.diff(impulse[starts]) / np.diff(table.time[starts]), table.time[starts]
+    if starts.size > 1 and not first:
+        impulse = np.concatenate([[0.0], np.cumsum(torque[1:] * np.diff(time))])
+        means, edges = np.diff(impulse[starts]) / np.diff(time[starts]), time[starts]
         axes.stairs(means, edges, baseline=None, color=BLACK, linewidth=1.8, label="mean from pulse to pulse")
-    axes.plot(time, table["load_torque"][rows], "--", color=GREEN, linewidth=1.5, label="load")
-    if "drive_torque" in table:
-        axes.plot(time, table["drive_torque"][rows], color=BLUE, linewidth=1.5, label="drive")
-    dress(axes, "torque [N·m]")
+    plot(axes, table, ("load_torque", "drive_torque"), "torque", "N·m", first)
 
 
 # --- energy, losses and forces ---
 
 
-def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
-    """Divisor and unit in which values are shown: with a k where they are large."""
-    largest = max(float(np.abs(part).max()) for part in values)
-    return (1e3, f"k{unit}") if largest > 2e3 else (1.0, unit)
+def losses(table: Result) -> list[str]:
+    """Columns of the energy lost by cause, of those that lose any."""
+    return [name for name in LOSSES if table[name].any()]
 
 
-def plot_all(
-    axes: Axes, x: Array, curves: Mapping[str, tuple[Array, str]], unit: str, rows: slice = slice(None)
-) -> str:
-    """Plot rows of curves with their colours by name, in thousands where they are large; the unit shown."""
-    factor, shown = in_thousands(unit, *(values for values, _ in curves.values()))
-    for name, (values, colour) in curves.items():
-        axes.plot(x[rows], values[rows] / factor, color=colour, linewidth=1.5, label=name)
-    return shown
-
-
-def _flows(table: Result) -> dict[str, tuple[Array, str]]:
-    """Energies since the start, J, that go in, out and are lost, each with its colour."""
-    return {
-        "in": (table["energy_in"], BLACK),
-        "out to the load": (table["energy_out"], GREEN),
-        "lost": (table["energy_lost"], VERMILION),
-    }
-
-
-def _energy_panel(axes: Axes, table: Result, rows: slice, zoomed: bool, lost: str = "lost") -> None:
+def _energies(axes: Axes, table: Result, first: int, **labels: str) -> None:
     """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
-    energies = _flows(table)
-    gone = energies.pop("lost")
-    energies["gain of stored"] = table["energy_stored"] - table["energy_stored"][0], BLUE
-    if gone[0].any():
-        energies[lost] = gone
-    dress(axes, f"energy [{plot_all(axes, table.time, energies, 'J', rows)}]")
+    lost = FLOWS[2:] if table["energy_lost"].any() else ()
+    plot(axes, table, (*FLOWS[:2], GAIN, *lost), "energy", "J", first, **labels)
 
 
-def losses(table: Result) -> dict[str, tuple[Array, str]]:
-    """Collect the energy lost since the start, J, and a colour, by cause: of those that lose any."""
-    return {
-        name.removeprefix(LOST_TO).replace("_", " "): (table[name], COLOURS[n % len(COLOURS)])
-        for n, name in enumerate(LOSSES)
-        if table[name].any()
-    }
-
-
-def _power_panel(
-    axes: Axes,
-    table: Result,
-    rows: slice,
-    zoomed: bool,
-    energies: Mapping[str, tuple[Array, str]],
-    label: str,
-) -> None:
+def _powers(axes: Axes, table: Result, first: int, names: Sequence[str], what: str) -> None:
     """Rates of energies since the start, in the whole run without its pulses."""
-    time = table.time[1:]
-    powers = {name: np.diff(energy) / np.diff(table.time) for name, (energy, _) in energies.items()}
-    shown = slice(rows.start, None)
-    if not zoomed:
+    time, rows = table.time[1:], slice(first, None)
+    powers = {name: np.diff(table[name]) / np.diff(table.time) for name in names}
+    if not first:
         window = min(SMOOTHING, WINDOW * float(time[-1] - time[0]))
         powers = {name: smooth(time, power, window) for name, power in powers.items()}
         # at the ends the window is cut off within a pulse
         cut = round(0.5 * window / float(time[1] - time[0]))
-        shown = slice(cut, len(time) - cut)
-    curves = {name: (power[shown], energies[name][1]) for name, power in powers.items()}
-    dress(axes, f"{label} [{plot_all(axes, time[shown], curves, 'W')}]")
+        rows = slice(cut, len(time) - cut)
+    columns = {name: values[rows] for name, values in {"time": time, **powers}.items()}
+    plot(axes, Result(columns), names, what, "W")
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
 
 
-def _instant_panel(axes: Axes, table: Result, rows: slice, zoomed: bool) -> None:
-    """Magnitudes of the forces that are recorded, else of the acceleration of the imbalance."""
-    found = {FORCES[name]: values for name, values in forces(table).items() if name in FORCES}
-    what, factor, unit = "acceleration", 1e3, "km/s²"
-    if found:
-        what, (factor, unit) = "force", in_thousands("N", *found.values())
-    for (colour, label), values in (found or {IMBALANCE: table["imbalance_acceleration"]}).items():
-        plot_instants(axes, table, values / factor, rows, label, color=colour, linewidth=0.9)
+def _magnitudes(axes: Axes, table: Result, first: int, names: Sequence[str], what: str, unit: str) -> None:
+    """Magnitudes of forces, or of the acceleration of the imbalance."""
+    plot(axes, table, names, what, unit, first)
     axes.set_ylim(bottom=0.0)
-    dress(axes, f"{what} [{unit}]")
 
 
 # --- driving ---
 
 
-def _driving_panels(figure: Figure, result: SceneResult) -> None:
+def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     """Speed in its band, speeds of the module, torques, energy: one below the other."""
-    table, numbers = result.record, result.summary
-    lossy = bool(losses(table))
-    figure.set_figheight(SIZE[1] * (1.2 if lossy else 1.0))
-    panels = figure.subplots(4 + lossy, 1, sharex=True, height_ratios=(1.6, 1, 1, 1.2, 1)[: 4 + lossy])
+    numbers, lost = result.summary, losses(table)
+    figure.set_figheight(SIZE[1] * (1.2 if lost else 1.0))
+    heights = (1.6, 1, 1, 1.2, 1) if lost else (1.6, 1, 1, 1.2)
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     _followed_speed(panels[0], table, result.scene.cycle)
-    outside = (
-        f"out of tolerance {numbers['time_out_of_tolerance']:.2f} s of {numbers['simulated_time']:g} s, "
-        if result.scene.cycle is not None
-        else ""
-    )
-    headline(
-        panels[0],
-        f"{outside}error {numbers['tracking_error_rms']:.2f} km/h rms and"
-        f" {numbers['tracking_error_maximum']:.2f} km/h at most",
-    )
-    label = "input ω1 (commanded)" if "omega1" in table else "input ω1"
-    panels[1].plot(table.time, input_speed(table), color=BLACK, linewidth=1.2, label=label)
-    panels[1].plot(table.time, table["omega_out"], color=VERMILION, linewidth=1.6, label="output shaft")
+    told = "error {tracking_error_rms:.2f} km/h rms and {tracking_error_maximum:.2f} km/h at most"
+    if result.scene.cycle is not None:
+        told = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + told
+    headline(panels[0], told.format_map(numbers))
+    names, commanded = (_input(table), "omega_out"), "input ω1 (commanded)"
+    plot(panels[1], table, names, "speed", "rad/s", omega1=commanded)
     panels[1].set_ylim(bottom=0.0)
-    dress(panels[1], "speed [rad/s]")
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
-    if lossy:
-        _power_panel(panels[4], table, slice(0, None), False, losses(table), "lost")
+    if lost:
+        _powers(panels[4], table, 0, lost, "lost")
     panels[-1].set_xlabel("time [s]")
 
 
 def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
-    scale = 1.0 / KILOMETRE_PER_HOUR
     if cycle is not None:
-        lower, upper = cycle.tolerance_band(table.time)
-        band = axes.fill_between(
-            table.time, lower * scale, upper * scale, color=GREEN, alpha=0.25, linewidth=0
-        )
+        lower, upper = (bound / KILOMETRE_PER_HOUR for bound in cycle.tolerance_band(table.time))
+        band = axes.fill_between(table.time, lower, upper, color=GREEN, alpha=0.25, linewidth=0)
         band.set_label("tolerance ±2 km/h, ±1 s")
+    names = ("reference", "vehicle_speed")
     wanted = cycle.name if cycle is not None else "reference"
-    axes.plot(table.time, table["reference"] * scale, "--", color=BLACK, linewidth=1.2, label=wanted)
-    axes.plot(table.time, table["vehicle_speed"] * scale, color=VERMILION, linewidth=1.6, label="vehicle")
+    plot(axes, table.converted(dict.fromkeys(names, "km/h")), names, "speed", "km/h", reference=wanted)
     axes.set_ylim(bottom=0.0)
-    dress(axes, "speed [km/h]")
 
 
 def _mean_torques(axes: Axes, table: Result) -> None:
     time, torque = table.time, table["output_torque_mean"]
-    taken, brake = (smooth(time, table[name]) for name in ("input_torque_mean", "brake_torque"))
     axes.fill_between(time, torque, color=VERMILION, alpha=0.25, linewidth=0, step="pre")
-    axes.plot(time, smooth(time, torque), color=VERMILION, linewidth=1.6, label="output")
-    axes.plot(time, taken, color=BLACK, linewidth=1.2, label="input")
-    axes.plot(time, -brake, color=BLUE, linewidth=1.6, label="brake")
-    axes.set_ylim(-1.15 * float(brake.max()) - 5.0, 1.15 * float(np.quantile(torque, 0.995)) + 5.0)
-    dress(axes, "torque [N·m]")
+    names = ("output_torque_mean", "input_torque_mean", "brake_torque")
+    means = {name: smooth(time, table[name]) for name in names}
+    means["brake_torque"] *= -1.0
+    plot(axes, Result({"time": time, **means}), names, "torque", "N·m")
+    low, high = float(means["brake_torque"].min()), float(np.quantile(torque, 0.995))
+    axes.set_ylim(1.15 * low - 5.0, 1.15 * high + 5.0)
 
 
 def _energy_shares(axes: Axes, table: Result) -> None:
@@ -312,15 +295,13 @@ def _energy_shares(axes: Axes, table: Result) -> None:
         "rolling": (work(table, "rolling_torque"), ORANGE),
         "air drag": (work(table, "drag_torque"), SKY),
         "slope": (work(table, "slope_torque"), GREEN),
+        "lost": (table["energy_lost"], GREY),
     }
-    parts = {name: part for name, part in parts.items() if np.abs(part[0]).max() > 0.0}
-    if table["energy_lost"].any():
-        parts["lost"] = (table["energy_lost"], GREY)
+    parts = {name: part for name, part in parts.items() if part[0].any()}
     # module, car and, if it is elastic, the coupling between them
     parts["in motion"] = (table["energy_in"] - sum(energy for energy, _ in parts.values()), PURPLE)
     factor, unit = in_thousands("J", table["energy_in"])
-    shares = [energy / factor for energy, _ in parts.values()]
-    colours = [colour for _, colour in parts.values()]
+    shares, colours = zip(*((energy / factor, colour) for energy, colour in parts.values()), strict=True)
     axes.stackplot(table.time, *shares, labels=list(parts), colors=colours, alpha=0.75, linewidth=0)
     axes.plot(table.time, table["energy_in"] / factor, color=BLACK, linewidth=1.5, label="input")
     dress(axes, f"energy [{unit}]")
@@ -329,24 +310,14 @@ def _energy_shares(axes: Axes, table: Result) -> None:
 # --- a shaft alone ---
 
 
-def _shaft_panels(figure: Figure, result: SceneResult) -> None:
+def _shaft_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     """Speeds and accelerations of hub and driven mass, twist and energy, one below the other."""
-    table, time = result.record, result.record.time
-    panels = figure.subplots(4, 1, sharex=True)
-    law = np.gradient(table["hub_speed"], time)
-    for axes, hub, mass, label in (
-        (panels[0], table["hub_speed"], table["omega_out"], "speed [rad/s]"),
-        (panels[1], law, table["driven_acceleration"], "acceleration [rad/s²]"),
-    ):
-        axes.plot(time, hub, color=BLACK, linewidth=1.2, label="hub")
-        axes.plot(time, mass, color=VERMILION, linewidth=1.6, label="driven mass")
-        dress(axes, label)
-    panels[2].plot(time, 1e3 * table["twist"], color=PURPLE, linewidth=1.6, label="twist")
-    dress(panels[2], "twist [mrad]")
-    _energy_panel(panels[3], table, slice(None), zoomed=False, lost="lost, less the balancer's work")
+    panels, law = figure.subplots(4, 1, sharex=True), np.gradient(table["hub_speed"], table.time)
+    table = Result(table.columns | {"hub_acceleration": law, "twist": 1e3 * table["twist"]})
+    plot(panels[0], table, ("hub_speed", "omega_out"), "speed", "rad/s", omega_out="driven mass")
+    plot(panels[1], table, ("hub_acceleration", "driven_acceleration"), "acceleration", "rad/s²")
+    plot(panels[2], table, ("twist",), "twist", "mrad")
+    _energies(panels[3], table, 0, energy_lost="lost, less the balancer's work")
     panels[3].set_xlabel("time [s]")
-    headline(
-        panels[0],
-        f"driven mass at most {result.summary['driven_acceleration_peak']:.4g} rad/s²,"
-        f" hub {np.abs(law).max():.4g} rad/s²",
-    )
+    peak = result.summary["driven_acceleration_peak"]
+    headline(panels[0], f"driven mass at most {peak:.4g} rad/s², hub {np.abs(law).max():.4g} rad/s²")

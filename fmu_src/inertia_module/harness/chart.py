@@ -1,14 +1,9 @@
-"""Torque converter chart of a mechanism: torque, efficiency and ripple over the speed ratio.
+"""Torque converter chart of a mechanism: torque, efficiency and ripple over the speed ratio (as SAE J643).
 
-The chart of a hydrodynamic converter plots torque ratio, efficiency and capacity over the speed ratio
-(SAE J643). In a mechanism without losses everything goes with the square of the input speed as well, so
-one chart holds for all speeds. Its efficiency is 1 and its torque ratio one over the speed ratio; at
-stall it passes torque and takes no power. Mechanisms differ in the torque they pass. With losses the chart is
-that of one input speed, and a map tells torques, loss and efficiency over speed ratio and input speed.
-
-It is made of steady pulses at a speed ratio: of the rigid module, its output shaft held by a large inertia.
-All losses are in it: mean torques, and the share of the energy put in that is lost, over whole periods of
-the drive. Fidelity `averaged` has these means in a map, found once and interpolated.
+Without losses everything goes with the square of the input speed as well: one chart, of the map of fidelity
+`averaged`, holds for all speeds. With losses it is that of one input speed, and a map tells more of them.
+These are made of steady pulses at a speed ratio, of the rigid module with its output shaft held by a large
+inertia: means over whole periods of the drive, with all losses in them.
 """
 
 from __future__ import annotations
@@ -52,7 +47,7 @@ STEADY = 1e-5
 TRIES = 5
 # drive angles at which lock-up is looked at
 ANGLES = 3000
-# of mount and input torque in the time that the drive takes for a turn where link 2 is held
+# in the time that the drive takes for a turn where link 2 is held
 SAMPLES = 60
 
 
@@ -60,7 +55,8 @@ class SteadyPulses(NamedTuple):
     """Means over whole periods of the drive.
 
     Attributes:
-        output_torque: what the load takes, N m. input_torque: M1, N m.
+        output_torque: what the load takes, N m, below 0 where the shaft would have to be driven.
+        input_torque: M1, N m.
         efficiency: power to the load over power in; 0 where nothing comes out.
         link2_ratio: mean speed of link 2 over that of link 1, magnitudes.
         ripple: RMS of the torque in the output freewheel about its mean, N m. peak: its largest, N m.
@@ -90,30 +86,22 @@ class SteadyMachine:
 
     Args:
         parameters: of the module by name, those that differ from the defaults; as in Module.set.
-        kernel: as in Module.
 
     Attributes:
-        ideal: True without losses, weight, play and wind-up: torques are proportional to omega1^2.
+        module: the mechanism, started. ideal: True without losses, weight, play and wind-up: torques are
+            proportional to omega1^2.
 
     Raises:
-        Refused: the parameters cannot be, or a freewheel is missing.
+        Refused: the parameters cannot be; by its methods, a freewheel is missing.
     """
 
-    def __init__(self, parameters: Mapping[str, float | str], kernel: str = "auto") -> None:
+    def __init__(self, parameters: Mapping[str, float | str]) -> None:
         given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "constant"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **given, **zeros}
-        self._kernel = kernel
-        module = self._started(1.0, 0.0)
-        housing, output = (module[f"{name}_freewheel"] for name in ("housing", "output"))
-        if housing * output == 0.0:
-            raise Refused(
-                f"housing_freewheel and output_freewheel must both be 1, are {housing:g} and {output:g}:"
-                " without both there is no mean torque"
-            )
-        d = module.derived
+        self.module = module = self._started(1.0, 0.0)
+        self._derived = d = module.derived
         self.ideal = d.viscous == 0.0 and d.losses == 0.0
-        self._derived = d
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)
         self._tries = TRIES if self._turns % period == 0 else 1
@@ -121,7 +109,16 @@ class SteadyMachine:
 
     def _started(self, omega1: float, omega_out: float, omega2: float = 0.0) -> Module:
         speeds = {"omega1": omega1, "omega2_start": omega2, "omega_out_start": omega_out}
-        return Module(self._kernel).start(**{**self._values, **speeds, "load_torque": 0.0})
+        return Module().start(**{**self._values, **speeds, "load_torque": 0.0})
+
+    def check_freewheels(self) -> None:
+        """Refuse a mechanism that lacks a freewheel: it has no mean torque."""
+        housing, output = (self.module[f"{name}_freewheel"] for name in ("housing", "output"))
+        if housing * output == 0.0:
+            raise Refused(
+                f"housing_freewheel and output_freewheel must both be 1, are {housing:g} and {output:g}:"
+                " without both there is no mean torque"
+            )
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """Compute the steady pulses.
@@ -131,8 +128,25 @@ class SteadyMachine:
         """
         return self._settled(omega1, ratio)[1]
 
+    def samples(self, names: Sequence[str], omega1: float, ratio: float) -> Array:
+        """Sample outputs in steady pulses, SAMPLES in the time of a turn of the drive where link 2 is held.
+
+        Args:
+            names: of the outputs. omega1, ratio: as of at.
+
+        Returns:
+            Rows over the turns of a mean, shape (m, names).
+        """
+        (module, _), found = self._settled(omega1, ratio), []
+        turn, begun = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module)
+        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
+            module.advance(turn / SAMPLES)
+            found.append(module.read(names))
+        return np.array(found)
+
     def _settled(self, omega1: float, ratio: float) -> tuple[Module, SteadyPulses]:
-        """Run until the means are steady or TRIES are over; returns module and means. Arguments as of at."""
+        """Run until the means are steady or TRIES are over; module and means."""
+        self.check_freewheels()
         speed = ratio * abs(omega1)
         for start in (0.0, speed):
             module = self._started(omega1, speed, start)
@@ -144,23 +158,6 @@ class SteadyMachine:
                 if self._tries == 1 or abs(module["omega2"] - omega2) <= STEADY * abs(omega1):
                     return module, pulses
         return module, pulses
-
-    def _samples(self, module: Module, omega1: float, names: Sequence[str]) -> Array:
-        """Outputs over the next turns of the drive, SAMPLES a turn where link 2 is held, shape (m, names)."""
-        turn, begun, found = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module), []
-        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
-            module.advance(turn / SAMPLES)
-            found.append(module.read(names))
-        return np.array(found)
-
-    def input_pulses(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Compute RMS about its mean and largest magnitude of the input torque, N m, of SAMPLES a turn.
-
-        Args:
-            omega1, ratio: as of at.
-        """
-        torques = self._samples(self._settled(omega1, ratio)[0], omega1, ["input_torque"])
-        return float(torques.std()), float(np.abs(torques).max())
 
     def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Shortest and longest time that the turns of a mean can take, s."""
@@ -199,27 +196,12 @@ class SteadyMachine:
         )
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns link 1.
-
-        Args:
-            omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, above 1.
-        """
+        """Compute mean torques of friction on load and link 1, N m, where the shaft overruns it."""
         module = self._started(omega1, ratio * abs(omega1))
         module.advance(SETTLING_TURNS * math.tau / abs(omega1))
         module.advance(MOST_TURNS * math.tau / abs(omega1))
         braked = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]
         return braked, math.copysign(1.0, omega1) * module["input_torque_mean"]
-
-    def mount(self, load: str, omega1: float, ratio: float) -> float:
-        """Find the largest load on the mount, of SAMPLES a turn of the drive.
-
-        Args:
-            load: "force", N, or "moment" about the origin, N m. omega1, ratio: as in at.
-        """
-        module = self._started(omega1, ratio * abs(omega1))
-        parts = [f"shaking_{load}_{axis}" for axis in "xyz"]
-        self._samples(module, omega1, parts)  # what the start at rest leaves behind goes
-        return float(np.linalg.norm(self._samples(module, omega1, parts), axis=1).max())
 
     def lock_up_torque(self, omega1: float) -> float:
         """Find the largest load torque, N m, at which the drive stays at rest in link 1, without stiction.
@@ -251,28 +233,23 @@ COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 
 ENGAGEMENTS = ("housing_engagements", "output_engagements")
 _TORQUES = ("output_torque", "input_torque", "ripple", "peak", "lock_up_torque")
+# of maps and converter tables; their other columns are pure numbers
+UNITS = {**dict.fromkeys(_TORQUES, "N.m"), "loss": "W", "capacity_factor": "rad/s/(N.m)^0.5"}
 # columns of a map, as of SteadyPulses
-MAP_UNITS = {"input_torque": "N.m", "output_torque": "N.m", "loss": "W", "efficiency": "", "ripple": "N.m"}
-# of a converter table; its other columns are pure numbers
-CONVERTER_UNITS = {"capacity_factor": "rad/s/(N.m)^0.5", "output_torque": "N.m", "input_torque": "N.m"}
+MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
 @dataclass(frozen=True)
 class TorqueConverterChart:
-    """Steady mean torques over the speed ratio; all torques over omega1 squared. Arrays of shape (n,).
+    """Means over the speed ratio as of SteadyPulses, torques over omega1 squared, N m s^2; shapes (n,).
 
     Attributes:
         speed_ratio: output over input speed, magnitudes, rising from 0.
-        output_torque, input_torque: mean torques, N m s^2; with losses the output torque is below 0 where
-            the shaft would have to be driven.
-        efficiency: output over input power, 1.
-        link2_ratio: mean speed of link 2 over the input speed.
-        ripple: RMS of the output torque about its mean, N m s^2. peak: its largest value.
         lock_up_torque: largest load torque that lock-up at ratio 1 holds, without stiction, N m s^2, the
             same in all rows; 0 where it is not reached.
-        housing_engagements, output_engagements: of the freewheels, a turn of link 1, in lock-up those just
-            before it; None where they were not asked for.
+        housing_engagements, output_engagements: in lock-up those just before it; None where they were not
+            asked for.
     """
 
     speed_ratio: Array
@@ -348,54 +325,43 @@ def _scale(number: str, omega1: float | None) -> tuple[float, str]:
     return 1.0, "rad/s" if number == "indexing_speed" else ""
 
 
-@dataclass(frozen=True)
-class SteadyMap:
-    """Steady pulses over input speed and speed ratio.
-
-    Attributes:
-        omega1: rad/s, shape (m,). speed_ratio: shape (n,).
-        columns: of MAP_UNITS by name, in these units, shape (m, n); the efficiency is 0 and the output torque
-            below 0 where the shaft would have to be driven.
-    """
-
-    omega1: Array
-    speed_ratio: Array
-    columns: dict[str, Array]
-
-    def save(self, path: Path, unit: str = "rad/s") -> Path:
-        """Write as CSV, a row for each speed, in this unit, and ratio, whole or not at all."""
-        speeds = self.omega1 * factor_between("rad/s", unit)
-        grid = [part.ravel() for part in np.meshgrid(speeds, self.speed_ratio, indexing="ij")]
-        columns = {"omega1": grid[0], "speed_ratio": grid[1]}
-        columns |= {name: values.ravel() for name, values in self.columns.items()}
-        return write_columns(path, columns, {"omega1": unit, **MAP_UNITS})
-
-    def save_tables(self, stem: Path, unit: str = "rad/s") -> list[Path]:
-        """Write stem_COLUMN.csv, a row for each ratio, a column for each speed, and stem.mat, a struct map.
-
-        Each is whole or not at all; speeds are in this unit.
-        """
-        speeds, files = self.omega1 * factor_between("rad/s", unit), []
-        for name, values in self.columns.items():
-            table = {f"{name} at {speed:.6g} {unit}": row for speed, row in zip(speeds, values, strict=True)}
-            units = dict.fromkeys(table, MAP_UNITS[name])
-            path = Path(f"{stem}_{name}.csv")
-            files.append(write_columns(path, {"speed_ratio": self.speed_ratio, **table}, units))
-        fields = {"omega1": speeds, "speed_ratio": self.speed_ratio, **self.columns}
-        return [*files, write_mat(Path(f"{stem}.mat"), "map", fields, {"omega1": unit, **MAP_UNITS})]
-
-
-def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> SteadyMap:
+def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> dict[str, Array]:
     """Map of a mechanism from a tenth of an input speed up to that.
 
     Args:
-        machine: of the mechanism. omega1: rad/s, not 0. progress: called with the share done.
+        omega1: rad/s, not 0. progress: called with the share done.
+
+    Returns:
+        Columns by name: omega1, rad/s, shape (m,), speed_ratio, shape (n,), and those MAPPED, shape (m, n).
     """
     speeds, rows = omega1 * MAP_SPEEDS, []
     for speed in speeds:
         rows.append(_over_ratios(machine, speed))
         progress(len(rows) / speeds.size)
-    return SteadyMap(speeds, RATIOS, {name: np.array([row[name] for row in rows]) for name in MAP_UNITS})
+    columns = {name: np.array([row[name] for row in rows]) for name in MAPPED}
+    return {"omega1": speeds, "speed_ratio": RATIOS, **columns}
+
+
+def save_map(found: Mapping[str, Array], stem: Path, unit: str = "rad/s", tables: bool = False) -> list[Path]:
+    """Write a map as stem.csv, a row for each speed and ratio, whole or not at all.
+
+    Args:
+        unit: of the speeds. tables: whether stem_COLUMN.csv, a row for each ratio and a column for each
+            speed, and stem.mat, a struct map, are written too.
+    """
+    speeds, ratios = found["omega1"] * factor_between("rad/s", unit), found["speed_ratio"]
+    units = {"omega1": unit, **UNITS}
+    grid = dict(zip(("omega1", "speed_ratio"), np.meshgrid(speeds, ratios, indexing="ij"), strict=True))
+    long = {name: values.ravel() for name, values in {**found, **grid}.items()}
+    files = [write_columns(Path(f"{stem}.csv"), long, units)]
+    if not tables:
+        return files
+    for name in MAPPED:
+        rows = zip(speeds, found[name], strict=True)
+        wide = {f"{name} at {speed:.6g} {unit}": row for speed, row in rows}
+        of_wide = dict.fromkeys(wide, units.get(name, ""))
+        files.append(write_columns(Path(f"{stem}_{name}.csv"), {"speed_ratio": ratios, **wide}, of_wide))
+    return [*files, write_mat(Path(f"{stem}.mat"), "map", {**found, "omega1": speeds}, units)]
 
 
 def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
@@ -407,7 +373,6 @@ def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
 def torque_converter_chart(
     parameters: Mapping[str, float | str],
     omega1: float = NOMINAL_SPEED,
-    kernel: str = "auto",
     engagements: bool = False,
 ) -> TorqueConverterChart:
     """The chart of a mechanism.
@@ -416,15 +381,15 @@ def torque_converter_chart(
         parameters: of the module by name, those that differ from the defaults; as in Module.set.
         omega1: input speed at which a mechanism with losses is measured, rad/s, not 0; without losses the
             chart is that of all speeds of this sign (backwards the torque is another).
-        kernel: as in Module.
         engagements: whether those of the freewheels are wanted, which cost more than all else without losses.
 
     Raises:
         Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
     """
-    machine = SteadyMachine(parameters, kernel)
+    machine = SteadyMachine(parameters)
+    machine.check_freewheels()
     if machine.ideal:
-        chart = _chart_of_map(parameters, omega1 < 0.0, kernel)
+        chart = _chart_of_map(parameters, omega1 < 0.0)
         found = _over_ratios(machine, omega1) if engagements else {}
         columns = {name: np.interp(chart.speed_ratio, RATIOS, found[name]) for name in ENGAGEMENTS if found}
         return replace(chart, **columns)
@@ -438,11 +403,11 @@ def torque_converter_chart(
     return TorqueConverterChart(RATIOS[:number], **columns)
 
 
-def _chart_of_map(parameters: Mapping[str, float | str], backward: bool, kernel: str) -> TorqueConverterChart:
+def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> TorqueConverterChart:
     """The chart of a mechanism without losses: the map of fidelity averaged."""
     # torques at given speeds, whatever drives the module
     given = {"fidelity": float(codes.AVERAGED), "drive": float(codes.DRIVE_SPEED)}
-    module = Module(kernel).start(**{**parameters, **given})
+    module = Module().start(**{**parameters, **given})
     d, x = module.derived, module.state
     side = d.backward if backward else d.forward
     knots = [side.knots[n].ratio for n in range(int(side.count))]
@@ -462,7 +427,7 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
     """The converter table of a mechanism, whose output torque is right at each ratio (docs/mechanics.md).
 
     Args:
-        machine: of the mechanism. chart: of it at this speed. omega1: speed of the input, rad/s, not 0.
+        chart: of the mechanism at this speed. omega1: speed of the input, rad/s, not 0.
 
     Returns:
         Columns of shape (n,), all finite: speed_ratio, output over input speed, rising from 0; torque_ratio,
@@ -503,9 +468,9 @@ def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> lis
     least = np.maximum(np.abs(passed) / LARGEST_TORQUE_RATIO, LEAST_SHARE * taken.max())
     given = np.copysign(np.maximum(np.abs(taken), least), taken)
     rows = zip(*(part.tolist() for part in (table["speed_ratio"], passed / given, given)), strict=True)
-    units = {"omega1": "rad/s", **CONVERTER_UNITS}
+    units = {"omega1": "rad/s", **UNITS}
     return [
-        write_columns(Path(f"{stem}.csv"), table, CONVERTER_UNITS),
+        write_columns(Path(f"{stem}.csv"), table, units),
         write_mat(Path(f"{stem}.mat"), "converter", {"omega1": omega1, **table}, units),
         write_rows(Path(f"{stem}.vtcc"), VECTO_HEADINGS, rows),
     ]

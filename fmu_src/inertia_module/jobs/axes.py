@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -64,11 +66,7 @@ class Axis:
         return self.low + share * (self.high - self.low)
 
     def grid(self) -> list[float | str]:
-        """The values of a grid.
-
-        Raises:
-            Refused: how many there are is not given.
-        """
+        """The values of a grid, if their number is given."""
         if self.values:
             return list(self.values)
         if not self.number:
@@ -88,29 +86,8 @@ def _unit_and_value(name: str, scene: Scene) -> tuple[str, Any]:
     return (unit_of(fields[key]), getattr(table, key)) if key in fields else ("", None)
 
 
-def axis(name: str, given: str | Sequence[Any], scene: Scene) -> Axis:
-    """The axis of a key.
-
-    Args:
-        name: of the key, by dots. scene: whose key it is.
-        given: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or "A,B,C", each with units if wanted, or a
-            list of values.
-
-    Raises:
-        Refused: it is none of these, or no range of this key.
-    """
-    unit, _ = _unit_and_value(name, scene)
-    if isinstance(given, str) and ":" in given:
-        return _range(name, unit, given, lambda text: _value(name, text, scene))
-    texts = given.split(",") if isinstance(given, str) else given
-    return Axis(name, unit, values=tuple(dict.fromkeys(_value(name, text, scene) for text in texts)))
-
-
-def _value(name: str, given: Any, scene: Scene) -> float | str:
-    """Value of a key: a quantity as a number in SI units; a name as it is.
-
-    What the key cannot have, whatever the other keys are, is refused.
-    """
+def _value(scene: Scene, name: str, given: Any) -> float | str:
+    """Value of a key, in SI units or a name; one that it cannot have, whatever the others are, is refused."""
     value = given.strip() if isinstance(given, str) else float(given)
     try:
         scene.with_keys({name: value})
@@ -124,13 +101,11 @@ def _value(name: str, given: Any, scene: Scene) -> float | str:
         number, unit = split_quantity(value)
     except ValueError:
         return str(value)
-    try:
-        return number * parse_unit(unit)[0] if unit else number
-    except ValueError as error:
-        raise Refused(f"{given!r}: {error}") from None
+    return number * parse_unit(unit or "1")[0]
 
 
 def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]) -> Axis:
+    """The range FROM:TO or FROM:TO:COUNT, "log:" before it or not, of a key; value: reads one of its ends."""
     demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {given!r}"
     parts = _RANGE.fullmatch(given)
     if parts is None:
@@ -147,25 +122,17 @@ def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
-def by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -> list[tuple[str, Any]]:
-    """Keys by dots, each once, with what is given for them: None where nothing is.
-
-    Args:
-        given: "NAME" or "NAME=TEXT" each, or by name. what: is done to the keys. example: of one.
-
-    Raises:
-        Refused: there is none, or one twice.
-    """
+def _by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -> list[tuple[str, Any]]:
+    """Keys by dots, each once, with what is given for them, None for nothing; what: is done to the keys."""
     pairs: list[tuple[str, Any]] = []
     for item in given.items() if isinstance(given, Mapping) else given:
         name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
         pairs.append((full_name(name.strip()), text if equals else None))
     if not pairs:
         raise Refused(f"at least one key must be {what}, such as {example}, none is")
-    names = [name for name, _ in pairs]
-    for name in names:
-        if names.count(name) > 1:
-            raise Refused(f"{name} must be {what} once, is given {names.count(name)} times")
+    for name, times in Counter(name for name, _ in pairs).items():
+        if times > 1:
+            raise Refused(f"{name} must be {what} once, is given {times} times")
     return pairs
 
 
@@ -173,24 +140,27 @@ def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]
     """The axes of a sweep.
 
     Args:
-        vary: "NAME=RANGE" each, or ranges by name; see axis. scene: that is varied.
+        vary: "NAME=RANGE" each, or ranges by name: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or
+            "A,B,C", each with units if wanted, or a list of values. scene: that is varied.
 
     Raises:
-        Refused: nothing is varied, a key twice, or as axis.
+        Refused: nothing is varied, a key twice, or what is given is no range of its key.
     """
-    pairs = by_key(vary, "varied", "imbalance_mass=0.5:2:7")
-    for name, given in pairs:
+    found = []
+    for name, given in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
         if not given:
             raise Refused(f"{name} must be given as NAME=FROM:TO:COUNT or NAME=A,B,C, is given without")
-    return [axis(name, given, scene) for name, given in pairs]
+        (unit, _), value = _unit_and_value(name, scene), partial(_value, scene, name)
+        if isinstance(given, str) and ":" in given:
+            found.append(_range(name, unit, given, value))
+        else:
+            values = map(value, given.split(",") if isinstance(given, str) else given)
+            found.append(Axis(name, unit, values=tuple(dict.fromkeys(values))))
+    return found
 
 
 def grid(axes: Sequence[Axis]) -> list[Point]:
-    """Combine all values, the last axis fastest.
-
-    Raises:
-        Refused: an axis has no number of points, or there are more than LARGEST_GRID.
-    """
+    """Combine all values, the last axis fastest; at most LARGEST_GRID points."""
     values = [one.grid() for one in axes]
     total = math.prod(map(len, values))
     if total > LARGEST_GRID:
@@ -205,14 +175,11 @@ def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
 
 
 def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
-    """Shares (0 to 1) of ranges, shape (points, number).
+    """Shares (0 to 1) of a number of ranges, shape (points, number); same seed, same points.
 
     Args:
-        number: of ranges. sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence,
-            scrambled; COUNT is best a power of 2). seed: same seed, same points.
-
-    Raises:
-        Refused: it is neither.
+        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled; COUNT is best a
+            power of 2).
     """
     from scipy.stats import qmc
 
@@ -274,17 +241,29 @@ def free_keys(
     Raises:
         Refused: nothing is free, a key twice, or one that is not a number or has no such range.
     """
-    pairs, known = by_key(free, "free", "imbalance_mass=0.5:2"), beside or {}
+    found, known = [], beside or {}
     kinds = {name.partition(".")[0] for name in known}
-    for name, _ in pairs:
-        if name.partition(".")[0] in kinds and name not in known:
+    for name, given in _by_key(free, "free", "imbalance_mass=0.5:2"):
+        if name in known:
+            key = known[name]
+            found.append(_free(key, given, partial(_number, name, key.unit)))
+        elif name.partition(".")[0] in kinds:
             raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, known)}")
-    return [_free(name, given, scene, known.get(name)) for name, given in pairs]
+        else:
+            key, read = _as_given(name, scene), partial(_value, scene, name)
+            if given is None and not abs(key.start) > 0.0:
+                scene.with_keys({name: 1.0})  # which says so if there is no such key
+                raise Refused(
+                    f"{name} must have a range, {name}=LOW:HIGH: the scene has no value to begin at"
+                )
+            found.append(_free(key, given, read))
+    return found
 
 
-def _free(name: str, given: Range, scene: Scene, beside: Free | None) -> Free:
+def _as_given(name: str, scene: Scene) -> Free:
+    """A key of the scene without a range: near the value that it has there, NaN for none."""
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
-    unit, value = (beside.unit, beside.start) if beside else _unit_and_value(name, scene)
+    unit, value = _unit_and_value(name, scene)
     if value is None and variable is not None:
         value = variable.start
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
@@ -292,43 +271,33 @@ def _free(name: str, given: Range, scene: Scene, beside: Free | None) -> Free:
             f"{name} must be a number that changes by small steps to be free: sweep takes the others"
         )
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
-    if beside:
-        low, high = beside.low, beside.high
-    if given is not None:
-        text = given if isinstance(given, str) else ":".join(map(repr, given))
-
-        def number(part: str) -> float | str:
-            return _number(name, part, unit) if beside else _value(name, part, scene)
-
-        known = _KNOWN.fullmatch(text)
-        if known is not None:
-            mean, deviation = float(number(known[1])), _number(name, known[2], unit)
-            if deviation < 0.0:
-                raise Refused(f"{name} must be known to a deviation of at least 0, is given {text!r}")
-            span = 10.0 * deviation or 1.0
-            return Free(name, unit, low, high, start=mean, origin=mean, span=span, deviation=deviation)
-        if ":" not in text:
-            raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
-        held = _range(name, unit, text, number)
-        if held.number:
-            raise Refused(
-                f"{name} must be free within LOW:HIGH, without a number of points, is given {text!r}"
-            )
-        inside = value is not None and held.low <= value <= held.high
-        start = float(value) if inside else 0.5 * (held.low + held.high)
-        return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
-    if beside:
-        return beside
-    if not value:
-        # which says so if there is no such key
-        scene.with_keys({name: 1.0})
-        raise Refused(
-            f"{name} must have a range, {name}=LOW:HIGH: the scene has {value or 'no value'} to begin at"
-        )
-    return Free(name, unit, low, high, start=value, origin=value, span=value)
+    begin = math.nan if value is None else float(value)
+    return Free(name, unit, low, high, start=begin, origin=begin, span=begin)
 
 
-def _number(name: str, text: str, unit: str) -> float:
+def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
+    """A key that is free as given; read: one of its values."""
+    if given is None:
+        return key
+    name, text = key.name, given if isinstance(given, str) else ":".join(map(repr, given))
+    known = _KNOWN.fullmatch(text)
+    if known is not None:
+        mean, deviation = float(read(known[1])), _number(name, key.unit, known[2])
+        if deviation < 0.0:
+            raise Refused(f"{name} must be known to a deviation of at least 0, is given {text!r}")
+        return replace(key, start=mean, origin=mean, span=10.0 * deviation or 1.0, deviation=deviation)
+    if ":" not in text:
+        raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
+    held = _range(name, key.unit, text, read)
+    if held.number:
+        raise Refused(f"{name} must be free within LOW:HIGH, without a number of points, is given {text!r}")
+    # of a start that is not there it is not
+    inside = held.low <= key.start <= held.high
+    start = key.start if inside else 0.5 * (held.low + held.high)
+    return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
+
+
+def _number(name: str, unit: str, text: str) -> float:
     """A quantity in SI units."""
     try:
         return to_si(text, unit or "1")

@@ -26,14 +26,7 @@ from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
 from ..common.units import to_si
 from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
-from ..harness.chart import (
-    NOMINAL_SPEED,
-    RATIOS,
-    SteadyMachine,
-    SteadyPulses,
-    TorqueConverterChart,
-    torque_converter_chart,
-)
+from ..harness.chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
 from ..harness.fmu import fmu_file
 from ..memory import Module
 from ..scene import Scene, SceneError
@@ -42,93 +35,47 @@ from ..scene.parts import VehicleLoad
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, Quantity, SceneRunner
 from .axes import Axis, Point, axes_of, of_shares, shares_sampled
-from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
+from .evaluation import Evaluate, Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 
 # --- figures of a mechanism ---
 
 
-class Mechanism:
-    """A mechanism whose steady pulses are found once for each speed and ratio.
-
-    Args:
-        parameters: of the module by name, those that differ from the defaults.
-
-    Raises:
-        Refused: the parameters cannot be.
-    """
+class Mechanism(SteadyMachine):
+    """A mechanism whose steady pulses and charts are found once for each speed, rad/s, and ratio."""
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
-        self.parameters = parameters
-        self.module = Module("plain")
-        self.module.check(**parameters)
-
-    def check_room(self) -> None:
-        """Refuse what can be computed but not built.
-
-        Raises:
-            Refused: the module warns that there is no room for its parts, or that they are no bodies.
-        """
-        if found := self.module.warnings():
-            raise Refused("; ".join(found))
+        super().__init__(parameters)
+        self.pulses = cache(self.at)
+        self.chart = cache(lambda speed: torque_converter_chart(parameters, speed))
 
     @property
     def envelope_diameter(self) -> float:
         """Diameter about the central axis that imbalances and pitch circles of the satellites need, m."""
         # the rim of a satellite is where an imbalance on its pitch circle would be
         rim = Module("plain")
-        rim.check(**{**self.parameters, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
+        rim.check(**{**self._values, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
         return 2.0 * max(_farthest(self.module.derived), _farthest(rim.derived))
-
-    @property
-    def total_imbalance_mass(self) -> float:
-        """Mass of the imbalances of all satellites of all modules, kg."""
-        return math.prod(self.module[name] for name in ("modules", "satellites", "imbalance_mass"))
-
-    @cached_property
-    def machine(self) -> SteadyMachine:
-        """The mechanism with its output shaft held."""
-        return SteadyMachine(self.parameters)
-
-    @cached_property
-    def pulses(self) -> Callable[[float, float], SteadyPulses]:
-        """Function from a speed, rad/s, and a ratio to steady pulses; refuses a missing freewheel."""
-        return cache(self.machine.at)
-
-    @cached_property
-    def input_pulses(self) -> Callable[[float, float], tuple[float, float]]:
-        """Function from a speed, rad/s, and a ratio to ripple and peak of the input torque, N.m."""
-        return cache(self.machine.input_pulses)
-
-    @cached_property
-    def chart(self) -> Callable[[float], TorqueConverterChart]:
-        """Function from a speed, rad/s, to the chart; refuses a missing freewheel."""
-        return cache(lambda speed: torque_converter_chart(self.parameters, omega1=speed))
 
     def least_torque(self, speed: float) -> float:
         """Least mean output torque over all speed ratios, N.m: 0 without lock-up, for it then ends."""
-        chart = self.chart(speed)
-        return float(chart.output_torque.min()) * speed**2 if chart.lock_up_torque[0] > 0.0 else 0.0
+        numbers = self.chart(speed).summary(speed)
+        return numbers["least_torque"] if numbers["lock_up_torque"] > 0.0 else 0.0
 
     def engagement_frequency(self, speed: float, ratio: float) -> float:
         """Engagements a second of the freewheel that engages more often, Hz; speed in rad/s."""
         pulses = self.pulses(speed, ratio)
         return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
 
-    @property
-    def satellite_ratio(self) -> float:
-        """Speed of a satellite in its bearing over that of link 1 where link 2 is at rest: its fastest."""
-        d = self.module.derived
-        return float(d.k * d.s)
+    def largest(self, names: Sequence[str], speed: float, ratio: float) -> float:
+        """Largest magnitude of the vector of some outputs in steady pulses; speed in rad/s."""
+        return float(np.linalg.norm(self.samples(names, speed, ratio), axis=1).max())
 
 
 def _farthest(d: Any) -> float:
     """Largest distance of an imbalance from the central axis, m, at any drive angle.
 
     Planar: R0 + r + l. Bevel: with R, T and z of the layout (Karetin 2020, equation 2) R^2 + T^2 + z^2 is
-    linear in cos B, hence largest where that is 1 or -1.
-
-    Args:
-        d: derived constants of the kernel.
+    linear in cos B, hence largest where that is 1 or -1. d: derived constants of the kernel.
     """
     if d.planar != 0.0:
         return float(d.axial + d.radial)
@@ -151,18 +98,19 @@ class Named(NamedTuple):
 
 _BOTH = ("speed", "ratio")
 _SPEED = ("speed",)
+# all the way from stall on
+_ALL = RATIOS[::4]
+_FORCE, _MOMENT = ([f"shaking_{load}_{axis}" for axis in "xyz"] for load in ("force", "moment"))
 NAMED = {
     "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
     "steady_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
     "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.least_torque(w)),
-    "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: float(m.chart(w).lock_up_torque[0]) * w**2),
+    "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).summary(w)["lock_up_torque"]),
     "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
-    "greatest_input_torque": Named(
-        "N.m", _SPEED, lambda m, w, i: float(m.chart(w).input_torque.max()) * w**2
-    ),
-    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.input_pulses(w, i)[0]),
-    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.input_pulses(w, i)[1]),
+    "greatest_input_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).input_torque.max() * w**2),
+    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.samples(["input_torque"], w, i).std()),
+    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(["input_torque"], w, i)),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
@@ -171,15 +119,15 @@ NAMED = {
     "housing_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).housing_slip),
     "output_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).output_slip),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
-    # all the way from stall on
-    "bearing_force_peak": Named(
-        "N", _SPEED, lambda m, w, i: max(m.pulses(w, one).bearing_force for one in RATIOS[::4])
-    ),
-    "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.satellite_ratio * w),
-    "mount_force": Named("N", _BOTH, lambda m, w, i: m.machine.mount("force", w, i)),
-    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.machine.mount("moment", w, i)),
+    "bearing_force_peak": Named("N", _SPEED, lambda m, w, i: max(m.pulses(w, r).bearing_force for r in _ALL)),
+    # where link 2 is at rest
+    "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.module.derived.k * m.module.derived.s * w),
+    "mount_force": Named("N", _BOTH, lambda m, w, i: m.largest(_FORCE, w, i)),
+    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.largest(_MOMENT, w, i)),
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
-    "total_imbalance_mass": Named("kg", (), lambda m, w, i: m.total_imbalance_mass),
+    "total_imbalance_mass": Named(
+        "kg", (), lambda m, w, i: math.prod(m.module.read(("modules", "satellites", "imbalance_mass")))
+    ),
 }
 
 
@@ -206,25 +154,14 @@ class Demand(Strict):
     maximum: float | str | None = None
     goal: Literal["least", "greatest"] | None = None
 
-    @model_validator(mode="after")
-    def _asks_something(self) -> Demand:
-        if self.minimum is None and self.maximum is None and self.goal is None:
-            raise ValueError("must have a minimum, a maximum or a goal ('least' or 'greatest'), has none")
-        return self
-
 
 class Search(Strict):
-    """Settings of the search for designs.
+    """Settings of the search for designs (docs/design.md).
 
     Attributes:
-        population, generations: of NSGA-II. starts: how many there are, each with another population, as
-            long as no design meets all limits; each gets more generations until the nearest has come no
-            nearer over stall of them, and those asked for again once one meets them.
-        longest: s, after which there are no more starts or generations.
-        seed: same seed, same result, unless longest ends it. fidelity: of the search.
-        check: fidelity at which the finalists are run. finalists: how many of them.
-        margin: by which limits of what the scene gives are narrower in the search, for what the cheap
-            fidelity leaves out; steady figures and sizes are the same at all.
+        population, generations, seed: of NSGA-II. starts, stall, longest: how long it goes on; see _search.
+        fidelity, check: levels of the search and of the finalists. margin: by which limits of what the scene
+            gives are narrower in the search, relative to them, for what the cheap fidelity leaves out.
     """
 
     population: int = Field(default=40, ge=4, le=10_000)
@@ -269,6 +206,9 @@ class Spec(Scene):
     def _check_demands(self) -> Spec:
         axes_of(self.free, self)
         for name, demand in self.figures.items():
+            if demand.minimum is None and demand.maximum is None and demand.goal is None:
+                goals = "a goal ('least' or 'greatest')"
+                raise SceneError(f"figures.{name} must have a minimum, a maximum or {goals}, has none")
             asked = NAMED[name].asks if name in NAMED else ()
             given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
             if given != asked:
@@ -287,20 +227,8 @@ class Spec(Scene):
 
 
 def read_spec(path: Path | str, keys: Keys = None) -> Spec:
-    """Read and check a specification: the TOML of a scene with [free], [figures] and [search].
-
-    Args:
-        path, keys: as for load_scene.
-
-    Raises:
-        SceneError: in one line, the file, the key, the value and what is allowed.
-    """
+    """Read a specification: the TOML of a scene with [free], [figures] and [search]; all as load_scene."""
     return load_tables(path, keys, lambda tables: Spec)
-
-
-def absent(name: str, row: Row) -> str:
-    """Say of a figure that a row has not why."""
-    return "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
 
 
 def shown(value: float | str, unit: str = "") -> str:
@@ -308,35 +236,37 @@ def shown(value: float | str, unit: str = "") -> str:
     return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
 
 
+def figure_of(row: Row, name: str, unit: str = "") -> str:
+    """Write the figure of a row with its unit, or why it has none."""
+    absent = "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
+    return shown(row.figures.get(name, absent), unit)
+
+
 class Limit(NamedTuple):
     """A limit of a figure.
 
     Attributes:
-        figure: its name. bound: in the unit of the figure. side: 1.0 for a maximum, -1.0 for a minimum.
+        figure: its name. unit: of it. bound: in this unit. side: 1.0 for a maximum, -1.0 for a minimum.
     """
 
     figure: str
+    unit: str
     bound: float
     side: float
 
     def violation(self, row: Row, margin: float = 0.0) -> float:
-        """Excess of a row over the limit, relative to it; below 0 what is left.
-
-        Args:
-            row: of the design. margin: by which the limit is narrower, relative to it.
-        """
-        value = row.figures.get(self.figure)
-        if value is None or not math.isfinite(value):
+        """Excess of a row over the limit, narrower by a margin, relative to it; below 0 what is left."""
+        value = row.figures.get(self.figure, math.nan)
+        if not math.isfinite(value):
             return MISSING
         narrower = 0.0 if self.figure in NAMED else margin
         return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + narrower
 
-    def text(self, row: Row, unit: str) -> str:
+    def text(self, row: Row) -> str:
         """Compare what a row has with the limit, in a line."""
-        value = row.figures.get(self.figure)
-        has = shown(absent(self.figure, row) if value is None else value, unit)
         side = "at most" if self.side > 0.0 else "at least"
-        return f"{self.figure} is {has}, must be {side} {shown(self.bound, unit)}"
+        has = figure_of(row, self.figure, self.unit)
+        return f"{self.figure} is {has}, must be {side} {shown(self.bound, self.unit)}"
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
@@ -348,38 +278,22 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
     found = []
     for which, side in (("minimum", -1.0), ("maximum", 1.0)):
         given = getattr(demand, which)
+        if given is None:
+            continue
         try:
-            if isinstance(given, str):
-                given = to_si(given, unit or "1")
+            found.append(Limit(name, unit, to_si(given, unit or "1"), side))
         except ValueError as error:
             raise SceneError(
                 f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
             ) from None
-        if given is not None:
-            found.append(Limit(name, float(given), side))
     if len(found) == 2 and found[0].bound > found[1].bound:
         low, high = (limit.bound for limit in found)
         raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
     return found
 
 
-def excess(violations: Iterable[float]) -> float:
-    """Sum of violations, those left out that are none."""
-    return sum(max(violation, 0.0) for violation in violations)
-
-
 class Judge:
-    """Judges rows by a specification.
-
-    Args:
-        spec: the specification. units: of the figures by name.
-
-    Attributes:
-        limits: all of them.
-
-    Raises:
-        SceneError: as limits_of.
-    """
+    """Judges rows by a specification, with units of the figures by name; refuses as limits_of."""
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
         self.spec, self.units, self.limits = spec, units, list[Limit]()
@@ -401,11 +315,12 @@ class Judge:
 
     def beyond(self, row: Row) -> float:
         """Sum of what a row is beyond its limits: 0 where all are met."""
-        return excess(self.violations(row))
+        return sum(max(violation, 0.0) for violation in self.violations(row))
 
-    def tightest(self, row: Row) -> Limit | None:
-        """The limit that a row is the furthest beyond, or nearest to; None without limits."""
-        return max(self.limits, key=lambda limit: limit.violation(row), default=None)
+    def tightest(self, row: Row) -> str:
+        """Line on the limit that a row is the furthest beyond, or nearest to; "" without limits."""
+        limit = max(self.limits, key=lambda limit: limit.violation(row), default=None)
+        return "" if limit is None else limit.text(row)
 
     def costs(self, row: Row) -> list[float]:
         """The goals as numbers that are to be small."""
@@ -420,11 +335,11 @@ class Judge:
         return min(found, key=self.costs, default=None)
 
     def fronts(self, rows: Sequence[Row]) -> list[list[Row]]:
-        """Rows by rank: the first ones are those that no other is better than in every goal."""
+        """Rows by rank, at least one: the first ones are those that no other is better than in every goal."""
         from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
         if not rows:
-            return []
+            return [[]]
         ranks = NonDominatedSorting().do(np.array([self.costs(row) for row in rows]))
         return [sorted((rows[n] for n in rank), key=self.costs) for rank in ranks]
 
@@ -435,25 +350,26 @@ class Judge:
 LEVEL = "fidelity"
 # share by which the nearest design comes nearer to the limits while a search still improves
 NEARER = 1e-3
-# turns of the output shaft, or of the wheels of a car, below which a load stays at rest
-AT_REST = 1.0
+# rad, a turn of the output shaft, or of the wheels of a car, below which a load stays at rest
+AT_REST = math.tau
 
 
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
     Args:
-        settings: tables of the scene by fidelity; "named": as of Spec; "runs": whether the scene is run.
+        settings: "scenes": tables of the scene by fidelity; "named": as of Spec; "runs": whether it is run.
     """
-    scenes = {level: validated(Scene, settings[level]) for level in settings if level in LEVELS}
+    scenes = {level: validated(Scene, tables) for level, tables in settings["scenes"].items()}
 
     def figures(point: Point) -> Figures:
         keys = {name: value for name, value in point.items() if name != LEVEL}
         scene = scenes[str(point[LEVEL])].with_keys(keys)
         mechanism = Mechanism(scene.parameters())
-        mechanism.check_room()
+        if unbuildable := mechanism.module.warnings():
+            raise Refused("; ".join(unbuildable))
         found = {
-            name: Quantity(NAMED[name].value(mechanism, *at), NAMED[name].unit)
+            name: Quantity(float(NAMED[name].value(mechanism, *at)), NAMED[name].unit)
             for name, at in settings["named"].items()
         }
         return found | summary_of(runner, scene) if settings["runs"] else found
@@ -463,12 +379,7 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
 
 @dataclass(frozen=True)
 class Finalist:
-    """A design that was run at both levels of fidelity.
-
-    Attributes:
-        searched, checked: its rows at the fidelity of the search and at that of the check.
-        scene: with its values. file: the scene. doubts: see doubts_of.
-    """
+    """A design that was run at the fidelity of the search and at that of the check, as a scene in a file."""
 
     searched: Row
     checked: Row
@@ -481,7 +392,7 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
     """Say why a design that meets its limits may be no answer: what in short, and in a sentence.
 
     Args:
-        scene: of the design. figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
+        figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
     """
     found, mechanism = {}, Mechanism(scene.parameters())
     try:
@@ -492,17 +403,13 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
         found["no mean torque"] = str(error)
     if mechanism.module["satellite_inertia"] == 0.0:
         found["weightless satellites"] = "but for its imbalance a satellite has no inertia"
-    moved = turned(scene, figures)
-    if moved < AT_REST:
-        found["load at rest"] = f"in the run it is moved by {moved:.2g} turns"
-    return found
-
-
-def turned(scene: Scene, figures: Mapping[str, float]) -> float:
-    """Turns of the wheels of a car in a run, or at most of another load; infinite where nothing was run."""
+    # of the wheels of a car, at most of another load; where nothing was run there is nothing to say
+    turned = figures.get("omega_out_maximum", math.inf) * scene.run.stop_time
     if isinstance(scene.load, VehicleLoad):
-        return figures.get("distance", math.inf) / (math.tau * scene.load.wheel_radius)
-    return figures.get("omega_out_maximum", math.inf) * scene.run.stop_time / math.tau
+        turned = figures.get("distance", math.inf) / scene.load.wheel_radius
+    if turned < AT_REST:
+        found["load at rest"] = f"in the run it is moved by {turned / math.tau:.2g} turns"
+    return found
 
 
 @dataclass(frozen=True)
@@ -536,39 +443,34 @@ class DesignResult:
         keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
         figures = {}
         for name in self.spec.figures:
-            searched, checked = (
-                row.figures.get(name, absent(name, row)) for row in (one.searched, one.checked)
-            )
-            figures[name] = f"{shown(searched)} → {shown(checked, self.judge.unit(name))}"
+            checked = figure_of(one.checked, name, self.judge.unit(name))
+            figures[name] = f"{figure_of(one.searched, name)} → {checked}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
         limits = f"missed by {', '.join(missed)}" if missed else "met"
-        return {**keys, **figures, "limits": limits, **{f"but: {n}": said for n, said in one.doubts.items()}}
+        return keys | figures | {"limits": limits} | {f"but: {n}": said for n, said in one.doubts.items()}
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
         finalists, search = self.finalists, self.spec.search
         # where none meets them the one that is the least beyond the limits: of those checked, if any was
-        rows = [one.checked for one in self.chosen or finalists] or self.rows
+        rows = [one.checked for one in self.chosen or finalists]
+        rows = rows or [row for row in self.rows if not row.refused]
         row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
-        limit = self.judge.tightest(row)
-        where = "" if limit is None else limit.text(row, self.judge.unit(limit.figure))
+        where = self.judge.tightest(row)
         if self.chosen:
             binds = f"; nearest to its limit in the first: {where}" if where else ""
             short = [name for one in self.chosen for name in one.doubts]
             doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
             binds += f"; but {doubts} of them" if doubts else ""
             return f"{len(self.chosen)} of {len(finalists)} checked designs meet all limits{binds}"
-        if row.refused:
-            return f"no design of {len(self.rows)} could be computed: {row.refused}"
+        what = f"design of {len(self.rows)}"
+        why = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
         if self.front:
-            number = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
-            return (
-                f"no checked design of {len(finalists)} meets all limits, {number}; the nearest one: {where}"
-            )
-        ended = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
-        if self.cut:
-            ended = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
-        return f"no design of {len(self.rows)} meets all limits, {ended}; the nearest one: {where}"
+            what = f"checked design of {len(finalists)}"
+            why = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
+        elif self.cut:
+            why = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
+        return f"no {what} meets all limits, {why}; the nearest one: {where}"
 
 
 def design(
@@ -601,8 +503,11 @@ def design(
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     levels = (read.search.fidelity, read.search.check)
     scenes = {level: read.with_fidelity(level) for level in levels}
-    settings: dict[str, Any] = {level: scene.tables for level, scene in scenes.items()}
-    settings |= {"named": read.named, "runs": len(read.named) < len(read.figures)}
+    settings = {
+        "scenes": {level: scene.tables for level, scene in scenes.items()},
+        "named": read.named,
+        "runs": len(read.named) < len(read.figures),
+    }
     task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -612,9 +517,8 @@ def design(
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
         rows = evaluate(of_shares(read.axes, _population(read, read.search.seed)))
-        keys = {axis.name: axis.unit for axis in read.axes}
-        units = keys | evaluator.units
-        known = list(dict.fromkeys([*(name for row in rows for name in row.figures), *NAMED]))
+        units = {axis.name: axis.unit for axis in read.axes} | evaluator.units
+        known = [*(name for row in rows for name in row.figures), *NAMED]
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
         for figure in read.figures:
@@ -622,8 +526,9 @@ def design(
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
         rows, cut = _search(read, judge, evaluate, progress)
-        fronts = judge.fronts([row for row in rows if judge.meets(row, read.search.margin)])
-        picked = _finalists(fronts, read.search.finalists) or [min(rows, key=judge.beyond)]
+        computed = [row for row in rows if not row.refused]
+        fronts = judge.fronts([row for row in computed if judge.meets(row, read.search.margin)])
+        picked = _finalists(fronts, read.search.finalists) or [min(computed, key=judge.beyond)]
         checked = evaluate([row.point for row in picked], levels[1])
         # what the journal has of searches by other seeds
         own = [{**row.point, LEVEL: levels[1]} for row in rows]
@@ -640,16 +545,13 @@ def design(
                 goals = [f"{goal} {shown(better.figures[goal], judge.unit(goal))}" for goal in read.goals]
                 doubts["bettered by another search"] = f"whose designs are here too: {', '.join(goals)}"
             finalists.append(Finalist(row, again, scene, file, doubts))
-    front = fronts[0] if fronts else []
-    files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", front, units).items()}
+    files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(read, judge, rows, front, finalists, evaluator.new, files, cut)
+    return DesignResult(read, judge, rows, fronts[0], finalists, evaluator.new, files, cut)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
     """Pick at most so many rows: spread over the first front, and filled up from the next ones."""
-    if not fronts:
-        return []
     first, rest = fronts[0], [row for front in fronts[1:] for row in front]
     if len(first) <= number:
         return [*first, *rest[: number - len(first)]]
@@ -663,15 +565,14 @@ def _population(spec: Spec, seed: int) -> NDArray[np.float64]:
 
 
 def _search(
-    spec: Spec,
-    judge: Judge,
-    evaluate: Callable[[Sequence[Point]], list[Row]],
-    progress: Progress | None,
+    spec: Spec, judge: Judge, evaluate: Evaluate, progress: Progress | None
 ) -> tuple[list[Row], bool]:
     """Search by NSGA-II; all designs, each once, in the order asked for, and whether time ended it.
 
     The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits.
+    searched alike. A design that is refused is beyond its limits. As long as none meets all limits a start
+    gets more generations until the nearest has come no nearer over `stall` of them, then there is another
+    start with another population; once one meets them there are as many generations as asked for from there.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
@@ -691,36 +592,23 @@ def _search(
     keys, limits = len(spec.axes), len(judge.limits) + 1
     problem = Designs(n_var=keys, n_obj=len(spec.goals), n_ieq_constr=limits, xl=0.0, xu=1.0)
     for seed in range(settings.seed, settings.seed + settings.starts):
-
-        def over(generation: int, first: bool = seed == settings.seed) -> bool:
-            """Tell whether time is over: for what is added, not for the generations asked for."""
-            added = not first or generation >= settings.generations
-            return added and time.monotonic() - begun > settings.longest
-
         algorithm = NSGA2(pop_size=settings.population, sampling=_population(spec, seed))
         algorithm.setup(problem, termination=NoTermination(), seed=seed)
-        if _evolve(algorithm, settings, over, progress):
-            return list(found.values()), False
-        if over(settings.generations):
-            return list(found.values()), True
+        # of the nearest design to the limits, by generation: what it is beyond them in all
+        nearest, wanted, improving = list[float](), settings.generations, False
+        while len(nearest) < wanted or improving:
+            added = seed > settings.seed or len(nearest) >= settings.generations
+            if added and time.monotonic() - begun > settings.longest:
+                return list(found.values()), nearest[-1:] != [0.0]
+            algorithm.next()
+            nearest.append(float(np.maximum(algorithm.pop.get("G"), 0.0).sum(axis=1).min()))
+            before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
+            improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
+            if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
+                # the goals get as many as if the search had begun here
+                wanted += len(nearest)
+            if progress is not None:
+                progress(min(len(nearest) / wanted, 1.0))
+        if nearest[-1] == 0.0:
+            break
     return list(found.values()), False
-
-
-def _evolve(algorithm: Any, settings: Search, over: Callable[[int], bool], progress: Progress | None) -> bool:
-    """Run a start of a search to its end; whether a design meets all limits.
-
-    Args:
-        algorithm: of pymoo, set up. over: whether time is, by the number of generations there were.
-    """
-    nearest, wanted, improving = list[float](), settings.generations, False
-    while (len(nearest) < wanted or improving) and not over(len(nearest)):
-        algorithm.next()
-        nearest.append(min(map(excess, algorithm.pop.get("G").tolist())))
-        before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
-        improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
-        if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
-            # the goals get as many as if the search had begun here
-            wanted += len(nearest)
-        if progress is not None:
-            progress(min(len(nearest) / wanted, 1.0))
-    return nearest[-1:] == [0.0]

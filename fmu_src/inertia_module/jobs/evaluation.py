@@ -18,7 +18,6 @@ from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import content_hash, writable_folder, write_atomically
 from ..common.terminal import Progress
-from ..harness.fmu import Closing
 from ..harness.results import heading, write_rows
 from ..scene import Scene, load_scene
 from ..scene.keys import validated
@@ -44,6 +43,10 @@ class Row(NamedTuple):
     figures: dict[str, float]
     cost: float
     refused: str = ""
+
+
+# rows of points, in their order
+Evaluate = Callable[[Sequence[Point]], list[Row]]
 
 
 class Batch(NamedTuple):
@@ -112,15 +115,12 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
     return batch
 
 
-class Evaluator(Closing):
+class Evaluator(ExitStack):
     """Evaluator of points, as often as it is called; a context manager that ends its workers.
 
-    Its results are kept in a journal: a line for each batch, written as soon as it is there.
-
     Args:
-        task: what is evaluated. folder: of the journal; made if it is not there. scheduler, workers: as in
-            workers.pool; they start when the first point is to be evaluated. progress: told the share done
-            of the points of a call.
+        task: what is evaluated. folder: of the journal. scheduler, workers: as in workers.pool; they start
+            when the first point is to be evaluated. progress: told the share done of the points of a call.
 
     Attributes:
         rows: all results, by key. units: of their figures by name. new: how many were not there before.
@@ -138,11 +138,11 @@ class Evaluator(Closing):
         workers: int | None = None,
         progress: Progress | None = None,
     ) -> None:
+        super().__init__()
         for name in ("distributed", "pyarrow"):
             library(name, "jobs")
         self.path = writable_folder(folder) / JOURNAL
-        self.rows: dict[str, Row] = {}
-        self.units: dict[str, str] = {}
+        self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})
         there = self.path.is_file()
         text = self.path.read_text(encoding="utf-8") if there else f"{head}\n"
@@ -159,13 +159,7 @@ class Evaluator(Closing):
             write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
         self.task, self.new = task, 0
         self.progress = progress or (lambda share: None)
-        self._pool = (scheduler, workers)
-        self._stack = ExitStack()
-        self._client: Any = None
-
-    def close(self) -> None:
-        """End the workers."""
-        self._stack.close()
+        self._pool, self._client = (scheduler, workers), None
 
     def _take(self, batch: Batch) -> None:
         self.rows.update({_key(row.point): row for row in batch.rows})
@@ -188,7 +182,7 @@ class Evaluator(Closing):
             from .workers import evaluations, pool
 
             if self._client is None:
-                self._client = self._stack.enter_context(pool(self.task, *self._pool))
+                self._client = self.enter_context(pool(self.task, *self._pool))
             done = 0
             for batch in evaluations(self._client, self.task.identity, missing):
                 self.keep(batch)
@@ -203,11 +197,7 @@ def _key(point: Point) -> str:
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:
-    """Read a scene; with what to call its results.
-
-    Raises:
-        SceneError: as load_scene.
-    """
+    """Read a scene, as load_scene; with what to call its results."""
     return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
 
 
@@ -215,18 +205,12 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     """Write rows as NAME.parquet (units in the metadata of its columns) and NAME.csv (units in headings).
 
     Columns are the keys varied, the figures, cost and refused; empty where there is none.
-
-    Raises:
-        NotInstalled: pyarrow is not.
     """
-    arrow = library("pyarrow", "jobs")
-    parquet = library("pyarrow.parquet", "jobs")
-    columns: dict[str, list[Any]] = {}
-    for part in ("point", "figures"):
-        values = [getattr(row, part) for row in rows]
-        names = dict.fromkeys(key for one in values for key in one)
-        columns |= {key: [one.get(key) for one in values] for key in names}
-    columns |= {"cost": [row.cost for row in rows], "refused": [row.refused for row in rows]}
+    arrow, parquet = library("pyarrow", "jobs"), library("pyarrow.parquet", "jobs")
+    own = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
+    keys = [name for row in rows for name in row.point]
+    names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
+    columns = {name: [one.get(name) for one in own] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
     arrays = {title: arrow.array(values) for title, values in columns.items()}
     schema = arrow.schema(

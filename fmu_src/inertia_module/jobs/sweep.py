@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,8 +17,8 @@ from ..harness.fmu import fmu_file
 from ..harness.results import write_rows
 from ..scene import Scene
 from ..scene.run import time_to
-from .axes import Axis, Point, axes_of, grid, of_shares, shares_sampled
-from .evaluation import Evaluator, Row, Task, read, summaries, write_tables
+from .axes import Axis, axes_of, grid, of_shares, shares_sampled
+from .evaluation import Evaluate, Evaluator, Row, Task, read, summaries, write_tables
 
 # a figure that varies less than this, relative to its magnitude, does not vary
 CONSTANT = 1e-9
@@ -125,13 +125,20 @@ def sweep(
     shares = list[Share]()
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
         if sensitivity is not None:
-            shares, points = indices(axes, sensitivity, seed, evaluator)
-        rows = evaluator(points)
+            shares, rows = indices(axes, sensitivity, seed, evaluator)
+        else:
+            rows = evaluator(points)
     units = {axis.name: axis.unit for axis in axes} | evaluator.units
     files = write_tables(folder, "sweep", rows, units)
     if sensitivity is not None:
         files["sensitivity"] = write_rows(folder / "sensitivity.csv", Share._fields, shares)
     return SweepResult(axes, rows, units, evaluator.new, unreached(base, rows), shares, files)
+
+
+def varies(values: NDArray[np.float64]) -> bool:
+    """Tell whether values of a figure differ by more than rounding, NaN left out."""
+    known = values[np.isfinite(values)]
+    return known.size > 1 and bool(np.ptp(known) > CONSTANT * np.abs(known).max())
 
 
 def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
@@ -142,13 +149,12 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 
 
 def indices(
-    axes: Sequence[Axis], number: int, seed: int, evaluate: Callable[[Sequence[Point]], list[Row]]
-) -> tuple[list[Share], list[Point]]:
-    """Compute Sobol indices of all figures that vary; with the points they are from.
+    axes: Sequence[Axis], number: int, seed: int, evaluate: Evaluate
+) -> tuple[list[Share], list[Row]]:
+    """Compute Sobol indices of all figures that vary from n (d + 2) runs; with the rows of these.
 
     Args:
-        axes: the ranges, independent and uniform. number: n, a power of 2, for n (d + 2) runs. seed: of the
-            points. evaluate: gives rows of points.
+        axes: the d ranges, independent and uniform. number: n, a power of 2. seed: of the points.
 
     Raises:
         Refused: number is no power of 2, or a point was refused: indices take whole ranges.
@@ -157,32 +163,24 @@ def indices(
 
     if number < 2 or number & (number - 1):
         raise Refused(f"sensitivity must be a power of 2, such as 256, is {number}")
-    points: list[Point] = []
-    names: list[str] = []
-    tables: list[NDArray[np.float64]] = []
+    every, names = list[Row](), list[str]()
 
     def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Figures, shape (m, points), at shares of the ranges, shape (axes, points)."""
-        asked = of_shares(axes, shares.T)
-        rows = evaluate(asked)
-        points.extend(asked)
-        refused = next((row for row in rows if row.refused), None)
-        if refused is not None:
-            raise Refused(
-                f"Sobol indices must have runs at all points, at {refused.point}: {refused.refused}"
-            )
+        rows = evaluate(of_shares(axes, shares.T))
+        for row in rows:
+            if row.refused:
+                raise Refused(f"Sobol indices must have runs at all points, at {row.point}: {row.refused}")
+        every.extend(rows)
         names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
-        tables.append(np.array([[row.figures[name] for row in rows] for name in names]))
-        return tables[-1]
+        return np.array([[row.figures[name] for row in rows] for name in names])
 
     with np.errstate(divide="ignore", invalid="ignore"):
         found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
-    table = np.hstack(tables)
-    varies = np.ptp(table, axis=1) > CONSTANT * np.abs(table).max(axis=1)
     shape = len(names), len(axes)  # SciPy leaves out the axis of a single range
     first, total = (np.reshape(part, shape).tolist() for part in (found.first_order, found.total_order))
-    return [
-        Share(names[m], axis.name, first[m][n], total[m][n])
-        for m in np.flatnonzero(varies)
-        for n, axis in enumerate(axes)
-    ], points
+    shares = []
+    for name, *of_axes in zip(names, first, total, strict=True):
+        if varies(np.array([row.figures[name] for row in every])):
+            shares += [Share(name, *one) for one in zip([axis.name for axis in axes], *of_axes, strict=True)]
+    return shares, every

@@ -11,6 +11,7 @@ import contextlib
 import logging
 import math
 import threading
+import weakref
 from collections import deque
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -42,36 +43,20 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         self.name = task.identity
 
     def setup(self, worker: Worker) -> None:
-        """Write the FMU to a file."""
+        """Write the FMU to a file; it goes when no thread runs an instance any more."""
         self.closing = contextlib.ExitStack()
         self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
         self.path.write_bytes(self.task.fmu)
         self.local = threading.local()
-        self.lock, self.running, self.ended = threading.Lock(), 0, False
-
-    def teardown(self, worker: Worker) -> None:
-        """Close the instances of the FMU and remove it, once no thread runs one: its client may be gone."""
-        with self.lock:
-            self.ended = True
-            self._close_if_idle()
-
-    def _close_if_idle(self) -> None:
-        if self.ended and self.running == 0:
-            self.closing.close()
+        # not teardown: where the client is gone a thread may still run an instance
+        weakref.finalize(self, self.closing.close)
 
     def evaluate(self, points: list[Point]) -> Batch:
         """Evaluate points."""
-        with self.lock:
-            self.running += 1
-        try:
-            if not hasattr(self.local, "figures_of"):
-                runner = self.closing.enter_context(SceneRunner(self.path))
-                self.local.figures_of = self.task.prepare(self.task.settings, runner)
-            return evaluate(self.local.figures_of, points)
-        finally:
-            with self.lock:
-                self.running -= 1
-                self._close_if_idle()
+        if not hasattr(self.local, "figures_of"):
+            runner = self.closing.enter_context(SceneRunner(self.path))
+            self.local.figures_of = self.task.prepare(self.task.settings, runner)
+        return evaluate(self.local.figures_of, points)
 
 
 def _evaluated_here(name: str, points: list[Point]) -> str:
@@ -114,24 +99,21 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
 
 
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
-    """Evaluate points on the workers; the batches as they come, in no order.
-
-    Args:
-        client: of pool. name: identity of its task. points: where.
-    """
-    waiting, alone = deque(points), deque[list[Point]]()
-    under_way: dict[Any, list[Point]] = {}
-    size = 1
-    while waiting or alone or under_way:
+    """Evaluate points on the workers of pool, by the name of its task; batches as they come, in no order."""
+    # of those waiting, how many of the first may end their worker
+    waiting, suspects, size = deque(points), 0, 1
+    # batches, and whether alone
+    under_way: dict[Any, tuple[list[Point], bool]] = {}
+    while waiting or under_way:
         threads = max(sum(client.nthreads().values()), 1)
         fair = math.ceil(len(waiting) / (2 * threads))
-        # who may end its worker is alone under way: Dask suspects all that wait on a worker that dies
-        most = 1 if alone else AHEAD * threads
-        while (waiting or alone) and len(under_way) < most:
-            number = min(size, max(fair, 1), len(waiting))
-            batch = alone.popleft() if alone else [waiting.popleft() for _ in range(number)]
-            future = client.submit(_evaluated_here, name, batch, pure=False)
-            under_way[future] = batch
+        # a suspect is alone under way: Dask suspects all that wait on a worker that dies
+        alone = suspects > 0 or any(alone for _, alone in under_way.values())
+        most, number = (1, 1) if alone else (AHEAD * threads, min(size, max(fair, 1)))
+        while waiting and len(under_way) < most:
+            batch = [waiting.popleft() for _ in range(min(number, len(waiting)))]
+            under_way[client.submit(_evaluated_here, name, batch, pure=False)] = batch, alone
+            suspects = max(suspects - 1, 0)
         try:
             future = wait(list(under_way), timeout=PATIENCE, return_when="FIRST_COMPLETED").done.pop()
             found = Batch.of(future.result(timeout=PATIENCE))
@@ -142,9 +124,10 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
                 client.cluster.scale(len(client.cluster.worker_spec))
             continue
         except KilledWorker as error:
-            batch = under_way.pop(future)
-            if len(batch) > 1:
-                alone.extend([point] for point in batch)
+            batch, alone = under_way.pop(future)
+            if not alone:
+                waiting.extendleft(batch)
+                suspects += len(batch)
                 continue
             ended = f"its worker ended {error.allowed_failures + 1} times"
             found = Batch([Row(batch[0], {}, math.nan, ended)], {})
