@@ -114,8 +114,8 @@ def test_what_others_carry_along_is_read_and_what_deviates_told(built, tmp_path,
 
 
 def test_tree_for_importers_is_as_the_cross_check_has_it(built, tmp_path, monkeypatch):
-    def ready(fmu, progress):
-        return (built / fmu.file_name).read_bytes(), {}
+    def ready(fmu, build):
+        return (built / fmu.file_name).read_bytes()
 
     monkeypatch.setattr(compatibility, "content_of", ready)
     written, problems = compatibility.write_tree(tmp_path, print)

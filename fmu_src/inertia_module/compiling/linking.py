@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..common.files import cache_folder, content_hash, kept, sources
+from ..common.files import cache_folder, kept, sources
 from ..contract.models import MODELS, Model
 from . import CompilationUnavailable, ir
 from .targets import WIN_ARM, Target, here
@@ -75,9 +75,8 @@ def object_file(model: Model, target: Target) -> bytes:
     Raises:
         CompilationUnavailable: numba or llvmlite is not installed, or fails.
     """
-    platform = f"{target.triple}-{target.processor}"
-    digest = content_hash(made_from(model) | {"platform": platform.encode()})[:16]
-    return kept(f"{model.name}-{digest}.o", lambda: compile_ir(model, target)).read_bytes()
+    depends_on = made_from(model) | {"platform": f"{target.triple}-{target.processor}".encode()}
+    return kept(f"{model.name}.o", depends_on, lambda: compile_ir(model, target)).read_bytes()
 
 
 def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
@@ -126,7 +125,7 @@ def link(
     *flags: str,
     imports: Mapping[str, Sequence[str]] | None = None,
 ) -> bytes:
-    """A shared library for a target.
+    """A shared library for a target, or a module of WebAssembly.
 
     Args:
         target: for which platform. file: its name. content: C files, headers, objects, resources by name.
@@ -139,12 +138,14 @@ def link(
         folder = Path(name)
         for path, written in content.items():
             (folder / path).write_bytes(written)
-        own = [STACK_PROTECTOR, *target.libraries]
+        kind, own = ["-shared", STACK_PROTECTOR], [*target.libraries]
         if target.system == "windows":
-            own = windows_arguments(target, folder)
+            kind, own = ["-shared"], windows_arguments(target, folder)
             own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
-        linked = sorted(path for path in content if path.endswith((".c", ".o", ".res")))
-        given = ["-target", target.compiler, *FLAGS, *WARNINGS, *flags, "-shared", "-s", "-o", file]
+        elif target.system == "wasi":
+            kind = ["-mexec-model=reactor"]
+        linked = sorted(path for path in content if path.endswith((".c", ".o", ".rc")))
+        given = ["-target", target.compiler, *FLAGS, *WARNINGS, *flags, *kind, "-s", "-o", file]
         run_tool("cc", [*given, *linked, *own], folder)
         return (folder / file).read_bytes()
 
@@ -168,8 +169,8 @@ def kernel_library(model: Model) -> Path:
     """
     target = here()
     made = made_from(model) | ir.tool_versions("ziglang") | sources("compiling/*.c", "compiling/targets.py")
-    file = f"{model.name}-kernel-{target.label}-{content_hash(made)[:16]}{target.suffix}"
-    return kept(file, lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {}))
+    name = f"{model.name}-kernel-{target.label}{target.suffix}"
+    return kept(name, made, lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {}))
 
 
 if __name__ == "__main__":

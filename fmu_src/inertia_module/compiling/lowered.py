@@ -8,7 +8,6 @@ optimised as a whole in the end.
 from __future__ import annotations
 
 import ctypes
-import functools
 import gc
 import importlib
 import lzma
@@ -24,11 +23,9 @@ from unittest.mock import patch
 import llvmlite.binding as llvm
 import numba
 import numpy
-from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import cpu_target
 from numba.core.types import Record, Type
-from numba.core.types.functions import BaseFunction
 
 from .. import kernel
 from ..common.files import PACKAGE_FOLDER, write_atomically
@@ -84,36 +81,16 @@ def _stand_in(library: Any, description: Any, environment: Any) -> Callable[...,
     return [].append
 
 
-def operation_type(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Type of an operation of numba's, found once for arguments of the same types."""
-    answers: dict[tuple[Any, ...], Any] = {}
-
-    def answer(operation: Any, context: Any, arguments: Any, keywords: Any) -> Any:
-        if keywords:
-            return function(operation, context, arguments, keywords)
-        asked = operation, arguments
-        if asked not in answers:
-            answers[asked] = function(operation, context, arguments, keywords)
-        return answers[asked]
-
-    return answer
-
-
 @contextmanager
 def only_lowered() -> Iterator[None]:
-    """Within it numba's functions are lowered and kept, not compiled.
-
-    What numba finds out anew for every function and operation is found out once: half of the time.
-    """
+    """Within it numba's functions are lowered and kept, not compiled."""
     context = cpu_target.target_context
     codegen = context.codegen()
     with (
         patch.object(codegen, "_library_class", Lowered),
         patch.object(context, "get_executable", _stand_in),
-        # numba writes down all types of arguments for each pass: field by field a tenth of the time
+        # numba writes down all types of arguments for each pass: field by field a fifth of the time
         patch.object(Record, "__repr__", Type.__repr__),
-        patch.object(BaseFunction, "get_call_type", operation_type(BaseFunction.get_call_type)),
-        patch.object(BaseContext, "get_abi_sizeof", functools.cache(BaseContext.get_abi_sizeof)),
     ):
         yield
 
@@ -136,7 +113,9 @@ def optimised(text: str, entry: str) -> str:
         if not variable.is_declaration:
             variable.linkage = "internal"
     machine = cpu_target.target_context.codegen()._tm
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization = False  # it gains nothing here, and fmu/c_source.py knows no vectors
+    builder = llvm.create_pass_builder(machine, tuning)
     for _ in range(ROUNDS):
         builder.getModulePassManager().run(module, builder)
     return str(module)

@@ -25,7 +25,7 @@ from ..contract.variables import PARAMETER, UNITS, Variable
 from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_date, guid_of
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
-from ..fmu.native_fmu import NativeFmu
+from ..fmu.native_fmu import Build, NativeFmu
 from ..harness.wires import Wire
 from ..kernel.codes import ELASTIC, RIGID
 
@@ -270,7 +270,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     fmus = {}
     for part in plan.parts:
         progress(f"building {part.fmu.file_name}")
-        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
+        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, Build(progress)))
     progress("packing the system")
     files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
     files |= {f"osp/{name}": content for name, content in fmus.items()}

@@ -17,16 +17,14 @@ from typing import NamedTuple
 from pythonfmu import FmuBuilder
 
 from ..common.files import content_hash, sources
-from ..compiling import CompilationUnavailable
 from ..compiling.ir import tool_versions
 from ..compiling.load import SHIPPED
-from ..compiling.targets import LINUX64, WIN64
+from ..compiling.targets import LINUX64, WIN64, Target
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import model_description
-from .linking import Progress, link_front
-from .native_fmu import NativeFmu, accompanying_files, library
-from .native_fmu import guid as native_guid
+from .linking import link_front
+from .native_fmu import Build, NativeFmu, accompanying_files, library
 
 BUNDLED = (
     "__init__.py",
@@ -61,6 +59,22 @@ class PythonFmu(NamedTuple):
         """Name of its file."""
         return f"{self.identifier}.fmu"
 
+    def guid(self) -> str:
+        """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
+        kernels, fronts = libraries(self, Build())
+        return _guid(self, bundled_files() | kernels | fronts)
+
+    def content(self, build: Build) -> bytes:
+        """The content of its file."""
+        kernels, fronts = libraries(self, build)
+        package = bundled_files() | kernels
+        described = _description(self, _guid(self, package | fronts), generation_date())
+        content = _pack(self.identifier, package, content_hash(package)[:12]) | _accompanying_files(self)
+        for path, front in fronts.items():
+            content[path.replace(self.identifier, BEHIND)] = content[path]
+            content[path] = front
+        return archive(content | {DESCRIPTION: described})
+
 
 # the loader of pythonfmu 0.7 runs this script at every instantiation and then drops a reference to its
 # globals that it does not own: without one to spare, the second instance finds an empty module
@@ -85,28 +99,24 @@ def bundled_files() -> dict[str, bytes]:
     return sources(*BUNDLED)
 
 
-def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, bytes], dict[str, str]]:
-    """Libraries with the compiled kernel, by path within the package, and those skipped, with the reason."""
-    files, skipped = {}, {}
-    for target in PLATFORMS:
-        path = f"{SHIPPED.name}/{target.folder}{target.suffix}"
-        try:
-            files[path] = library(fmu.native, native_guid(fmu.native), target, progress)
-        except CompilationUnavailable as reason:
-            skipped[f"compiled kernel in {fmu.identifier} for {target.label}"] = str(reason)
-    return files, skipped
+def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str, bytes]]:
+    """Libraries with the compiled kernel, by path in the package; in front of pythonfmu's, in the FMU."""
 
+    def compiled(target: Target) -> bytes:
+        return library(fmu.native, fmu.native.guid(), target, build.progress)
 
-def fronts(fmu: PythonFmu) -> tuple[dict[str, bytes], dict[str, str]]:
-    """Our libraries in front of pythonfmu's, by path in the FMU, and those skipped, with the reason."""
-    files, skipped = {}, {}
+    kernels, fronts = {}, {}
     for target in PLATFORMS:
-        path = f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"
-        try:
-            files[path] = link_front(target, f"{BEHIND}{target.suffix}")
-        except CompilationUnavailable as reason:
-            skipped[f"front of {fmu.identifier} for {target.label} (see docs/fmu.md)"] = str(reason)
-    return files, skipped
+        what = f"{fmu.identifier} for {target.label}"
+        kernel = build.attempt(f"compiled kernel in {what}", compiled, target)
+        front = build.attempt(
+            f"front of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
+        )
+        if kernel is not None:
+            kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel
+        if front is not None:
+            fronts[f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"] = front
+    return kernels, fronts
 
 
 def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, bytes]:
@@ -150,22 +160,3 @@ def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
     )
     made_from["description"] = _description(fmu, "", "")
     return guid_of(made_from)
-
-
-def guid(fmu: PythonFmu) -> str:
-    """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
-    return _guid(fmu, bundled_files() | shipped_libraries(fmu, lambda stage: None)[0] | fronts(fmu)[0])
-
-
-def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple[bytes, dict[str, str]]:
-    """The content of an FMU's file, and what was left out of it, with the reason."""
-    shipped, skipped = shipped_libraries(fmu, progress)
-    package = bundled_files() | shipped
-    in_front, without = fronts(fmu)
-    made_for = _guid(fmu, package | in_front)
-    description = _description(fmu, made_for, generation_date())
-    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | _accompanying_files(fmu)
-    for path, front in in_front.items():
-        content[path.replace(fmu.identifier, BEHIND)] = content[path]
-        content[path] = front
-    return archive(content | {DESCRIPTION: description}), skipped | without
