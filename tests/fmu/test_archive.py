@@ -392,7 +392,7 @@ def build(word):
         return subprocess.CompletedProcess(command, 0)
 
     subprocess.run = translate
-    linking.compile_ir = native_fmu.link = lambda *_: word.encode()
+    linking.compile_ir = native_fmu.with_kernel = lambda *_: word.encode()
     guid = SHAFT_FMU.guid()
     print(json.dumps({
         "text": ir.llvm_text(SHAFT_FMU.model),

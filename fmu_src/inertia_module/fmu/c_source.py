@@ -312,11 +312,7 @@ def numbers_of(escaped: str) -> str:
 
 
 def c_source(model: Model) -> str:
-    """The kernel of a model in C99, a file whose one visible function is the entry.
-
-    Raises:
-        CompilationUnavailable: its LLVM IR cannot be made, or has what there is no C for.
-    """
+    """The kernel of a model in C99, a file whose one visible function is the entry."""
     return _translated(llvm_text(model), model)
 
 

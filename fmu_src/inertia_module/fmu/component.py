@@ -23,14 +23,7 @@ MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
 
 
 def module(model: Model, guid: str) -> bytes:
-    """Shell and kernel as a module of WebAssembly; of its host it needs what the world imports.
-
-    Args:
-        model: what it computes. guid: of modelDescription.xml.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """Shell and kernel as a module of WebAssembly; of its host it needs what the world imports."""
     content = shell_files(model, guid, 3) | {"kernel.o": object_file(model, BROWSERS)}
     content |= {Path(path).name: text for path, text in sources("fmu/wasm/*.c").items()}
     return link(BROWSERS, "module.wasm", content, "-isystem", str(header_folder()))
@@ -42,14 +35,7 @@ def length(number: int) -> bytes:
 
 
 def component(model: Model, guid: str) -> bytes:
-    """The component of a model, for binaries/wasm32-wasip2.
-
-    Args:
-        model: what it computes. guid: of modelDescription.xml.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The component of a model, for binaries/wasm32-wasip2; guid: of modelDescription.xml."""
     own = module(model, guid)
     world = (FOLDER / "world.wasm").read_bytes()
     return world.replace(EMPTY_MODULE, b"\x01" + length(len(own)) + own, 1)

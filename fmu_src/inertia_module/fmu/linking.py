@@ -1,4 +1,4 @@
-"""Shared libraries of the native FMUs: the shell in C, compiled and linked with the kernel's machine code."""
+"""What libraries of FMUs are made of beside the kernel; the library in front of pythonfmu's."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from pathlib import Path
 from .. import __version__
 from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
-from ..compiling import linking as compiling
 from ..compiling.ir import tool_versions
-from ..compiling.linking import with_kernel
+from ..compiling.linking import link
 from ..compiling.targets import Target
 from ..contract.models import Model
 from .archive import TEMPLATES, filled
@@ -34,11 +33,7 @@ FAT_ALIGNMENT = 14
 
 
 def header_folder() -> Path:
-    """Folder with the headers of FMI 2.0 and 3.0, which fmpy brings along.
-
-    Raises:
-        CompilationUnavailable: this fmpy has none.
-    """
+    """Folder with the headers of FMI 2.0 and 3.0, which fmpy brings along."""
     folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
     for version in (2, 3):
         if not (folder / f"fmi{version}Functions.h").is_file():
@@ -63,12 +58,7 @@ def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
 
 
 def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
-    """Resource with the version of a library, which Windows shows, by the name of its file.
-
-    Args:
-        target: for which platform, {} unless it is Windows. library: name of its file.
-        title: what it is, for people.
-    """
+    """Resource with the version of a library, which Windows shows, by the name of its file; else none."""
     if target.system != "windows":
         return {}
     numbers = ",".join([*re.findall(r"\d+", __version__), "0", "0", "0"][:4])
@@ -76,30 +66,8 @@ def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
     return {"version.rc": filled(TEMPLATES / "version.rc", values).encode()}
 
 
-def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> bytes:
-    """The shared library of a native FMU for one target.
-
-    Args:
-        model: what it computes. identifier: model identifier. guid: of modelDescription.xml.
-        target: for which platform. fmi: version of FMI, 2 or 3.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
-    library = f"{identifier}{target.suffix}"
-    content = shell_files(model, guid, fmi) | version_file(target, library, model.title)
-    return with_kernel(model, target, library, content, "-isystem", str(header_folder()))
-
-
 def link_front(target: Target, behind: str) -> bytes:
-    """The library in front of pythonfmu's for one target, from the cache if it was built before.
-
-    Args:
-        target: for which platform. behind: name of pythonfmu's library, beside it.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The library in front of pythonfmu's, from the cache if it was built before; behind: name of that."""
     files = sources("fmu/front/*", "compiling/windows.c")
     made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
     made_from |= sources("compiling/linking.py") | tool_versions("ziglang", "fmpy")
@@ -111,7 +79,7 @@ def link_front(target: Target, behind: str) -> bytes:
         flags = ("-std=c11", "-isystem", str(header_folder()), f'-DPYTHONFMU="{behind}"')
         windows = {"kernel32.dll": WINDOWS_FUNCTIONS}
         needed = target._replace(libraries=("-ldl",))
-        return compiling.link(needed, f"front{target.suffix}", content, *flags, imports=windows)
+        return link(needed, f"front{target.suffix}", content, *flags, imports=windows)
 
     return kept(f"front-{target.label}{target.suffix}", made_from, linked).read_bytes()
 

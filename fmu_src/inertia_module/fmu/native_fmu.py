@@ -13,6 +13,7 @@ from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import is_cached, llvm_text, tool_versions
 from ..compiling.linking import made_from as machine_code_made_from
+from ..compiling.linking import with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
@@ -20,7 +21,7 @@ from .c_source import c_source
 from .component import FOLDER, MANIFEST, PLATFORM, component
 from .description import FLANGE, build_description, model_description, resource_metadata, terminals
 from .documentation import MECHANISM, index_page
-from .linking import Progress, header_folder, join_for_mac, link, shell_files
+from .linking import Progress, header_folder, join_for_mac, shell_files, version_file
 from .tables import generated
 
 Content = TypeVar("Content")
@@ -70,11 +71,7 @@ class NativeFmu(NamedTuple):
         return f"binaries/{folder}/{self.identifier}{target.suffix}"
 
     def guid(self) -> str:
-        """Hash of all that the FMU is made from: its sources and the versions of the tools.
-
-        Raises:
-            CompilationUnavailable: the tools are not installed.
-        """
+        """Hash of all that the FMU is made from: its sources and the versions of the tools."""
         made_from = tool_versions("ziglang") | machine_code_made_from(self.model)
         made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.c")
         made_from |= sources("compiling/targets.py")
@@ -85,11 +82,7 @@ class NativeFmu(NamedTuple):
         return guid_of(made_from)
 
     def content(self, build: Build) -> bytes:
-        """The content of its file for those of the platforms that can be compiled for.
-
-        Raises:
-            CompilationUnavailable: there is none at all that it could be compiled for.
-        """
+        """The content of its file for those of the platforms that can be compiled for."""
         made_for = self.guid()
         if not is_cached(self.model):
             build.progress("translating the kernel for compilation, once: about a minute")
@@ -110,9 +103,8 @@ class NativeFmu(NamedTuple):
         files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
         if len(build.targets) == len(TARGETS):  # for all: also for those that are not among them
             for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
-                files |= (
-                    build.attempt(f"{self.identifier} {what}", make, self, made_for, build.progress) or {}
-                )
+                added = build.attempt(f"{self.identifier} {what}", make, self, made_for, build.progress)
+                files |= added or {}
         of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
         files |= accompanying_files(self.model, self.picture, self.fmi, **of_standard)
         description = self.identifier, made_for, generation_date(), self.fmi
@@ -152,14 +144,7 @@ def _picture(name: str) -> bytes:
 
 
 def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The FMU in C99, by path in it, for processors that it has no library for.
-
-    Args:
-        fmu: of what. made_for: its GUID. progress: told that it is translated.
-
-    Raises:
-        CompilationUnavailable: the kernel cannot be translated.
-    """
+    """The FMU in C99, by path in it, for processors that it has no library for; made_for: its GUID."""
     progress(f"translating {fmu.identifier} to C")
     files = shell_files(fmu.model, made_for, fmu.fmi) | {"kernel.c": c_source(fmu.model).encode()}
     if fmu.fmi == 3:
@@ -173,14 +158,7 @@ def c_files(files: Iterable[str]) -> list[str]:
 
 
 def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The WebAssembly component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none.
-
-    Args:
-        fmu: of what. made_for: its GUID. progress: told that it is compiled.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none."""
     if fmu.fmi == 2:
         return {}
 
@@ -194,18 +172,13 @@ def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[s
 
 
 def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -> bytes:
-    """The shared library for one target, from the cache if it was built before.
-
-    Args:
-        fmu: it belongs to. made_for: its GUID. target: platform. progress: told if it is compiled.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The shared library for one target, from the cache if it was built before; made_for: the GUID."""
+    file = f"{fmu.identifier}{target.suffix}"
 
     def linked() -> bytes:
         progress(f"compiling {fmu.identifier} for {target.label}")
-        return link(fmu.model, fmu.identifier, made_for, target, fmu.fmi)
+        content = shell_files(fmu.model, made_for, fmu.fmi) | version_file(target, file, fmu.model.title)
+        return with_kernel(fmu.model, target, file, content, "-isystem", str(header_folder()))
 
     name = f"{fmu.identifier}-{target.label}{target.suffix}"
     return kept(name, {"guid": made_for.encode()}, linked).read_bytes()

@@ -1,4 +1,4 @@
-"""The Python FMU: pythonfmu packs the slave, the description comes from the model.
+"""The Python FMU: the slave behind pythonfmu's loader, the description comes from the model.
 
 The script and the bundled package carry a hash of their content in their names, so that two
 different builds of the FMU live in one process; the GUID is a hash of all the FMU is made from.
@@ -7,14 +7,11 @@ different builds of the FMU live in one process; the GUID is a hash of all the F
 from __future__ import annotations
 
 import importlib.metadata
-import sys
-import tempfile
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from pythonfmu import FmuBuilder
+import pythonfmu
 
 from ..common.files import content_hash, sources
 from ..compiling.ir import tool_versions
@@ -69,10 +66,7 @@ class PythonFmu(NamedTuple):
         kernels, fronts = libraries(self, build)
         package = bundled_files() | kernels
         described = _description(self, _guid(self, package | fronts), generation_date())
-        content = _pack(self.identifier, package, content_hash(package)[:12]) | _accompanying_files(self)
-        for path, front in fronts.items():
-            content[path.replace(self.identifier, BEHIND)] = content[path]
-            content[path] = front
+        content = _packed(self, package, fronts) | _accompanying_files(self)
         return archive(content | {DESCRIPTION: described})
 
 
@@ -119,26 +113,21 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
     return kernels, fronts
 
 
-def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, bytes]:
-    """Let pythonfmu pack script and package; the archive's content by name."""
-    with tempfile.TemporaryDirectory() as folder:
-        package = Path(folder) / f"inertia_module_{label}"
-        for name, content in files.items():
-            path = package / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-        script = Path(folder) / f"{identifier}_{label}.py"
-        script.write_text(SCRIPT.format(package=package.name, identifier=identifier))
-        search_path, modules = list(sys.path), set(sys.modules)
-        try:
-            packed = FmuBuilder.build_FMU(script, dest=Path(folder) / "out", project_files={package})
-        finally:
-            sys.path[:] = search_path
-            for module in set(sys.modules) - modules:
-                if label in module:
-                    del sys.modules[module]
-        with zipfile.ZipFile(packed) as packed_archive:
-            return {name: packed_archive.read(name) for name in packed_archive.namelist()}
+def _packed(fmu: PythonFmu, package: dict[str, bytes], in_front: dict[str, bytes]) -> dict[str, bytes]:
+    """Files where pythonfmu's loader looks for them: the script by its name, package and libraries."""
+    folder, label = Path(pythonfmu.__file__).parent, content_hash(package)[:12]
+    script, name = f"{fmu.identifier}_{label}", f"inertia_module_{label}"
+    resources = {
+        **{f"{name}/{path}": content for path, content in package.items()},
+        **{f"pythonfmu/{path.name}": path.read_bytes() for path in folder.glob("*.py")},
+        f"{script}.py": SCRIPT.format(package=name, identifier=fmu.identifier).encode(),
+        "slavemodule.txt": script.encode(),
+    }
+    files = in_front | {f"resources/{path}": content for path, content in resources.items()}
+    for path in (folder / "resources" / "binaries").glob("*/*pythonfmu-export.*"):
+        place = f"binaries/{path.parent.name}/{fmu.identifier}{path.suffix}"
+        files[place.replace(fmu.identifier, BEHIND) if place in in_front else place] = path.read_bytes()
+    return files
 
 
 def _accompanying_files(fmu: PythonFmu) -> dict[str, bytes]:

@@ -30,9 +30,6 @@ class WebKernel(NamedTuple):
         """The kernel as a module of WebAssembly, from the cache if it was built before.
 
         It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
-
-        Raises:
-            CompilationUnavailable: what it takes is not installed, or fails.
         """
         depends_on = tool_versions("ziglang") | made_from(self.model)
         depends_on |= sources("fmu/web_kernel.py", "compiling/targets.py")
