@@ -26,8 +26,10 @@ Array = NDArray[np.float64]
 
 # function of the native FMUs that takes many steps in one call
 RUN = "inertiaModuleRun"
-# status of a warning in the standards; above it are errors
-WARNING = 1
+# statuses of the standards: of a warning, above which are errors, and of a step that is not taken; of FMI 2.0
+# the question whether it ends the simulation
+WARNING, DISCARD = 1, 2
+TERMINATED = 3
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 # calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
@@ -198,6 +200,10 @@ class Log:
         self.messages.append(text)
         if status >= WARNING:
             (self.warnings if status == WARNING else self.errors).append(text)
+
+
+class Ended(FmuError):
+    """The FMU itself ends the simulation: in the step from the time of its instance on."""
 
 
 class Kept(NamedTuple):
@@ -385,13 +391,21 @@ class Fmu(Closing):
         """Advance by a communication step, s.
 
         Raises:
-            FmuError: the FMU refused the step; its state is as it was.
+            FmuError: the FMU refused the step; its state is as it was. Ended: it ends the simulation.
         """
         try:
             self._call("doStep", self.time, step)
         except FmuError as error:
+            if self._has_ended(error.__cause__):
+                raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
+
+    def _has_ended(self, failure: BaseException | None) -> bool:
+        """Tell whether the failure of a step means that the FMU ends the simulation."""
+        with contextlib.suppress(Exception):
+            return getattr(failure, "status", None) == DISCARD and self._instance.getBooleanStatus(TERMINATED)
+        return False
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array

@@ -28,7 +28,7 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
-from .fmu import RUN, WARNING, Log
+from .fmu import DISCARD, RUN, WARNING, Log
 
 
 class Unpacked:
@@ -136,6 +136,7 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     """
 
     _experiment: tuple[float | None, float, float | None] = (None, 0.0, None)
+    _ended = False
 
     def setupExperiment(
         self, tolerance: float | None = None, startTime: float = 0.0, stopTime: float | None = None
@@ -150,6 +151,16 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
     deSerializeFMUstate = FMU3Slave.deserializeFMUState
     getRealOutputDerivatives = FMU3Slave.getOutputDerivatives
+
+    def doStep(self, *arguments: Any) -> None:
+        """Step; where the FMU ends the simulation that is said as in FMI 2.0."""
+        _, self._ended, _, _ = super().doStep(*arguments)
+        if self._ended:
+            raise FMICallException("fmi3DoStep", DISCARD)
+
+    def getBooleanStatus(self, kind: int) -> bool:
+        """Tell whether the last step has ended the simulation: of what FMI 2.0 can be asked only this."""
+        return self._ended
 
     def setRealInputDerivatives(self, *arguments: Any) -> None:
         raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
