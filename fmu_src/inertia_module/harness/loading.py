@@ -16,15 +16,8 @@ from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
 
-from fmpy import extract
+from fmpy import extract, fmi2
 from fmpy.fmi1 import FMICallException, calloc, free, printLogMessage
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
@@ -79,7 +72,7 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
         log.take(environment, status, category, message)
 
 
-_DISPATCHER = fmi2CallbackLoggerTYPE(_dispatch)
+_DISPATCHER = fmi2.fmi2CallbackLoggerTYPE(_dispatch)
 
 
 def callbacks_of(log: Log, environment: int | None = None) -> Any:
@@ -88,11 +81,11 @@ def callbacks_of(log: Log, environment: int | None = None) -> Any:
     Fmpy's proxy, which formats the messages, knows one callback a process: the last one given. One that is
     freed while another instance still logs would crash the process: that of all instances stays.
     """
-    callbacks = fmi2CallbackFunctions()
+    callbacks = fmi2.fmi2CallbackFunctions()
     callbacks.logger = _DISPATCHER
     addLoggerProxy(byref(callbacks))
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
     callbacks.componentEnvironment = key = id(log) if environment is None else environment
     _logs[key] = log
     return callbacks
@@ -111,7 +104,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
         "instanceName": name,
     }
     if description.fmiVersion == "2.0":
-        instance = FMU2Slave(**arguments)
+        instance = fmi2.FMU2Slave(**arguments)
         instance.instantiate(callbacks=callbacks_of(log), loggingOn=True)
     else:
         instance = Slave(**arguments)
