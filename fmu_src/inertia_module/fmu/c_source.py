@@ -7,7 +7,6 @@ bytes: it is copied from and to. Whole numbers are unsigned, which wrap.
 
 from __future__ import annotations
 
-import functools
 import math
 import re
 import struct
@@ -182,6 +181,8 @@ class Function:
         if text[0] == "%":
             own, count = self.locals.setdefault(text, f"v{len(self.locals)}"), len(members(kind))
             return [own] if count == 1 else [f"{own}_{n}" for n in range(count)]
+        if text[0] == "{":
+            return [constant(*one.split()) for one in parts(text[1:-1])]
         return [constant(one, text) for one, _ in members(kind)]
 
     def _operand(self, text: str) -> tuple[str, list[str]]:
@@ -313,12 +314,7 @@ def numbers_of(escaped: str) -> str:
 
 def c_source(model: Model) -> str:
     """The kernel of a model in C99, a file whose one visible function is the entry."""
-    return _translated(llvm_text(model), model)
-
-
-@functools.lru_cache(2)
-def _translated(text: str, model: Model) -> str:
-    """The text in C: the FMUs of both versions of FMI hold the same."""
+    text = llvm_text(model)
     tables = re.findall(rf"^({NAME}) = .*constant \[\d+ x i8\] c\"(.*)\"", text, flags=re.M)
     functions = re.findall(r"^define .*?^\}$", text, flags=re.M | re.S)
     names = {name: f"t{n}" for n, (name, _) in enumerate(tables)}
