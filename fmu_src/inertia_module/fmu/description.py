@@ -54,7 +54,7 @@ def model_description(
         model: what it describes. identifier: model identifier, the name of the binaries.
         guid: hash of the content. date: generation date and time, UTC, ending in Z.
         fmi: version of FMI, 2 or 3. python: whether pythonfmu passes the calls on, and what it can.
-        sources: names of C files that FMI 2.0 lists; FMI 3.0 has build_description.
+        sources: names of C files that FMI 2.0 lists; FMI 3.0 has buildDescription.xml.
     """
     variables = model.variables if fmi == 2 else (*model.variables, TIME)
     # FMI 2.0 counts variables from 1, FMI 3.0 has their value references
@@ -78,16 +78,6 @@ def model_description(
     return filled_xml(TEMPLATES / "modelDescription.xml", values)
 
 
-def build_description(identifier: str, sources: Sequence[str]) -> bytes:
-    """The XML of sources/buildDescription.xml: what FMI 3.0 compiles.
-
-    Args:
-        identifier: model identifier. sources: names of the C files.
-    """
-    values = {"identifier": identifier, "sources": sources}
-    return filled_xml(TEMPLATES / "buildDescription.xml", values)
-
-
 def terminals(model: Model) -> bytes:
     """The XML: members of a name belong together, a speed to a speed and a torque to a torque.
 
@@ -95,8 +85,3 @@ def terminals(model: Model) -> bytes:
     """
     values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
     return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)
-
-
-def resource_metadata(model: Model) -> bytes:
-    """The XML of resourceMetaData.srmd (SSP Traceability): provenance, and what the results rest on."""
-    return filled_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__})

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from .. import __version__
 from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import is_cached, llvm_text, tool_versions
@@ -16,10 +17,10 @@ from ..compiling.linking import made_from as machine_code_made_from
 from ..compiling.linking import with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
-from .archive import DESCRIPTION, archive, generation_date, guid_of
+from .archive import DESCRIPTION, TEMPLATES, archive, filled_xml, generation_date, guid_of
 from .c_source import c_source
 from .component import FOLDER, MANIFEST, PLATFORM, component
-from .description import FLANGE, build_description, model_description, resource_metadata, terminals
+from .description import FLANGE, model_description, terminals
 from .documentation import MECHANISM, index_page
 from .linking import Progress, header_folder, join_for_mac, shell_files, version_file
 from .tables import generated
@@ -124,7 +125,7 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
         "documentation/index.html": index_page(model, texts).encode(),
         f"documentation/{MECHANISM}": _picture(f"{picture}_named.png"),
         **{f"documentation/licenses/{name}.txt": text.encode() for name, text in texts.items()},
-        METADATA: resource_metadata(model),
+        METADATA: filled_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__}),
     }
     carried = f"fmu/references/{model.name}/"
     files |= {path.removeprefix(carried): content for path, content in sources(f"{carried}**/*").items()}
@@ -148,7 +149,8 @@ def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str,
     progress(f"translating {fmu.identifier} to C")
     files = shell_files(fmu.model, made_for, fmu.fmi) | {"kernel.c": c_source(fmu.model).encode()}
     if fmu.fmi == 3:
-        files["buildDescription.xml"] = build_description(fmu.identifier, c_files(files))
+        values = {"identifier": fmu.identifier, "sources": c_files(files)}
+        files["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
     return {f"sources/{name}": content for name, content in files.items()}
 
 

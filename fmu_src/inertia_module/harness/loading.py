@@ -145,11 +145,13 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     deSerializeFMUstate = FMU3Slave.deserializeFMUState
     getRealOutputDerivatives = FMU3Slave.getOutputDerivatives
 
-    def doStep(self, *arguments: Any) -> None:
+    def doStep(self, *arguments: Any, **named: Any) -> Any:
         """Step; where the FMU ends the simulation that is said as in FMI 2.0."""
-        _, self._ended, _, _ = super().doStep(*arguments)
+        answer = super().doStep(*arguments, **named)
+        self._ended = answer[1]
         if self._ended:
             raise FMICallException("fmi3DoStep", DISCARD)
+        return answer
 
     def getBooleanStatus(self, kind: int) -> bool:
         """Tell whether the last step has ended the simulation: of what FMI 2.0 can be asked only this."""
