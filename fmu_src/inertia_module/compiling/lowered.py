@@ -9,13 +9,10 @@ from __future__ import annotations
 
 import ctypes
 import gc
-import importlib
 import lzma
 import re
 import sys
 import types
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -28,7 +25,7 @@ from numba.core.registry import cpu_target
 from numba.core.types import Record, Type
 
 from .. import kernel
-from ..common.files import PACKAGE_FOLDER, write_atomically
+from ..common.files import write_atomically
 from ..contract.models import MODELS, Model
 from ..contract.records import record_type
 
@@ -76,25 +73,6 @@ class Lowered(JITCodeLibrary):  # type: ignore[misc]
                     library._collect(called)
 
 
-def _stand_in(library: Any, description: Any, environment: Any) -> Callable[..., Any]:
-    """Stand-in by which numba knows a compiled function: a builtin of its own, never called."""
-    return [].append
-
-
-@contextmanager
-def only_lowered() -> Iterator[None]:
-    """Within it numba's functions are lowered and kept, not compiled."""
-    context = cpu_target.target_context
-    codegen = context.codegen()
-    with (
-        patch.object(codegen, "_library_class", Lowered),
-        patch.object(context, "get_executable", _stand_in),
-        # numba writes down all types of arguments for each pass: field by field a fifth of the time
-        patch.object(Record, "__repr__", Type.__repr__),
-    ):
-        yield
-
-
 def is_inlined(symbol: str) -> bool:
     """Tell whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
     names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
@@ -121,24 +99,10 @@ def optimised(text: str, entry: str) -> str:
     return str(module)
 
 
-def jitted_kernel(entry: str) -> dict[str, types.ModuleType]:
-    """A second copy of a kernel module and all it imports, by name, every function wrapped by numba."""
-    package = types.ModuleType(f"{kernel.__name__}_for_numba")
-    package.__path__ = [str(PACKAGE_FOLDER / "kernel")]
-    prefix = package.__name__ + "."
-    sys.modules[package.__name__] = package
-    try:
-        importlib.import_module(prefix + entry)
-        modules = {
-            name.removeprefix(prefix): module
-            for name, module in sys.modules.items()
-            if name.startswith(prefix)
-        }
-    finally:
-        for name in [name for name in sys.modules if name.startswith(package.__name__)]:
-            del sys.modules[name]
+def wrap_kernel() -> None:
+    """Wrap every function of the kernel by numba, where it stands: this process runs none of them."""
     wrapped: dict[int, Any] = {}
-    for module in modules.values():
+    for module in [one for name, one in sys.modules.items() if name.startswith(kernel.__name__)]:
         for name, value in list(vars(module).items()):
             if isinstance(value, types.FunctionType):
                 if id(value) not in wrapped:
@@ -150,7 +114,6 @@ def jitted_kernel(entry: str) -> dict[str, types.ModuleType]:
             elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
                 # a table: a constant in the code, indexed at run time
                 setattr(module, name, numpy.array(value))
-    return modules
 
 
 def data_type(kind: Any) -> Any:
@@ -173,7 +136,8 @@ def data_type(kind: Any) -> Any:
 def translate(model: Model) -> str:
     """LLVM IR of a kernel's entry, as numba makes it from the kernel's source."""
     nt, carray = numba.types, numba.carray  # type: ignore[attr-defined]
-    call = jitted_kernel(model.module)[model.module].call
+    wrap_kernel()
+    call = sys.modules[model.call.__module__].call
 
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
         return call(
@@ -190,7 +154,14 @@ def translate(model: Model) -> str:
     types_of = (numba.from_dtype(data_type(record_type(fields))) for fields in model.records)
     pointers = [nt.CPointer(record) for record in types_of]  # type: ignore[no-untyped-call]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
-    with only_lowered():
+    context = cpu_target.target_context
+    with (
+        patch.object(context.codegen(), "_library_class", Lowered),
+        # numba knows a compiled function by a builtin of its own, here never called
+        patch.object(context, "get_executable", lambda *_: [].append),
+        # numba writes down all types of arguments for each pass: field by field a fifth of the time
+        patch.object(Record, "__repr__", Type.__repr__),
+    ):
         function = numba.cfunc(signature, error_model="numpy")(entry)
         text: str = function.inspect_llvm()
     text = for_any_processor(text.replace(function.native_name, model.symbol))

@@ -35,11 +35,7 @@ OSP_STRUCTURE = "OspSystemStructure.xml"
 # outputs worth a connector
 SHOWN = {
     MODULE: (
-        "input_speed",
-        "omega2",
-        "omega_out",
-        "input_torque_mean",
-        "output_torque_mean",
+        *("input_speed", "omega2", "omega_out", "input_torque_mean", "output_torque_mean"),
         "imbalance_acceleration",
     ),
     SHAFT: ("omega_out", "shaft_torque_mean", "twist", "driven_acceleration"),
@@ -239,12 +235,9 @@ def _unpacked(fmu: bytes) -> dict[str, bytes]:
 
 
 def with_integers(fmu: bytes) -> bytes:
-    """Copy an FMU so that its enumerations are described as Integers: to the library inside that is the same.
+    """Copy the content of an FMU, its enumerations described as Integers: to the library inside the same.
 
     libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
-
-    Args:
-        fmu: content of the file.
     """
     content = _unpacked(fmu)
     root = ElementTree.fromstring(content[DESCRIPTION])

@@ -233,8 +233,8 @@ class Fmu(Closing):
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:
-        FmuError: the file is no such FMU, a name is unknown, or a value is refused; all methods raise it
-            once the instance is closed.
+        FmuError: the file is no such FMU, a name is unknown, or a value is refused. All methods raise it for
+            names that there are not, for what the FMU refuses or has not, and once the instance is closed.
     """
 
     def __init__(
@@ -258,8 +258,8 @@ class Fmu(Closing):
         try:
             self._load()
             self._call("setupExperiment", tolerance, start_time, stop_time)
-            self._assign(parameters or {})
-            self._assign(inputs or {})
+            self.set(**(parameters or {}))
+            self.set(**(inputs or {}))
             self._call("enterInitializationMode")
             self._before_start()
             self._call("exitInitializationMode")
@@ -314,11 +314,7 @@ class Fmu(Closing):
         return found
 
     def set_logging(self, on: bool, *categories: str) -> None:
-        """Switch log categories on or off; all of them if none is named.
-
-        Raises:
-            FmuError: an unknown category.
-        """
+        """Switch log categories on or off; all of them if none is named."""
         self._call("setDebugLogging", on, categories)
 
     # --- values ---
@@ -343,8 +339,8 @@ class Fmu(Closing):
             self._arrays[key] = (c_uint * len(key))(*self._references(key))
         return addressof(self._arrays[key])
 
-    def _assign(self, values: Mapping[str, float | bool | str]) -> None:
-        """Set variables by name: all of them or, on an unknown name or value, none."""
+    def set(self, /, **values: float | bool | str) -> None:
+        """Set inputs and tunable parameters by name to numbers, strings with a unit or items: all or none."""
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
             number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
@@ -352,21 +348,8 @@ class Fmu(Closing):
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
 
-    def set(self, **values: float | str) -> None:
-        """Set inputs and tunable parameters by name to values, numbers or strings with a unit; all or none.
-
-        Raises:
-            FmuError: an unknown name, no quantity, a variable that cannot be set now, or a value of a tunable
-                parameter that the FMU refuses.
-        """
-        self._assign(values)
-
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Read values by names, or one alone, of any type, as floats.
-
-        Raises:
-            FmuError: an unknown name, or the FMU refuses to give a value.
-        """
+        """Read values by names, or one alone, of any type, as floats."""
         key = as_names(names)
         if key not in self._readers:
             row = np.empty((1, len(key)))
@@ -432,20 +415,12 @@ class Fmu(Closing):
         return True
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).
-
-        Raises:
-            FmuError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
-        """
+        """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""
         orders, values = [1] * len(rates), list(rates.values())
         self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Rates of outputs by names, or one alone, after the last step, per second (see docs/fmu.md).
-
-        Raises:
-            FmuError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
-        """
+        """Rates of outputs by names, or one alone, after the last step, per second (see docs/fmu.md)."""
         references = self._references(names)
         return tuple(self._call("getRealOutputDerivatives", references, [1] * len(references)))
 
@@ -458,9 +433,6 @@ class Fmu(Closing):
 
         Returns:
             Shape (outputs, inputs), units of the output over those of the input.
-
-        Raises:
-            FmuError: an unknown name, or an FMU that gives no directional derivatives.
         """
         unknowns, knowns = self._references(outputs), self._references(inputs)
         columns = [self._call("getDirectionalDerivative", unknowns, [known], [1.0]) for known in knowns]
@@ -469,11 +441,7 @@ class Fmu(Closing):
     # --- states ---
 
     def get_state(self) -> Kept:
-        """Keep the state to go back to; cheaper than save, and good for this instance only.
-
-        Raises:
-            FmuError: the FMU cannot give its state.
-        """
+        """Keep the state to go back to; cheaper than save, and good for this instance only."""
         self._kept.append(Kept(self._call("getFMUstate"), self.time))
         return self._kept[-1]
 
@@ -483,31 +451,19 @@ class Fmu(Closing):
             raise FmuError("a state must be one of get_state of this instance, not freed since")
 
     def set_state(self, kept: Kept) -> None:
-        """Take over a kept state of get_state, and its time.
-
-        Raises:
-            FmuError: it is not one, or freed.
-        """
+        """Take over a kept state of get_state, and its time."""
         self._check_kept(kept)
         self._call("setFMUstate", kept.state)
         self.time = kept.time
 
     def free_state(self, kept: Kept) -> None:
-        """Free a kept state of get_state; closing the instance frees all.
-
-        Raises:
-            FmuError: it is not one, or freed.
-        """
+        """Free a kept state of get_state; closing the instance frees all."""
         self._check_kept(kept)
         self._kept = [known for known in self._kept if known is not kept]
         self._call("freeFMUstate", kept.state)
 
     def save(self) -> bytes:
-        """Serialise the whole state of the instance.
-
-        Raises:
-            FmuError: the FMU cannot give its state.
-        """
+        """Serialise the whole state of the instance."""
         kept = self.get_state()
         try:
             return bytes(self._call("serializeFMUstate", kept.state))
@@ -564,5 +520,5 @@ class RestartedFmu(Fmu):
         """
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.set_state(self._blank)
-        self._assign(values)
+        self.set(**values)
         self._call("exitInitializationMode")
