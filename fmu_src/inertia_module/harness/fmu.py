@@ -340,7 +340,7 @@ class Fmu(Closing):
         return addressof(self._arrays[key])
 
     def set(self, /, **values: float | bool | str) -> None:
-        """Set inputs and tunable parameters by name; values: numbers, strings with a unit, items; all or none."""
+        """Set inputs and tunable parameters by name to values: numbers, strings with a unit; all or none."""
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
             number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
