@@ -14,6 +14,7 @@ from inertia_module.common.files import write_atomically
 from inertia_module.fmu.archive import filled
 from inertia_module.fmu.builder import FMUS, content_of
 from inertia_module.fmu.linking import Progress
+from inertia_module.fmu.native_fmu import Build
 
 from .reference.experiments import ASKED, CARRIED, STEP, STOP, experiments, package_folder
 
@@ -32,9 +33,10 @@ def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]
     """
     written, problems = list[Path](), list[str]()
     for fmu in FMUS:
-        content, skipped = content_of(fmu, progress)
-        if skipped:
-            raise RuntimeError("; ".join(f"{what}: {reason}" for what, reason in skipped.items()))
+        build = Build(progress)
+        content = content_of(fmu, build)
+        if build.skipped:
+            raise RuntimeError("; ".join(f"{what}: {reason}" for what, reason in build.skipped.items()))
         name, fmi = fmu.identifier, getattr(fmu, "fmi", 2)
         one = experiments(fmu.model)[0]
         carried = package_folder(fmu.model) / CARRIED

@@ -26,7 +26,7 @@ from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.component import MANIFEST, PLATFORM
 from inertia_module.fmu.linking import SHELL_FOLDER, shell_sources
-from inertia_module.fmu.native_fmu import METADATA, guid, library_path
+from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
 from tests.packed import files_of, with_content, with_words
@@ -69,7 +69,7 @@ def check_native(folder, fmu, targets):
     content = files_of(folder / fmu.file_name)
     files = {name for name in content if name.startswith("extra/org.")}
     assert files >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
-    files |= PAPERS[fmu.fmi] | {library_path(fmu, target) for target in targets}
+    files |= PAPERS[fmu.fmi] | {fmu.library_path(target) for target in targets}
     if targets == TARGETS:
         generated = {"kernel.c", "tables.c", "codes.h"} | (
             {"buildDescription.xml"} if fmu.fmi == 3 else set()
@@ -258,7 +258,7 @@ def test_the_command_leaves_nothing_when_it_is_told_to_end(fmu, temporary):
 def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, monkeypatch):
     paths = [Path(shutil.copy(built / fmu.file_name, tmp_path)) for fmu in FMUS]
     before = [path.read_bytes() for path in paths]
-    for where in ("os.replace", "inertia_module.fmu.builder.python_fmu"):
+    for where in ("os.replace", "inertia_module.fmu.python_fmu.PythonFmu.content"):
         with monkeypatch.context() as patched:
             patched.setattr(where, Mock(side_effect=KeyboardInterrupt))
             with pytest.raises(KeyboardInterrupt):
@@ -356,12 +356,12 @@ def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_o
             raise CompilationUnavailable("no such processor")
         return real(fmu, guid, target, progress)
 
-    real = builder.native_fmu.__globals__["library"]
-    monkeypatch.setitem(builder.native_fmu.__globals__, "library", fails)
-    monkeypatch.setattr(builder, "is_cached", lambda name: False)
+    real = native_fmu.library
+    monkeypatch.setattr(native_fmu, "library", fails)
+    monkeypatch.setattr(native_fmu, "is_cached", lambda name: False)
     stages = []
     built = build(tmp_path / "new" / "folder", stages.append, targets=(*HERE, LINUX_ARM))
-    assert "translating the kernels" in stages[0]
+    assert "translating the kernel" in stages[1]
     building = [f"building {file.file_name}" for file in (*FMUS, WEB_KERNEL)]
     assert [stage for stage in stages if stage.startswith("building")] == building
     assert len(built.paths) == len(FMUS) + 1
@@ -392,8 +392,8 @@ def build(word):
         return subprocess.CompletedProcess(command, 0)
 
     subprocess.run = translate
-    linking.compile_ir = native_fmu.link = lambda *_: word.encode()
-    guid = native_fmu.guid(SHAFT_FMU)
+    linking.compile_ir = native_fmu.with_kernel = lambda *_: word.encode()
+    guid = SHAFT_FMU.guid()
     print(json.dumps({
         "text": ir.llvm_text(SHAFT_FMU.model),
         "object": linking.object_file(SHAFT_FMU.model, LINUX64).decode(),
@@ -500,7 +500,7 @@ def test_after_a_change_of_source_or_tool_nothing_old_comes_back(tmp_path):
     own = {"INERTIA_MODULE_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     printed = elsewhere(tmp_path / "user", "-c", BUILDS, json.dumps(changes), **own)
     before, *after = map(json.loads, printed.splitlines())
-    assert before["guid"] == guid(SHAFT_FMU)
+    assert before["guid"] == SHAFT_FMU.guid()
     expected = FILES | {tool: anew for tool, (anew, _) in TOOLS.items()}
     found = dict(zip(expected, after, strict=True))
     assert {

@@ -15,7 +15,6 @@ from inertia_module.compiling.targets import TARGETS
 from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.fmu.linking import header_folder
-from inertia_module.fmu.native_fmu import library_path
 from tests.ready import HERE
 
 lief.logging.disable()  # it tells of every table that is empty
@@ -102,7 +101,7 @@ def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(
     processor = PROCESSORS[target.compiler.split("-", 1)[0]]
     folder = request.getfixturevalue("built" if target in HERE else "built_for_all")
     with zipfile.ZipFile(folder / fmu.file_name) as packed:
-        found = read(Path(packed.extract(library_path(fmu, target), tmp_path)), processor)
+        found = read(Path(packed.extract(fmu.library_path(target), tmp_path)), processor)
     required = required_by(fmu.fmi)
     assert required | {"inertiaModuleRun"} <= found.offers
     if target.suffix == ".so":

@@ -1,6 +1,9 @@
 """The kernel in C: bits of the machine code; every kind of instruction; what there is no C for."""
 
 import ctypes
+import itertools
+import math
+import operator
 import struct
 
 import pytest
@@ -49,15 +52,12 @@ PROGRAM = """
 define i64 @ENTRY(i64 %op, ptr %p, ptr %d, ptr %u, ptr %x, ptr %y, ptr %w, double %h) local_unnamed_addr #0 {
 entry:
   %m = alloca [3 x double], align 8
-  %v = load <2 x double>, ptr %x, align 8
-  %s = shufflevector <2 x double> %v, <2 x double> poison, <2 x i32> <i32 1, i32 0>
-  %t = fmul <2 x double> %s, splat (double 2.000000e+00)
-  %u0 = insertelement <2 x double> %t, double 0.000000e+00, i64 1
-  store <2 x double> %u0, ptr %y, align 8
-  %pair = insertvalue { double, i8 } { double 1.5, i8 0 }, i8 7, 1
-  %w48 = getelementptr i8, ptr %y, i64 48
-  store { double, i8 } %pair, ptr %w48, align 8
-  %e = extractelement <2 x double> %v, i64 1
+  %x1 = getelementptr inbounds nuw i8, ptr %x, i64 8
+  %e = load double, ptr %x1, align 8
+  %t = fmul double %e, 2.000000e+00
+  store double %t, ptr %y, align 8
+  %half_pair = insertvalue { double, i8 } undef, double 1.5, 0
+  %pair = insertvalue { double, i8 } %half_pair, i8 7, 1
   %whole = fptosi double %e to i64
   %rest = srem i64 %whole, 3
   %half = ashr i64 %whole, 1
@@ -83,10 +83,13 @@ loop:                                             ; preds = %loop, %entry
   %i = phi i64 [ 0, %entry ], [ %next, %loop ]
   %first = phi double [ %kept, %entry ], [ %second, %loop ]
   %second = phi double [ 1.000000e+00, %entry ], [ %first, %loop ]
+  %either = phi { double, i8 } [ %pair, %entry ], [ { double 2.5, i8 3 }, %loop ]
   %next = add i64 %i, 1
   %more = icmp slt i64 %next, 4
   br i1 %more, label %loop, label %end
 end:                                              ; preds = %loop
+  %w48 = getelementptr i8, ptr %y, i64 48
+  store { double, i8 } %either, ptr %w48, align 8
   %y4 = getelementptr i8, ptr %y, i64 32
   store double %first, ptr %y4, align 8
   %none = fcmp uno double %h, 0x7FF8000000000000
@@ -106,20 +109,68 @@ no:                                               ; preds = %end
 """
 
 
-def test_instructions_do_what_llvm_says(tmp_path, monkeypatch):
-    text = PROGRAM.replace("ENTRY", DRIVEN_SHAFT.symbol)
-    monkeypatch.setattr(c_source, "llvm_text", lambda model: text)
+def kernel_of(text, tmp_path, monkeypatch):
+    """The entry of a text in LLVM's language, by way of C."""
+    monkeypatch.setattr(c_source, "llvm_text", lambda model: text.replace("ENTRY", model.symbol))
     kernel = ctypes.CDLL(str(library_of(c_source.c_source(DRIVEN_SHAFT), tmp_path))).inertia_module_kernel
     kernel.argtypes, kernel.restype = load.CALLS[""], ctypes.c_int64
+    return kernel
+
+
+def test_instructions_do_what_llvm_says(tmp_path, monkeypatch):
+    kernel = kernel_of(PROGRAM, tmp_path, monkeypatch)
     x, y = (ctypes.c_double * 2)(3.0, -200.7), (ctypes.c_double * 8)()
     assert kernel(0, None, None, None, x, y, None, 5.0) == 2
     # -200 % 3 is -2 with the sign of C; -200 >> 1 is -100; the lowest byte of -200 is 56
     assert list(y[:3]) == [-401.4, 0.0, min(-2 * (-2 - 100), 56)]
     assert y[3] == struct.unpack("<Q", b'\\"' + bytes(6))[0]
-    assert str(list(y[4:7])) == "[1.0, -0.0, 1.5]"
-    assert bytes(y)[56] == 7
+    assert str(list(y[4:7])) == "[1.0, -0.0, 2.5]"
+    assert bytes(y)[56] == 3
     assert kernel(0, None, None, None, x, y, None, 2.0) == -1
     assert kernel(0, None, None, None, x, y, None, float("nan")) == -1
+
+
+ORDER = {name: getattr(operator, name) for name in ("lt", "le", "gt", "ge")}
+
+
+def compared(first, second):
+    """Every comparison that there is C for, and what LLVM has it be."""
+    none = math.isnan(first + second)
+    found = {"fcmp oeq": first == second, "fcmp une": first != second, "fcmp ord": not none, "fcmp uno": none}
+    found |= {"fcmp one": not none and first != second, "fcmp ueq": none or first == second}
+    for name, of in ORDER.items():
+        found |= {f"fcmp o{name}": of(first, second), f"fcmp u{name}": none or of(first, second)}
+    numbers = [0 if math.isnan(value) else int(value) for value in (first, second)]
+    found |= {"icmp eq": operator.eq(*numbers), "icmp ne": operator.ne(*numbers)}
+    for name, of in ORDER.items():
+        found |= {f"icmp s{name}": of(*numbers), f"icmp u{name}": of(*(value % 2**64 for value in numbers))}
+    return found
+
+
+def test_comparisons_are_true_where_those_of_llvm_are(tmp_path, monkeypatch):
+    names = compared(0.0, 0.0)
+    assert set(names) == {name for name in c_source.CALCULATIONS if "cmp" in name}
+    lines = [next(line for line in PROGRAM.splitlines() if line.startswith("define")), "entry:"]
+    for record, kind in (("u", "i64"), ("x", "double")):
+        lines += [f"  %{record}_b = getelementptr i8, ptr %{record}, i64 8"]
+        lines += [
+            f"  %{record}0 = load {kind}, ptr %{record}",
+            f"  %{record}1 = load {kind}, ptr %{record}_b",
+        ]
+    for n, name in enumerate(names):
+        operands = "double %x0, %x1" if name.startswith("f") else "i64 %u0, %u1"
+        lines += [f"  %truth{n} = {name} {operands}", f"  %whole{n} = zext i1 %truth{n} to i64"]
+        lines += [
+            f"  %place{n} = getelementptr i8, ptr %y, i64 {8 * n}",
+            f"  store i64 %whole{n}, ptr %place{n}",
+        ]
+    text = "\n".join([*lines, "  ret i64 0", "}", ""])
+    kernel = kernel_of(text, tmp_path, monkeypatch)
+    for values in itertools.product((-1.0, 2.0, 3.0, math.nan), repeat=2):
+        x, truths = (ctypes.c_double * 2)(*values), (ctypes.c_int64 * len(names))()
+        u = (ctypes.c_int64 * 2)(*(0 if math.isnan(value) else int(value) for value in values))
+        assert kernel(0, None, None, u, x, truths, None, 0.0) == 0
+        assert dict(zip(names, map(bool, truths), strict=True)) == compared(*values), values
 
 
 @pytest.mark.parametrize(

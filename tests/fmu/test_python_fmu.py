@@ -84,7 +84,7 @@ def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_pat
     files["contract/variables.py"] = source.replace("0.005", "0.0075", 1).encode()
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: files)
     path = tmp_path / "InertiaModulePy.fmu"
-    path.write_bytes(builder.content_of(builder.PYTHON_FMU)[0])
+    path.write_bytes(builder.content_of(builder.PYTHON_FMU))
     with Fmu(fmu_path, inputs=R1) as ours, Fmu(path, inputs=R1) as other:
         for one in (ours, other):
             one.advance(0.1)

@@ -7,13 +7,18 @@ import zipfile
 
 import numpy as np
 import pytest
+from fmpy import fmi2, fmi3
 from fmpy.cross_check.validate_vendor_repo import validate_repo
+from fmpy.fmi1 import FMICallException
 from lxml import etree
 
 from inertia_module.contract.models import MODELS
 from inertia_module.fmu.native_fmu import METADATA
+from inertia_module.harness import loading
 from inertia_module.harness.check import check_fmu, deviations, experiments
+from inertia_module.harness.fmu import Ended, Fmu
 from inertia_module.harness.results import Result
+from inertia_module.harness.simulate import drive
 from studies import compatibility
 from studies.reference.experiments import CARRIED, files, package_folder
 
@@ -113,9 +118,38 @@ def test_what_others_carry_along_is_read_and_what_deviates_told(built, tmp_path,
     assert not any("R1_ref: omega" in problem for problem in problems)
 
 
+@pytest.mark.parametrize("slave", [fmi2.FMU2Slave, fmi3.FMU3Slave], ids=["DrivenShaft", "DrivenShaft3"])
+def test_an_fmu_that_ends_the_simulation_is_held_to_its_references_up_to_there(built, monkeypatch, slave):
+    def step(self, *arguments, **named):
+        time = next(iter((*arguments, *named.values())))
+        if slave is fmi2.FMU2Slave and time > 0.295:
+            raise FMICallException("fmi2DoStep", fmi2.fmi2Discard)
+        answer = real(self, *arguments, **named)
+        return answer if slave is fmi2.FMU2Slave else (answer[0], time > 0.295, *answer[2:])
+
+    real = slave.doStep
+    monkeypatch.setattr(slave, "doStep", step)
+    monkeypatch.setattr(fmi2.FMU2Slave, "getBooleanStatus", lambda self, kind: kind == fmi2.fmi2Terminated)
+    monkeypatch.setattr(loading, "RUN", "none: step by step")
+    path = built / ("DrivenShaft.fmu" if slave is fmi2.FMU2Slave else "DrivenShaft3.fmu")
+    report = check_fmu(path)
+    assert report.problems == []
+    assert re.match(r"0\.3\d? s in 3\d steps, where it ends the simulation", report.facts["stepped to"])
+    for name in ("shock", "ramp"):
+        assert report.facts[name] == "0.3 s, where it ends the simulation"
+    assert len(report.references) == 6
+    assert max(one.time for one in report.references) <= 0.3
+    table = drive(path, {"hub_speed": 1.0}, 1.0, 0.1, "omega_out")
+    assert table.time.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
+    with Fmu(path) as fmu:
+        fmu.advance(0.4)
+        with pytest.raises(Ended, match=rf"{path.name} ends the simulation at 0.4 s"):
+            fmu.advance(0.1)
+
+
 def test_tree_for_importers_is_as_the_cross_check_has_it(built, tmp_path, monkeypatch):
-    def ready(fmu, progress):
-        return (built / fmu.file_name).read_bytes(), {}
+    def ready(fmu, build):
+        return (built / fmu.file_name).read_bytes()
 
     monkeypatch.setattr(compatibility, "content_of", ready)
     written, problems = compatibility.write_tree(tmp_path, print)

@@ -13,7 +13,7 @@ from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.compiling import CompilationUnavailable
 from inertia_module.compiling.linking import WARNINGS, object_file, run_tool
 from inertia_module.compiling.targets import LINUX64
-from inertia_module.fmu import builder, native_fmu
+from inertia_module.fmu import builder
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
 from inertia_module.fmu.tables import generated
 
@@ -76,7 +76,7 @@ class Workshop:
     def __init__(self, identifier, folder):
         self.fmu, self.folder, self.objects = FMUS[identifier], folder, {}
         (folder / "kernel.o").write_bytes(object_file(self.fmu.model, LINUX64))
-        for name, text in generated(self.fmu.model, native_fmu.guid(self.fmu), self.fmu.fmi).items():
+        for name, text in generated(self.fmu.model, self.fmu.guid(), self.fmu.fmi).items():
             (folder / name).write_text(text)
 
     def flags(self):

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from inertia_module.fmu.component import FOLDER, component
-from inertia_module.fmu.native_fmu import guid
 
 from ..fmu.conftest import ELASTIC, R1, Instance
 from ..system.conftest import browser
@@ -100,7 +99,7 @@ def settings(fmu, values):
 def by_component(fmu, content, values, events):
     """Values of the outputs after every step, and where steps have ended."""
     it = Component(content)
-    assert it.instantiate(guid(fmu), events) is not None
+    assert it.instantiate(fmu.guid(), events) is not None
     for kind, reference, value in settings(fmu, values):
         assert it(f"set-{kind}", [reference], [value]) == "ok"
     assert it("enter-initialization-mode", None, 0.0, None) == "ok"
@@ -153,7 +152,7 @@ def deviation(here, there):
 @pytest.fixture(scope="session")
 def contents():
     """Components by identifier."""
-    yield {name: component(FMUS[name].model, guid(FMUS[name])) for name in OF_FMI_3}
+    yield {name: component(FMUS[name].model, FMUS[name].guid()) for name in OF_FMI_3}
     compiled_by_wasmtime.cache_clear()
 
 
@@ -175,7 +174,7 @@ def test_what_is_refused_is_told_in_whole_letters(contents):
     assert it.instantiate("another") is None
     assert it.said.pop()[:3] == ("é", "error", "logStatusError")
     fmu = FMUS["InertiaModule3"]
-    assert it.instantiate(guid(fmu)) is not None
+    assert it.instantiate(fmu.guid()) is not None
     assert it("set-float64", [10_000], [1.0]) == it("get-float64", [10_000]) == "error"
     assert it("set-float64", references(fmu, "omega1"), [1.0, 2.0]) == "error"
     assert "a value for each of 1 references, are 2" in it.said[-1][3]
@@ -191,7 +190,7 @@ def test_what_is_refused_is_told_in_whole_letters(contents):
 def test_states_derivatives_and_a_second_instance(contents):
     fmu = FMUS["InertiaModule3"]
     it = Component(contents["InertiaModule3"])
-    first, second = it.instantiate(guid(fmu)), it.instantiate(guid(fmu))
+    first, second = it.instantiate(fmu.guid()), it.instantiate(fmu.guid())
     for it.instance in (first, second):
         assert it("enter-initialization-mode", 1e-8, 0.0, 10.0) == "ok"
         assert it("exit-initialization-mode") == "ok"
@@ -219,7 +218,7 @@ def test_states_derivatives_and_a_second_instance(contents):
 def test_calls_leave_no_memory_behind(contents):
     """Lists and texts are freed: thirty states, of 107 kB each, and their texts would be beyond the limit."""
     it = Component(contents["InertiaModule3"])
-    it.instantiate(guid(FMUS["InertiaModule3"]))
+    it.instantiate(FMUS["InertiaModule3"].guid())
     it.store.set_limits(memory_size=2 << 20)
     for _ in range(30):
         assert it("set-fmu-state", it("get-fmu-state")) == "ok"
@@ -294,7 +293,7 @@ def test_chromium_computes_what_the_library_does(
         },
         "runs": [
             {
-                **{"token": guid(fmu), "set": settings(fmu, values), "events": events},
+                **{"token": fmu.guid(), "set": settings(fmu, values), "events": events},
                 **{"step": STEP, "steps": STEPS, "references": references(fmu, *outputs(fmu))},
             }
             for values, events in cases

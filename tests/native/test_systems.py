@@ -10,7 +10,7 @@ from inertia_module.compiling.linking import import_library, run_tool, windows_a
 from inertia_module.compiling.targets import LINUX_ARM, WIN64
 from inertia_module.contract.variables import REAL
 from inertia_module.fmu.linking import header_folder
-from inertia_module.fmu.native_fmu import guid, library, source_files
+from inertia_module.fmu.native_fmu import library, source_files
 
 from ..fmu.conftest import ELASTIC, R1, Instance
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run
@@ -147,7 +147,7 @@ def test_another_system_computes_the_same(
 ):
     runs, workshop = request.getfixturevalue(system), workshops(identifier)
     fmu, name = FMUS[identifier], f"{identifier}{target.suffix}"
-    (workshop.folder / name).write_bytes(library(fmu, guid(fmu), target, lambda stage: None))
+    (workshop.folder / name).write_bytes(library(fmu, fmu.guid(), target, lambda stage: None))
     (workshop.folder / "scenes.h").write_text(header(identifier, name))
     found = deviations(identifier, opened, runs(made(workshop, name)))
     record_testsuite_property(f"deviations of {identifier} on {system}", found)
@@ -167,7 +167,7 @@ def test_the_sources_compute_the_same_on_any_processor(
     if emulator is None:
         pytest.skip(f"qemu-{processor} is not installed (Debian: qemu-user)")
     fmu = FMUS[identifier]
-    sources = source_files(fmu, guid(fmu), lambda stage: None)
+    sources = source_files(fmu, fmu.guid(), lambda stage: None)
     for path, content in sources.items():
         (tmp_path / Path(path).name).write_bytes(content)
     (tmp_path / "scenes.h").write_text(header(identifier, ""))

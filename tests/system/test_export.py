@@ -18,7 +18,8 @@ from scenes import REFERENCE as INPUTS
 from inertia_module.contract.variables import REAL
 from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
-from inertia_module.fmu.builder import FMUS, content_of
+from inertia_module.fmu.builder import FMUS
+from inertia_module.fmu.native_fmu import Build
 from inertia_module.harness.system import Node, WiredFmus
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
@@ -55,7 +56,7 @@ class Exported(NamedTuple):
 def here():
     """Exports have libraries for this platform alone."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(systems, "content_of", functools.partial(content_of, targets=HERE))
+        patched.setattr(systems, "Build", functools.partial(Build, targets=HERE))
         yield
 
 
@@ -176,7 +177,8 @@ def test_a_mechanism_without_a_shaft_is_one_fmu(exported):
     }
 
 
-def test_an_export_has_libraries_for_all_platforms(built_for_all, tmp_path):
+def test_an_export_has_libraries_for_all_platforms(built_for_all, tmp_path, monkeypatch):
+    monkeypatch.setattr(systems, "Build", Build)  # whatever runs before
     export(make_plan("planar", *SYSTEMS["module alone"], STEP, STOP), tmp_path)
     ours, theirs = (files_of(folder / "InertiaModule.fmu") for folder in (tmp_path / "osp", built_for_all))
     assert list(ours) == list(theirs)

@@ -162,12 +162,11 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
 
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
-    monkeypatch.setattr(builder, "_translate", lambda *_: pytest.fail("compiled"))
+    monkeypatch.setattr(builder.NativeFmu, "content", lambda *_: pytest.fail("compiled"))
     assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
     done = builder.build(tmp_path)
     assert not done.skipped
     assert all(path.read_bytes() == (built / path.name).read_bytes() for path in done.paths)
-    monkeypatch.setattr(builder, "native_fmu", lambda *_: pytest.fail("compiled"))
     assert command("export", example("planar"), "-o", tmp_path / "export").exit_code == 0
 
 
@@ -179,7 +178,7 @@ def test_plain_python_is_not_taken_silently(monkeypatch):
 
 
 def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
-    nothing = builder.Built([], {"InertiaModule.fmu": "there is no compiler"})
+    nothing = builder.Build(skipped={"InertiaModule.fmu": "there is no compiler"})
     monkeypatch.setattr(builder, "build", lambda *_: nothing)
     with pytest.raises(RuntimeError, match=r"InertiaModule.fmu cannot be built: there is no compiler"):
         builder.current_fmu(builder.MODULE_FMU, tmp_path)

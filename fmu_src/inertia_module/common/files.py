@@ -131,16 +131,18 @@ def write_figure(path: Path, figure: Any) -> Path:
     return path
 
 
-def kept(name: str, make: Callable[[], bytes]) -> Path:
+def kept(name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes]) -> Path:
     """A file of the cache folder, made where it is not there yet, whoever else makes it.
 
     Args:
-        name: of the file, with a hash of what it is made from. make: gives its content.
+        name: of the file, to which a hash is added. made_from: all that the content depends on, by names.
+        make: gives the content.
 
     Raises:
         OSError: the folder cannot be written to.
     """
     path = cache_folder() / name
+    path = path.with_stem(f"{path.stem}-{content_hash(made_from)[:16]}")
     if not path.exists():
         content = make()
         try:

@@ -2,4 +2,7 @@
 
 
 class CompilationUnavailable(RuntimeError):
-    """There is no compiled kernel here, and what it takes to make one is not installed or fails."""
+    """There is no compiled kernel here, and what it takes to make one is not installed or fails.
+
+    All that translates, compiles or links raises it, with the reason.
+    """

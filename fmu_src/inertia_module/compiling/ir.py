@@ -27,11 +27,7 @@ NEEDED = ("numba", "llvmlite")
 
 
 def tool_versions(*packages: str) -> dict[str, bytes]:
-    """Versions of Python and of packages, by name.
-
-    Raises:
-        CompilationUnavailable: one of them is not installed.
-    """
+    """Versions of Python and of packages, by name."""
     versions = {platform.python_implementation(): platform.python_version()}
     for package in packages:
         try:
@@ -44,11 +40,7 @@ def tool_versions(*packages: str) -> dict[str, bytes]:
 
 
 def made_from(model: Model) -> dict[str, bytes]:
-    """All that the text depends on: source of the kernel, what translates it, versions of the tools.
-
-    Raises:
-        CompilationUnavailable: a tool is not installed.
-    """
+    """All that the text depends on: source of the kernel, what translates it, versions of the tools."""
     translator = sources("contract/records.py", "compiling/lowered.py", "compiling/ir.py")
     return model.source | translator | tool_versions(*NEEDED)
 
@@ -63,11 +55,7 @@ def is_cached(model: Model) -> bool:
 
 
 def llvm_text(model: Model) -> str:
-    """LLVM IR of a kernel, from the cache or, the first time ever, translated: about a minute.
-
-    Raises:
-        CompilationUnavailable: numba is not installed, or fails.
-    """
+    """LLVM IR of a kernel, from the cache or, the first time ever, translated: about a minute."""
     path = _path(model)
     if not path.exists():
         environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}

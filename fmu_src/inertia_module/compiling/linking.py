@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..common.files import cache_folder, content_hash, kept, sources
+from ..common.files import cache_folder, kept, sources
 from ..contract.models import MODELS, Model
 from . import CompilationUnavailable, ir
 from .targets import WIN_ARM, Target, here
@@ -36,11 +36,7 @@ RUNTIME = (
 
 
 def compile_ir(model: Model, target: Target) -> bytes:
-    """Object file of a kernel for a target, with the entry as its only visible function.
-
-    Raises:
-        CompilationUnavailable: numba or llvmlite is not installed, or fails.
-    """
+    """Object file of a kernel for a target, with the entry as its only visible function."""
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
@@ -61,31 +57,18 @@ def compile_ir(model: Model, target: Target) -> bytes:
 
 
 def made_from(model: Model) -> dict[str, bytes]:
-    """All that machine code depends on besides the platform, and what links it.
-
-    Raises:
-        CompilationUnavailable: a tool is not installed.
-    """
+    """All that machine code depends on besides the platform, and what links it."""
     return ir.made_from(model) | sources("compiling/linking.py")
 
 
 def object_file(model: Model, target: Target) -> bytes:
-    """Object file of a kernel for a target, kept in the cache.
-
-    Raises:
-        CompilationUnavailable: numba or llvmlite is not installed, or fails.
-    """
-    platform = f"{target.triple}-{target.processor}"
-    digest = content_hash(made_from(model) | {"platform": platform.encode()})[:16]
-    return kept(f"{model.name}-{digest}.o", lambda: compile_ir(model, target)).read_bytes()
+    """Object file of a kernel for a target, kept in the cache."""
+    depends_on = made_from(model) | {"platform": f"{target.triple}-{target.processor}".encode()}
+    return kept(f"{model.name}.o", depends_on, lambda: compile_ir(model, target)).read_bytes()
 
 
 def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
-    """Run the C compiler, or another tool that comes with it, in a folder.
-
-    Raises:
-        CompilationUnavailable: it fails, with what it says.
-    """
+    """Run the C compiler, or another tool that comes with it, in a folder."""
     environment = os.environ | {
         "ZIG_GLOBAL_CACHE_DIR": str(cache_folder() / "zig"),
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
@@ -126,50 +109,41 @@ def link(
     *flags: str,
     imports: Mapping[str, Sequence[str]] | None = None,
 ) -> bytes:
-    """A shared library for a target.
+    """A shared library for a target, or a module of WebAssembly.
 
     Args:
         target: for which platform. file: its name. content: C files, headers, objects, resources by name.
         flags: more of them for the compiler. imports: on Windows, functions it needs, by library of Windows.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for path, written in content.items():
             (folder / path).write_bytes(written)
-        own = [STACK_PROTECTOR, *target.libraries]
+        kind, own = ["-shared", STACK_PROTECTOR], [*target.libraries]
         if target.system == "windows":
-            own = windows_arguments(target, folder)
+            kind, own = ["-shared"], windows_arguments(target, folder)
             own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
-        linked = sorted(path for path in content if path.endswith((".c", ".o", ".res")))
-        given = ["-target", target.compiler, *FLAGS, *WARNINGS, *flags, "-shared", "-s", "-o", file]
+        elif target.system == "wasi":
+            kind = ["-mexec-model=reactor"]
+        linked = sorted(path for path in content if path.endswith((".c", ".o", ".rc")))
+        given = ["-target", target.compiler, *FLAGS, *WARNINGS, *flags, *kind, "-s", "-o", file]
         run_tool("cc", [*given, *linked, *own], folder)
         return (folder / file).read_bytes()
 
 
 def with_kernel(model: Model, target: Target, file: str, content: dict[str, bytes], *flags: str) -> bytes:
-    """A shared library that offers the kernel of a model and has it in it, for link.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """A shared library that offers the kernel of a model and has it in it, for link."""
     entry = {Path(path).name: text for path, text in sources("compiling/*.c").items()}
     own = entry | {"kernel.o": object_file(model, target)}
     return link(target, file, own | content, f"-DKERNEL={model.symbol}", *flags)
 
 
 def kernel_library(model: Model) -> Path:
-    """The shared library of a kernel alone, in the cache: the machine code that an FMU of this platform has.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The shared library of a kernel alone, in the cache: machine code as an FMU of this platform has it."""
     target = here()
     made = made_from(model) | ir.tool_versions("ziglang") | sources("compiling/*.c", "compiling/targets.py")
-    file = f"{model.name}-kernel-{target.label}-{content_hash(made)[:16]}{target.suffix}"
-    return kept(file, lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {}))
+    name = f"{model.name}-kernel-{target.label}{target.suffix}"
+    return kept(name, made, lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {}))
 
 
 if __name__ == "__main__":

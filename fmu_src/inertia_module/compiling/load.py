@@ -7,7 +7,7 @@ import functools
 import zipfile
 from pathlib import Path
 
-from ..common.files import PACKAGE_FOLDER, content_hash, kept, ready_made
+from ..common.files import PACKAGE_FOLDER, kept, ready_made
 from ..contract.models import Model
 from . import CompilationUnavailable
 from .targets import here
@@ -30,8 +30,7 @@ def _library(model: Model) -> Path:
     if fmu is not None:
         with zipfile.ZipFile(fmu) as packed:
             content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
-        name = f"{fmu.stem}-{content_hash({fmu.name: content})[:16]}{here().suffix}"
-        return kept(name, lambda: content)
+        return kept(fmu.stem + here().suffix, {fmu.name: content}, lambda: content)
     try:
         from .linking import kernel_library
     except ImportError:

@@ -8,15 +8,11 @@ optimised as a whole in the end.
 from __future__ import annotations
 
 import ctypes
-import functools
 import gc
-import importlib
 import lzma
 import re
 import sys
 import types
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -24,14 +20,12 @@ from unittest.mock import patch
 import llvmlite.binding as llvm
 import numba
 import numpy
-from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import cpu_target
 from numba.core.types import Record, Type
-from numba.core.types.functions import BaseFunction
 
 from .. import kernel
-from ..common.files import PACKAGE_FOLDER, write_atomically
+from ..common.files import write_atomically
 from ..contract.models import MODELS, Model
 from ..contract.records import record_type
 
@@ -79,45 +73,6 @@ class Lowered(JITCodeLibrary):  # type: ignore[misc]
                     library._collect(called)
 
 
-def _stand_in(library: Any, description: Any, environment: Any) -> Callable[..., Any]:
-    """Stand-in by which numba knows a compiled function: a builtin of its own, never called."""
-    return [].append
-
-
-def operation_type(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Type of an operation of numba's, found once for arguments of the same types."""
-    answers: dict[tuple[Any, ...], Any] = {}
-
-    def answer(operation: Any, context: Any, arguments: Any, keywords: Any) -> Any:
-        if keywords:
-            return function(operation, context, arguments, keywords)
-        asked = operation, arguments
-        if asked not in answers:
-            answers[asked] = function(operation, context, arguments, keywords)
-        return answers[asked]
-
-    return answer
-
-
-@contextmanager
-def only_lowered() -> Iterator[None]:
-    """Within it numba's functions are lowered and kept, not compiled.
-
-    What numba finds out anew for every function and operation is found out once: half of the time.
-    """
-    context = cpu_target.target_context
-    codegen = context.codegen()
-    with (
-        patch.object(codegen, "_library_class", Lowered),
-        patch.object(context, "get_executable", _stand_in),
-        # numba writes down all types of arguments for each pass: field by field a tenth of the time
-        patch.object(Record, "__repr__", Type.__repr__),
-        patch.object(BaseFunction, "get_call_type", operation_type(BaseFunction.get_call_type)),
-        patch.object(BaseContext, "get_abi_sizeof", functools.cache(BaseContext.get_abi_sizeof)),
-    ):
-        yield
-
-
 def is_inlined(symbol: str) -> bool:
     """Tell whether numba's symbol, in which each part of a name follows its length, is one of INLINED."""
     names = ("".join(f"{len(part)}{part}" for part in name.split(".")) for name in INLINED)
@@ -136,30 +91,18 @@ def optimised(text: str, entry: str) -> str:
         if not variable.is_declaration:
             variable.linkage = "internal"
     machine = cpu_target.target_context.codegen()._tm
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization = False  # it gains nothing here, and fmu/c_source.py knows no vectors
+    builder = llvm.create_pass_builder(machine, tuning)
     for _ in range(ROUNDS):
         builder.getModulePassManager().run(module, builder)
     return str(module)
 
 
-def jitted_kernel(entry: str) -> dict[str, types.ModuleType]:
-    """A second copy of a kernel module and all it imports, by name, every function wrapped by numba."""
-    package = types.ModuleType(f"{kernel.__name__}_for_numba")
-    package.__path__ = [str(PACKAGE_FOLDER / "kernel")]
-    prefix = package.__name__ + "."
-    sys.modules[package.__name__] = package
-    try:
-        importlib.import_module(prefix + entry)
-        modules = {
-            name.removeprefix(prefix): module
-            for name, module in sys.modules.items()
-            if name.startswith(prefix)
-        }
-    finally:
-        for name in [name for name in sys.modules if name.startswith(package.__name__)]:
-            del sys.modules[name]
+def wrap_kernel() -> None:
+    """Wrap every function of the kernel by numba, where it stands: this process runs none of them."""
     wrapped: dict[int, Any] = {}
-    for module in modules.values():
+    for module in [one for name, one in sys.modules.items() if name.startswith(kernel.__name__)]:
         for name, value in list(vars(module).items()):
             if isinstance(value, types.FunctionType):
                 if id(value) not in wrapped:
@@ -171,7 +114,6 @@ def jitted_kernel(entry: str) -> dict[str, types.ModuleType]:
             elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
                 # a table: a constant in the code, indexed at run time
                 setattr(module, name, numpy.array(value))
-    return modules
 
 
 def data_type(kind: Any) -> Any:
@@ -194,7 +136,8 @@ def data_type(kind: Any) -> Any:
 def translate(model: Model) -> str:
     """LLVM IR of a kernel's entry, as numba makes it from the kernel's source."""
     nt, carray = numba.types, numba.carray  # type: ignore[attr-defined]
-    call = jitted_kernel(model.module)[model.module].call
+    wrap_kernel()
+    call = sys.modules[model.call.__module__].call
 
     def entry(operation, p, d, u, x, y, w, h):  # type: ignore[no-untyped-def]
         return call(
@@ -211,7 +154,14 @@ def translate(model: Model) -> str:
     types_of = (numba.from_dtype(data_type(record_type(fields))) for fields in model.records)
     pointers = [nt.CPointer(record) for record in types_of]  # type: ignore[no-untyped-call]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
-    with only_lowered():
+    context = cpu_target.target_context
+    with (
+        patch.object(context.codegen(), "_library_class", Lowered),
+        # numba knows a compiled function by a builtin of its own, here never called
+        patch.object(context, "get_executable", lambda *_: [].append),
+        # numba writes down all types of arguments for each pass: field by field a fifth of the time
+        patch.object(Record, "__repr__", Type.__repr__),
+    ):
         function = numba.cfunc(signature, error_model="numpy")(entry)
         text: str = function.inspect_llvm()
     text = for_any_processor(text.replace(function.native_name, model.symbol))

@@ -18,7 +18,7 @@ class Target(NamedTuple):
     Attributes:
         folder: in an FMU of FMI 2.0, below binaries.
         triple, processor: for the machine code of the kernel. compiler: target of the C compiler.
-        libraries: what is linked with besides the C library.
+        libraries: what is linked with besides the C library, and how.
     """
 
     folder: str
@@ -56,6 +56,9 @@ WIN64 = Target("win64", "x86_64-pc-windows-msvc", _V2, "x86_64-windows-gnu")
 WIN_ARM = Target("aarch64-windows", "aarch64-pc-windows-msvc", _ARM, "aarch64-windows-gnu")
 MAC64 = Target("darwin64", "x86_64-apple-macosx11.0", _V2, "x86_64-macos.11.0")
 MAC_ARM = Target("darwin64", "arm64-apple-macosx11.0", "apple-m1", "aarch64-macos.11.0")
+# any browser since 2021 knows what a "generic" processor may; bytes of the stack: the deepest calls take 800
+_STACK = "-Wl,-z,stack-size=65536"
+BROWSERS = Target("", "wasm32-unknown-wasi", "generic", "wasm32-wasi", (_STACK,))
 
 # those of one folder go into one file that holds code for several processors
 TARGETS = (LINUX64, WIN64, MAC64, MAC_ARM, LINUX_ARM, WIN_ARM)

@@ -85,14 +85,10 @@ class Model:
         return Named({variable.name: variable for variable in self.variables}, f"a variable of {self.name}")
 
     @property
-    def module(self) -> str:
-        """Name of the module of its kernel's entry within the kernel."""
-        return self.call.__module__.rpartition(".kernel.")[2]
-
-    @property
     def symbol(self) -> str:
         """Name of its kernel in machine code."""
-        return f"inertia_module_{self.module.replace('.', '_')}"
+        within_kernel = self.call.__module__.rpartition(".kernel.")[2]
+        return f"inertia_module_{within_kernel.replace('.', '_')}"
 
     @property
     def sizes(self) -> tuple[int, ...]:

@@ -25,7 +25,7 @@ from ..contract.variables import PARAMETER, UNITS, Variable
 from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_date, guid_of
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
-from ..fmu.native_fmu import NativeFmu
+from ..fmu.native_fmu import Build, NativeFmu
 from ..harness.wires import Wire
 from ..kernel.codes import ELASTIC, RIGID
 
@@ -35,11 +35,7 @@ OSP_STRUCTURE = "OspSystemStructure.xml"
 # outputs worth a connector
 SHOWN = {
     MODULE: (
-        "input_speed",
-        "omega2",
-        "omega_out",
-        "input_torque_mean",
-        "output_torque_mean",
+        *("input_speed", "omega2", "omega_out", "input_torque_mean", "output_torque_mean"),
         "imbalance_acceleration",
     ),
     SHAFT: ("omega_out", "shaft_torque_mean", "twist", "driven_acceleration"),
@@ -239,12 +235,9 @@ def _unpacked(fmu: bytes) -> dict[str, bytes]:
 
 
 def with_integers(fmu: bytes) -> bytes:
-    """Copy an FMU so that its enumerations are described as Integers: to the library inside that is the same.
+    """Copy the content of an FMU, its enumerations described as Integers: to the library inside the same.
 
     libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
-
-    Args:
-        fmu: content of the file.
     """
     content = _unpacked(fmu)
     root = ElementTree.fromstring(content[DESCRIPTION])
@@ -270,7 +263,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     fmus = {}
     for part in plan.parts:
         progress(f"building {part.fmu.file_name}")
-        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, progress)[0])
+        fmus[part.fmu.file_name] = with_integers(content_of(part.fmu, Build(progress)))
     progress("packing the system")
     files = {"system.ssp": ssp_file(plan, fmus), f"osp/{OSP_STRUCTURE}": osp_structure(plan)}
     files |= {f"osp/{name}": content for name, content in fmus.items()}

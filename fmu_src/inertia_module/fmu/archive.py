@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 from jinja2 import Environment, StrictUndefined
 
@@ -35,11 +34,13 @@ def generation_date() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def filled(template: Path, values: Mapping[str, Any], write: Callable[[Any], str] = str) -> str:
+def filled(
+    template: Path, values: Mapping[str, Any], write: Callable[[Any], str] | None = None, xml: bool = False
+) -> str:
     """Text of a template of Jinja.
 
     Args:
-        template: its file. values: by name. write: makes text of a value.
+        template: its file. values: by name. write: makes text of a value. xml: escaped for XML.
     """
     environment = Environment(
         trim_blocks=True,
@@ -47,30 +48,14 @@ def filled(template: Path, values: Mapping[str, Any], write: Callable[[Any], str
         keep_trailing_newline=True,
         undefined=StrictUndefined,
         finalize=write,
+        autoescape=xml,
     )
     return environment.from_string(template.read_text(encoding="utf-8")).render(values)
 
 
-class Written(str):
-    """Text that is XML already."""
-
-
 def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
-    """An XML file of a template, what has a meaning in XML escaped.
-
-    It may call attributes, which writes those of a mapping that are not None.
-    """
-
-    def write(value: Any) -> str:
-        if isinstance(value, Written):
-            return value
-        return escape(str(value), {'"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#09;"})
-
-    def attributes(items: Mapping[str, Any]) -> Written:
-        known = {name: write(value) for name, value in items.items() if value is not None}
-        return Written("".join(f' {name}="{text}"' for name, text in known.items()))
-
-    return filled(template, {"attributes": attributes, **values}, write).encode()
+    """An XML file of a template."""
+    return filled(template, values, xml=True).encode()
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:

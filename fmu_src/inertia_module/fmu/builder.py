@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Collection, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 from xml.etree import ElementTree
 
 from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
 from ..compiling import CompilationUnavailable
-from ..compiling.ir import is_cached, llvm_text
 from ..compiling.targets import TARGETS, Target, here
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
 from .linking import Progress
-from .native_fmu import NativeFmu, library_path, native_fmu
-from .native_fmu import guid as native_guid
-from .python_fmu import PythonFmu, python_fmu
-from .python_fmu import guid as python_guid
-from .web_kernel import WebKernel, web_kernel
+from .native_fmu import Build, NativeFmu
+from .python_fmu import PythonFmu
+from .web_kernel import WebKernel
 
 MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "module")
 SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft")
@@ -32,35 +26,17 @@ FMUS: tuple[NativeFmu | PythonFmu, ...] = (MODULE_FMU, MODULE3_FMU, PYTHON_FMU, 
 WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 
 
-class Built(NamedTuple):
-    """Files of a build: paths of the FMUs, then of the kernel; what was skipped, with the reason."""
-
-    paths: list[Path]
-    skipped: dict[str, str]
-
-
-def content_of(
-    what: NativeFmu | PythonFmu | WebKernel,
-    progress: Progress = lambda stage: None,
-    targets: Sequence[Target] = TARGETS,
-) -> tuple[bytes, dict[str, str]]:
-    """The content of a file, from the wheel or built here, and what was skipped, with the reason.
+def content_of(what: NativeFmu | PythonFmu | WebKernel, build: Build | None = None) -> bytes:
+    """The content of a file, from the wheel or built here.
 
     Args:
-        what: the file. progress: told each stage as it begins. targets: platforms of a native FMU.
+        what: the file. build: that it is part of.
 
     Raises:
         CompilationUnavailable: it is compiled, and there is no target at all it could be compiled for.
     """
     ready = ready_made(what.file_name)
-    if ready is not None:
-        return ready.read_bytes(), {}
-    if isinstance(what, WebKernel):
-        return web_kernel(what, progress), {}
-    if isinstance(what, PythonFmu):
-        return python_fmu(what, progress)
-    _translate([what.model], progress)
-    return native_fmu(what, progress, targets)
+    return what.content(build or Build()) if ready is None else ready.read_bytes()
 
 
 def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target] = TARGETS) -> bool:
@@ -68,22 +44,12 @@ def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target]
     try:
         with zipfile.ZipFile(path) as packed:
             root = ElementTree.fromstring(packed.read(DESCRIPTION))
-            found = root.get("guid") or root.get("instantiationToken")
             names = packed.namelist()
-        if isinstance(fmu, PythonFmu):
-            return found == python_guid(fmu)
-        return found == native_guid(fmu) and all(library_path(fmu, target) in names for target in targets)
+        needed = [fmu.library_path(target) for target in targets] if isinstance(fmu, NativeFmu) else []
+        found = root.get("guid") or root.get("instantiationToken")
+        return found == fmu.guid() and set(names) >= set(needed)
     except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationUnavailable):
         return False
-
-
-def _translate(models: Collection[Model], progress: Progress) -> None:
-    """Translate kernels where that is still to do, side by side: translators are processes of their own."""
-    missing = [model for model in models if not is_cached(model)]
-    if missing:
-        progress("translating the kernels for compilation, once: about a minute")
-        with ThreadPoolExecutor(len(missing)) as pool:
-            list(pool.map(llvm_text, missing))
 
 
 def build(
@@ -91,7 +57,7 @@ def build(
     progress: Progress = lambda stage: None,
     files: Sequence[NativeFmu | PythonFmu | WebKernel] = (*FMUS, WEB_KERNEL),
     targets: Sequence[Target] = TARGETS,
-) -> Built:
+) -> Build:
     """Build FMUs and the kernel for pages into a folder, each of them whole or not at all.
 
     Args:
@@ -101,22 +67,15 @@ def build(
     Raises:
         OSError: the folder cannot be written.
     """
-    built = Built([], {})
+    own = Build(progress, targets)
     writable_folder(folder)
-    if ready_made(MODULE_FMU.file_name) is None:
-        with suppress(CompilationUnavailable):  # each FMU will say what is missing or fails
-            _translate({fmu.model for fmu in files if isinstance(fmu, NativeFmu)}, progress)
     for what in files:
         progress(f"building {what.file_name}")
-        try:
-            content, skipped = content_of(what, progress, targets)
-        except CompilationUnavailable as reason:
-            built.skipped[what.file_name] = str(reason)
-            continue
-        built.skipped.update(skipped)
-        write_atomically(folder / what.file_name, content)
-        built.paths.append(folder / what.file_name)
-    return built
+        content = own.attempt(what.file_name, content_of, what, own)
+        if content is not None:
+            write_atomically(folder / what.file_name, content)
+            own.paths.append(folder / what.file_name)
+    return own
 
 
 def current_fmu(

@@ -18,31 +18,46 @@ from ..contract.models import Model
 from .archive import TEMPLATES, filled
 
 # a type and a name in the text
-TYPE = r"(?:<\d+ x \w+>|\{[^{}]*\}|\[\d+ x \w+\]|double|ptr|i\d+|void|metadata)"
+TYPE = r"(?:\{[^{}]*\}|\[\d+ x \w+\]|double|ptr|i\d+|void|metadata)"
 NAME = r'[%@](?:"[^"]*"|[-$.\w]+)'
 C_TYPES = {"double": "double", "ptr": "char *", "i1": "int", "void": "void"}
-FLAGS = r"(?: (?:nuw|nsw|exact|disjoint|nneg|samesign|inbounds|nusw))*"
-OPERATORS = {
-    **{"fadd": "+", "fsub": "-", "fmul": "*", "fdiv": "/", "add": "+", "sub": "-", "mul": "*", "shl": "<<"},
-    **{"and": "&", "or": "|", "xor": "^", "lshr": ">>", "udiv": "/", "urem": "%"},
-    **{"sdiv": "/", "srem": "%", "ashr": ">>"},  # of numbers with a sign
+# what makes a number of one or two, by its name and relation; capitals: of whole numbers with their signs
+CALCULATIONS = {
+    **{"fadd": "{a} + {b}", "fsub": "{a} - {b}", "fmul": "{a} * {b}", "fdiv": "{a} / {b}"},
+    **{"frem": "fmod({a}, {b})", "fneg": "-{a}", "freeze": "{a}", "trunc": "{a}", "zext": "{a}"},
+    **{"add": "{a} + {b}", "sub": "{a} - {b}", "mul": "{a} * {b}", "udiv": "{a} / {b}", "urem": "{a} % {b}"},
+    **{"and": "{a} & {b}", "or": "{a} | {b}", "xor": "{a} ^ {b}", "shl": "{a} << {b}", "lshr": "{a} >> {b}"},
+    **{"sdiv": "(word)({A} / {B})", "srem": "(word)({A} % {B})", "ashr": "(word)({A} >> {b})"},
+    **{"sext": "(word){A}", "fptosi": "(word)(int64_t){a}", "sitofp": "(double){A}", "uitofp": "(double){a}"},
+    **{"icmp eq": "{a} == {b}", "icmp ne": "{a} != {b}", "icmp ult": "{a} < {b}", "icmp ugt": "{a} > {b}"},
+    **{"icmp ule": "{a} <= {b}", "icmp uge": "{a} >= {b}", "icmp slt": "{A} < {B}", "icmp sgt": "{A} > {B}"},
+    **{"icmp sle": "{A} <= {B}", "icmp sge": "{A} >= {B}"},
+    # where one is no number those with an o are false, with a u true
+    **{"fcmp oeq": "{a} == {b}", "fcmp olt": "{a} < {b}", "fcmp ogt": "{a} > {b}", "fcmp ole": "{a} <= {b}"},
+    **{
+        "fcmp oge": "{a} >= {b}",
+        "fcmp one": "{a} < {b} || {a} > {b}",
+        "fcmp ord": "{a} == {a} && {b} == {b}",
+    },
+    **{"fcmp une": "{a} != {b}", "fcmp ult": "!({a} >= {b})", "fcmp ugt": "!({a} <= {b})"},
+    **{"fcmp ule": "!({a} > {b})", "fcmp uge": "!({a} < {b})", "fcmp ueq": "!({a} < {b} || {a} > {b})"},
+    "fcmp uno": "{a} != {a} || {b} != {b}",
+    **{"smax": "{A} > {B} ? {a} : {b}", "smin": "{A} < {B} ? {a} : {b}"},
+    **{"umax": "{a} > {b} ? {a} : {b}", "umin": "{a} < {b} ? {a} : {b}"},
 }
-RELATIONS = {"eq": "==", "ne": "!=", "lt": "<", "le": "<=", "gt": ">", "ge": ">="}
-OPPOSITE = {"lt": ">=", "le": ">", "gt": "<=", "ge": "<"}
 # functions of the C library; calls that only tell the optimiser something
 MATHEMATICS = (
     *("fabs", "sqrt", "floor", "ceil", "trunc", "copysign", "fmod", "pow", "hypot", "exp", "expm1", "log"),
     *("log1p", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh"),
 )
 HINTS = ("llvm.experimental.noalias", "llvm.lifetime", "llvm.assume")
-CHOICES = {"smax": ">", "smin": "<", "umax": ">", "umin": "<"}
 
 
 def parts(text: str) -> list[str]:
     """Split a list at its commas, but not at those within brackets."""
     found, depth = [""], 0
     for letter in text:
-        depth += (letter in "([{<") - (letter in ")]}>")
+        depth += (letter in "([{") - (letter in ")]}")
         if letter == "," and depth == 0:
             found.append("")
         else:
@@ -50,35 +65,40 @@ def parts(text: str) -> list[str]:
     return [part.strip() for part in found if part.strip()]
 
 
-def lanes(kind: str) -> list[tuple[str, int]]:
+def members(kind: str) -> list[tuple[str, int]]:
     """Numbers that a type consists of: type and place in memory, in bytes, of each."""
-    vector = re.fullmatch(r"[<\[](\d+) x (\w+)[>\]]", kind)
-    members = [vector[2]] * int(vector[1]) if vector else parts(kind[1:-1]) if kind[0] == "{" else [kind]
+    array = re.fullmatch(r"\[(\d+) x (\w+)\]", kind)
+    kinds = [array[2]] * int(array[1]) if array else parts(kind[1:-1]) if kind[0] == "{" else [kind]
     found, place = [], 0
-    for member in members:
-        place += -place % size(member)
-        found.append((member, place))
-        place += size(member)
+    for one in kinds:
+        place += -place % size(one)
+        found.append((one, place))
+        place += size(one)
     return found
 
 
 def size(kind: str) -> int:
     """Bytes of a type in memory."""
-    if kind[0] in "<[{":
-        last, place = lanes(kind)[-1]
+    if kind[0] in "[{":
+        last, place = members(kind)[-1]
         return place + size(last)
     return int(kind[1:]) // 8 or 1 if kind[0] == "i" else 8
-
-
-def cut(value: str, kind: str) -> str:
-    """Value of a whole number without bits that its type does not have."""
-    return value if kind == "i64" else f"({value}) & {hex((1 << int(kind[1:])) - 1)}u"
 
 
 def signed(value: str, kind: str) -> str:
     """Value of a whole number whose uppermost bit is its sign."""
     rest = 64 - int(kind[1:])
     return f"((int64_t)((word){value} << {rest}) >> {rest})" if rest else f"(int64_t){value}"
+
+
+def calculation(what: str, kind: str, to: str, a: str, b: str) -> str:
+    """Expression in C of one of CALCULATIONS with operands of a type, whose result is of another."""
+    if what not in CALCULATIONS:
+        raise CompilationUnavailable(f"there is no C for {what}")
+    with_signs = [signed(value, kind) if kind[0] == "i" else "" for value in (a, b)]
+    value = CALCULATIONS[what].format(a=a, b=b, A=with_signs[0], B=with_signs[1])
+    # no bits that the type does not have
+    return value if to in ("double", "ptr", "i64") else f"({value}) & {hex((1 << int(to[1:])) - 1)}u"
 
 
 def constant(kind: str, text: str) -> str:
@@ -96,8 +116,9 @@ def constant(kind: str, text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Text without attributes in brackets, metadata and alignments."""
+    """Text without attributes, metadata and alignments."""
     shorter = re.sub(r" (?:captures|initializes|dereferenceable|range)\((?:[^()]|\([^()]*\))*\)", "", text)
+    shorter = re.sub(r" (?:nuw|nsw|exact|disjoint|nneg|samesign|inbounds|nusw)(?= )", "", shorter)
     return re.sub(r",? align \d+|,? ![.\w]+ !\d+| #\d+$", "", shorter)
 
 
@@ -109,12 +130,13 @@ class Function:
     """
 
     def __init__(self, text: str, names: dict[str, str]) -> None:
-        head, *lines = plain(text.partition("\n")[0]), *text.splitlines()[1:-1]
+        head, *lines, _ = map(plain, text.splitlines())
         self.names, self.block, self.body = names, "", list[str]()
         self.locals, self.declared = dict[str, str](), dict[str, list[str]]()
         # a place at a fixed distance from another is no variable of its own
-        near = rf"  ({NAME}) = getelementptr{FLAGS} i8, ptr ({NAME}), i64 (-?\d+)"
-        self.places = {found[1]: (found[2], int(found[3])) for found in re.finditer(near, text)}
+        near = rf"  ({NAME}) = getelementptr i8, ptr ({NAME}), i64 (-?\d+)"
+        constant_places = re.finditer(near, "\n".join(lines))
+        self.places = {found[1]: (found[2], int(found[3])) for found in constant_places}
         # by block: what is set as it begins, with the values that blocks before it give
         self.phis: dict[str, list[tuple[str, str, dict[str, str]]]] = {}
         found = self._match(rf"define .*?(double|ptr|i\d+|void) ({NAME})\((.*)\)", head)
@@ -140,7 +162,7 @@ class Function:
                 self._switch(line, iter(lambda: next(rest), "  ]"))
             elif line:
                 found = self._match(rf"  (?:({NAME}) = )?(?:(?:tail|notail) )?((\w+).*)", line)
-                getattr(self, f"_{found[3]}", self._calculate)(found[1], plain(found[2]))
+                getattr(self, f"_{found[3]}", self._calculate)(found[1], found[2])
 
     @staticmethod
     def _match(pattern: str, text: str) -> re.Match[str]:
@@ -157,22 +179,19 @@ class Function:
         if text[0] == "@":
             return [f"(char *){self.names[text]}"]
         if text[0] == "%":
-            own, count = self.locals.setdefault(text, f"v{len(self.locals)}"), len(lanes(kind))
+            own, count = self.locals.setdefault(text, f"v{len(self.locals)}"), len(members(kind))
             return [own] if count == 1 else [f"{own}_{n}" for n in range(count)]
-        if text[0] in "<{":
+        if text[0] == "{":
             return [constant(*one.split()) for one in parts(text[1:-1])]
-        if text.startswith("splat"):
-            text = text.rsplit(maxsplit=1)[-1].rstrip(")")
-        return [constant(one, text) for one, _ in lanes(kind)]
+        return [constant(one, text) for one, _ in members(kind)]
 
     def _operand(self, text: str) -> tuple[str, list[str]]:
         """Type and value of what is written with its type, maybe with attributes."""
         kind = self._match(TYPE, text)[0]
-        own = text[len(kind) :].strip()
-        return kind, self._value(kind, own if own[0] in "<{" or own.startswith("splat") else own.split()[-1])
+        return kind, self._value(kind, text.rsplit(maxsplit=1)[-1])
 
     def _set(self, name: str, kind: str, values: list[str]) -> None:
-        for variable, (one, _), value in zip(self._value(kind, name), lanes(kind), values, strict=True):
+        for variable, (one, _), value in zip(self._value(kind, name), members(kind), values, strict=True):
             self.declared.setdefault(C_TYPES.get(one, "word"), []).append(variable)
             self.body.append(f"{variable} = {value};")
 
@@ -181,7 +200,7 @@ class Function:
             self.body.append(f"{self.locals.setdefault(f'{block}:', f'b{len(self.locals)}')}:;")
         self.block = block
         for name, kind, _ in self.phis.get(block, ()):
-            for variable, (one, _) in zip(self._value(kind, name), lanes(kind), strict=True):
+            for variable, (one, _) in zip(self._value(kind, name), members(kind), strict=True):
                 self.declared.setdefault(C_TYPES.get(one, "word"), []).extend((variable, f"{variable}p"))
                 self.body.append(f"{variable} = {variable}p;")
 
@@ -223,36 +242,32 @@ class Function:
         if found[2].startswith(HINTS, 1):
             return
         given = [self._operand(one) for one in parts(found[3])]
-        values, known = [value for _, value in given], re.sub(r"^@(llvm\.)?|\.(v2)?[fip]\d.*", "", found[2])
+        values, known = [one for _, (one,) in given], re.sub(r"^@(llvm\.)?|\.[fip]\d.*", "", found[2])
+        call = f"{self.names.get(found[2], known)}({', '.join(values)})"
         if known in ("memset", "memcpy"):
-            self.body.append(f"{known}({', '.join(value[0] for value in values[:3])});")
-        elif known in CHOICES:
-            ones = [signed(value[0], kind) if known[0] == "s" else value[0] for kind, value in given]
-            self._set(
-                name, found[1], [f"{f' {CHOICES[known]} '.join(ones)} ? {values[0][0]} : {values[1][0]}"]
-            )
-        elif known in MATHEMATICS:
-            self._set(name, found[1], [f"{known}({', '.join(lane)})" for lane in zip(*values, strict=True)])
+            self.body.append(f"{known}({', '.join(values[:3])});")
+        elif known in CALCULATIONS:
+            self._set(name, found[1], [calculation(known, found[1], found[1], *values)])
+        elif found[2] not in self.names and known not in MATHEMATICS:
+            raise CompilationUnavailable(f"there is no C for {known}")
+        elif name:
+            self._set(name, found[1], [call])
         else:
-            call = f"{self.names[found[2]]}({', '.join(value[0] for value in values)})"
-            if name:
-                self._set(name, found[1], [call])
-            else:
-                self.body.append(f"{call};")
+            self.body.append(f"{call};")
 
     def _store(self, name: str, text: str) -> None:
         (kind, values), (_, (place,)) = (self._operand(one) for one in parts(text[6:]))
-        for (one, offset), value in zip(lanes(kind), values, strict=True):
+        for (one, offset), value in zip(members(kind), values, strict=True):
             self.body.append(f"put_{one}({place}{f' + {offset}' if offset else ''}, {value});")
 
     def _load(self, name: str, text: str) -> None:
         kind, at = parts(text[5:])
         place = self._operand(at)[1][0]
-        self._set(name, kind, [f"get_{one}({place}{f' + {n}' if n else ''})" for one, n in lanes(kind)])
+        self._set(name, kind, [f"get_{one}({place}{f' + {n}' if n else ''})" for one, n in members(kind)])
 
     def _getelementptr(self, name: str, text: str) -> None:
         if name not in self.places:
-            kind, base, step = parts(re.sub(rf"getelementptr{FLAGS} ", "", text))
+            kind, base, step = parts(text.partition(" ")[2])
             place, by = (self._operand(one)[1][0] for one in (base, step))
             self._set(name, "ptr", [f"{place} + (ptrdiff_t){by} * {size(kind)}"])
 
@@ -262,82 +277,23 @@ class Function:
         self._set(name, "ptr", [f"(char *){memory}"])
 
     def _select(self, name: str, text: str) -> None:
-        (_, chosen), (kind, ones), (_, others) = (self._operand(one) for one in parts(text[7:]))
-        chosen = chosen * len(ones) if len(chosen) == 1 else chosen
-        self._set(name, kind, [f"{c} ? {a} : {b}" for c, a, b in zip(chosen, ones, others, strict=True)])
+        (_, (chosen,)), (kind, ones), (_, others) = (self._operand(one) for one in parts(text[7:]))
+        self._set(name, kind, [f"{chosen} ? {a} : {b}" for a, b in zip(ones, others, strict=True)])
 
-    def _extractelement(self, name: str, text: str) -> None:
-        whole, place = parts(text.partition(" ")[2])
-        kind, values = self._operand(whole)
-        n = int(place.split()[-1])
-        self._set(name, lanes(kind)[n][0], [values[n]])
-
-    def _insertelement(self, name: str, text: str) -> None:
+    def _insertvalue(self, name: str, text: str) -> None:
         whole, one, place = parts(text.partition(" ")[2])
         kind, values = self._operand(whole)
-        values[int(place.split()[-1])] = self._operand(one)[1][0]
+        values[int(place)] = self._operand(one)[1][0]
         self._set(name, kind, values)
 
-    _extractvalue, _insertvalue = _extractelement, _insertelement
-
-    def _shufflevector(self, name: str, text: str) -> None:
-        (kind, ones), (_, others), (_, mask) = (self._operand(one) for one in parts(text[14:]))
-        values = [(ones + others)[int(re.findall(r"\d+", place)[-1])] for place in mask]
-        self._set(name, f"<{len(values)} x {lanes(kind)[0][0]}>", values)
-
-    def _compare(self, name: str, text: str) -> None:
-        found = self._match(rf"([fi])cmp{FLAGS} (\w+) (.*)", text)
-        first, second = parts(found[3])
-        kind, ones = self._operand(first)
-        sign, relation = found[2][0], found[2].lstrip("osu") or found[2]
-        results = []
-        for a, b in zip(ones, self._value(kind, second), strict=True):
-            if found[2] in ("ord", "uno"):
-                results.append(f"{'!' * (found[2] == 'uno')}({a} == {a} && {b} == {b})")
-            elif found[2] in ("one", "ueq"):
-                results.append(f"{'!' * (found[2] == 'ueq')}({a} < {b} || {a} > {b})")
-            elif found[1] == "f" and sign == "u" and relation in OPPOSITE:  # true if one is no number
-                results.append(f"!({a} {OPPOSITE[relation]} {b})")
-            else:
-                both = [signed(one, kind) if sign == "s" else one for one in (a, b)]
-                results.append(f" {RELATIONS[relation]} ".join(both))
-        self._set(name, "i1" if len(results) == 1 else f"<{len(results)} x i1>", results)
-
-    _fcmp, _icmp = _compare, _compare
-
     def _calculate(self, name: str, text: str) -> None:
-        """An operation on numbers, or a conversion."""
-        found = self._match(rf"(\w+){FLAGS} (.*?)(?: to ({TYPE}))?$", text)
-        word, (first, *others) = found[1], parts(found[2])
-        kind, values = self._operand(first)
-        to, one = found[3] or kind, lanes(kind)[0][0]
-        operands = zip(values, *(self._value(kind, other) for other in others), strict=True)
-        self._set(name, to, [self._result(word, one, lanes(to)[0][0], lane) for lane in operands])
-
-    @staticmethod
-    def _result(word: str, kind: str, to: str, given: tuple[str, ...]) -> str:
-        """Expression in C of an operation on numbers of a type, or of a conversion to one."""
-        a, b = given[0], given[-1]
-        if word in ("sdiv", "srem", "ashr"):
-            b = b if word == "ashr" else signed(b, kind)
-            return cut(f"(word)({signed(a, kind)} {OPERATORS[word]} {b})", kind)
-        if word in OPERATORS:
-            value = f"{a} {OPERATORS[word]} {b}"
-            return value if kind == "double" else cut(value, kind)
-        if word in ("zext", "freeze"):
-            return a
-        if word == "trunc":
-            return cut(a, to)
-        if word == "sext":
-            return cut(f"(word){signed(a, kind)}", to)
-        if word == "fptosi":
-            return cut(f"(word)(int64_t){a}", to)
-        known = {"fneg": f"-{a}", "frem": f"fmod({a}, {b})", "uitofp": f"(double){a}"}
-        if word == "sitofp":
-            return f"(double){signed(a, kind)}"
-        if word not in known:
-            raise CompilationUnavailable(f"there is no C for the instruction {word}")
-        return known[word]
+        """An operation on numbers, a comparison or a conversion."""
+        found = self._match(rf"([fi]cmp \w+|\w+) (.*?)(?: to ({TYPE}))?$", text)
+        first, *others = parts(found[2])
+        kind, (a,) = self._operand(first)
+        (b,) = self._value(kind, others[0]) if others else (a,)
+        to = found[3] or ("i1" if "cmp" in found[1] else kind)
+        self._set(name, to, [calculation(found[1], kind, to, a, b)])
 
     def text(self) -> str:
         """The function in C."""
@@ -357,11 +313,7 @@ def numbers_of(escaped: str) -> str:
 
 
 def c_source(model: Model) -> str:
-    """The kernel of a model in C99, a file whose one visible function is the entry.
-
-    Raises:
-        CompilationUnavailable: its LLVM IR cannot be made, or has what there is no C for.
-    """
+    """The kernel of a model in C99, a file whose one visible function is the entry."""
     text = llvm_text(model)
     tables = re.findall(rf"^({NAME}) = .*constant \[\d+ x i8\] c\"(.*)\"", text, flags=re.M)
     functions = re.findall(r"^define .*?^\}$", text, flags=re.M | re.S)

@@ -7,14 +7,13 @@ component/make.py, with an empty module where this one goes.
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 from ..common.files import sources
-from ..compiling.linking import FLAGS, WARNINGS, object_file, run_tool
+from ..compiling.linking import link, object_file
+from ..compiling.targets import BROWSERS
 from ..contract.models import Model
 from .linking import header_folder, shell_files
-from .web_kernel import BROWSERS, STACK
 
 FOLDER = Path(__file__).parent / "wasm"
 PLATFORM = "wasm32-wasip2"
@@ -24,24 +23,10 @@ MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
 
 
 def module(model: Model, guid: str) -> bytes:
-    """Shell and kernel as a module of WebAssembly; of its host it needs what the world imports.
-
-    Args:
-        model: what it computes. guid: of modelDescription.xml.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """Shell and kernel as a module of WebAssembly; of its host it needs what the world imports."""
     content = shell_files(model, guid, 3) | {"kernel.o": object_file(model, BROWSERS)}
     content |= {Path(path).name: text for path, text in sources("fmu/wasm/*.c").items()}
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for path, written in content.items():
-            (folder / path).write_bytes(written)
-        given = ["-target", BROWSERS.compiler, "-mexec-model=reactor", "-s", f"-Wl,-z,stack-size={STACK}"]
-        given += [*FLAGS, *WARNINGS, "-isystem", str(header_folder()), "-o", "module.wasm"]
-        run_tool("cc", given + sorted(path for path in content if path.endswith((".c", ".o"))), folder)
-        return (folder / "module.wasm").read_bytes()
+    return link(BROWSERS, "module.wasm", content, "-isystem", str(header_folder()))
 
 
 def length(number: int) -> bytes:
@@ -50,14 +35,7 @@ def length(number: int) -> bytes:
 
 
 def component(model: Model, guid: str) -> bytes:
-    """The component of a model, for binaries/wasm32-wasip2.
-
-    Args:
-        model: what it computes. guid: of modelDescription.xml.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The component of a model, for binaries/wasm32-wasip2; guid: of modelDescription.xml."""
     own = module(model, guid)
     world = (FOLDER / "world.wasm").read_bytes()
     return world.replace(EMPTY_MODULE, b"\x01" + length(len(own)) + own, 1)

@@ -5,27 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .. import __version__
+from ..contract import variables as table
 from ..contract.models import Model
-from ..contract.variables import (
-    BOOLEAN,
-    DISPLAY_UNITS,
-    ENUMERATIONS,
-    INPUT,
-    INTEGER,
-    LOCAL,
-    OUTPUT,
-    PARAMETER,
-    REAL,
-    UNITS,
-    Variable,
-)
 from .archive import TEMPLATES, filled_xml
 
 # names of types in FMI 3.0, where they are others
-TYPES_3 = {REAL: "Float64", INTEGER: "Int32"}
-TIME = Variable("time", "", "s", "time since the start of the run", causality="independent")
+TYPES_3 = {table.REAL: "Float64", table.INTEGER: "Int32"}
+TIME = table.Variable("time", "", "s", "time since the start of the run", causality="independent")
 # who gives the value at the start; that of inputs and of the time the host
-INITIAL = {PARAMETER: "exact", OUTPUT: "calculated", LOCAL: "calculated"}
+INITIAL = {table.PARAMETER: "exact", table.OUTPUT: "calculated", table.LOCAL: "calculated"}
 # icon of a flange of FMI 3.0; in the icon that docs/make_icons.py draws: height of the central axis, half a
 # flange, distance of two
 FLANGE = "flange"
@@ -36,18 +24,18 @@ def _number(value: float) -> str:
     return f"{value:.17g}" if value != int(value) or abs(value) > 1e15 else f"{value:.1f}"
 
 
-def _values(variable: Variable) -> dict[str, str | None]:
+def _values(variable: table.Variable) -> dict[str, str | None]:
     """Attributes of a variable by its kind: unit or declared type, range, nominal and start value."""
-    if variable.kind == BOOLEAN:
+    if variable.kind == table.BOOLEAN:
         return {"start": "true" if variable.start else "false"}
     numbers = {"min": variable.minimum, "max": variable.maximum}
-    display, _ = DISPLAY_UNITS.get(variable.unit, (None, 1.0))
+    display, _ = table.DISPLAY_UNITS.get(variable.unit, (None, 1.0))
     kind: dict[str, str | None] = {"declaredType": variable.enumeration or None}
-    if variable.kind == REAL:
+    if variable.kind == table.REAL:
         kind = {"unit": variable.unit, "displayUnit": display}
         numbers["nominal"] = variable.nominal
     numbers["start"] = variable.start
-    write = _number if variable.kind == REAL else lambda value: str(int(value))
+    write = _number if variable.kind == table.REAL else lambda value: str(int(value))
     return kind | {key: None if value is None else write(value) for key, value in numbers.items()}
 
 
@@ -66,13 +54,13 @@ def model_description(
         model: what it describes. identifier: model identifier, the name of the binaries.
         guid: hash of the content. date: generation date and time, UTC, ending in Z.
         fmi: version of FMI, 2 or 3. python: whether pythonfmu passes the calls on, and what it can.
-        sources: names of C files that FMI 2.0 lists; FMI 3.0 has build_description.
+        sources: names of C files that FMI 2.0 lists; FMI 3.0 has buildDescription.xml.
     """
     variables = model.variables if fmi == 2 else (*model.variables, TIME)
     # FMI 2.0 counts variables from 1, FMI 3.0 has their value references
     numbers = {variable.name: n for n, variable in enumerate(model.variables, 3 - fmi)}
-    at_start, given = {}, list(model.with_causality(INPUT, PARAMETER))
-    for output in model.with_causality(OUTPUT):
+    at_start, given = {}, list(model.with_causality(table.INPUT, table.PARAMETER))
+    for output in model.with_causality(table.OUTPUT):
         known = [one.name for one in given if not one.idle] if output.at_start is None else output.at_start
         at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in known)
     units, types = ({getattr(v, name) for v in variables} for name in ("unit", "enumeration"))
@@ -83,21 +71,11 @@ def model_description(
         **{"sources": () if fmi == 3 else sources},
         **{"variables": variables, "values": _values, "initial": INITIAL, "tolerance": tolerance},
         **{"numbers": numbers, "at_start": at_start, "number": _number, "types_3": TYPES_3},
-        "units": {name: exponents for name, exponents in UNITS.items() if name in units},
-        "types": {name: items for name, items in ENUMERATIONS.items() if name in types},
-        "display_units": DISPLAY_UNITS,
+        "units": {name: exponents for name, exponents in table.UNITS.items() if name in units},
+        "types": {name: items for name, items in table.ENUMERATIONS.items() if name in types},
+        "display_units": table.DISPLAY_UNITS,
     }
     return filled_xml(TEMPLATES / "modelDescription.xml", values)
-
-
-def build_description(identifier: str, sources: Sequence[str]) -> bytes:
-    """The XML of sources/buildDescription.xml: what FMI 3.0 compiles.
-
-    Args:
-        identifier: model identifier. sources: names of the C files.
-    """
-    values = {"identifier": identifier, "sources": sources}
-    return filled_xml(TEMPLATES / "buildDescription.xml", values)
 
 
 def terminals(model: Model) -> bytes:
@@ -107,8 +85,3 @@ def terminals(model: Model) -> bytes:
     """
     values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
     return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)
-
-
-def resource_metadata(model: Model) -> bytes:
-    """The XML of resourceMetaData.srmd (SSP Traceability): provenance, and what the results rest on."""
-    return filled_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__})

@@ -12,18 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .. import __version__
+from ..contract import variables as table
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variables import (
-    ENUMERATION,
-    ENUMERATIONS,
-    FIXED,
-    INPUT,
-    LOCAL,
-    OUTPUT,
-    PARAMETER,
-    Group,
-    Variable,
-)
 from .archive import TEMPLATES, filled
 
 # sections of the guides
@@ -34,9 +24,14 @@ _ITEM = re.compile(r"^(?:-|\d+\.) ", re.M)
 MECHANISM = "mechanism.png"
 GUIDES = Path(__file__).parent / "guides"
 COLUMNS = ("name", "unit", "start", "allowed", "meaning")
-HEADINGS = {INPUT: "Inputs", OUTPUT: "Outputs", LOCAL: "Locals", PARAMETER: "Parameters"}
+HEADINGS = {
+    table.INPUT: "Inputs",
+    table.OUTPUT: "Outputs",
+    table.LOCAL: "Locals",
+    table.PARAMETER: "Parameters",
+}
 # what goes without saying
-USUAL = (FIXED, "continuous")
+USUAL = (table.FIXED, "continuous")
 
 
 class Table(NamedTuple):
@@ -70,13 +65,13 @@ def blocks(section: str) -> str:
     return "\n".join(lines)
 
 
-def _cells(variable: Variable) -> tuple[str, ...]:
-    settable = variable.causality in (INPUT, PARAMETER)
+def _cells(variable: table.Variable) -> tuple[str, ...]:
+    settable = variable.causality in (table.INPUT, table.PARAMETER)
     start = "" if variable.start is None else f"{variable.start:.10g}"
     if variable.kind == "Boolean":
         start = "true" if variable.start else "false"
-    if variable.kind == ENUMERATION:
-        listed = ", ".join(f"{number} {name}" for name, number, _ in ENUMERATIONS[variable.enumeration])
+    if variable.kind == table.ENUMERATION:
+        listed = ", ".join(f"{number} {name}" for name, number, _ in table.ENUMERATIONS[variable.enumeration])
     else:
         listed = variable.allowed if settable else ""
     notes = [] if variable.variability in USUAL else [variable.variability]
@@ -85,7 +80,7 @@ def _cells(variable: Variable) -> tuple[str, ...]:
     return variable.name, variable.unit, start, listed, meaning
 
 
-def _table(heading: str, variables: Iterable[Variable]) -> Table:
+def _table(heading: str, variables: Iterable[table.Variable]) -> Table:
     """The table of a group, without columns in which there is nothing."""
     rows = [_cells(variable) for variable in variables]
     columns = [n for n in range(len(COLUMNS)) if any(row[n] for row in rows)]
@@ -96,7 +91,7 @@ def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
     """Tables of the groups of a model by the heading of their causality."""
     for causality, heading in HEADINGS.items():
         of_causality = list(model.with_causality(causality))
-        by_group = {group: [one for one in of_causality if one.group == group] for group in Group}
+        by_group = {group: [one for one in of_causality if one.group == group] for group in table.Group}
         yield heading, [_table(group, variables) for group, variables in by_group.items() if variables]
 
 

@@ -1,4 +1,4 @@
-"""Shared libraries of the native FMUs: the shell in C, compiled and linked with the kernel's machine code."""
+"""What libraries of FMUs are made of beside the kernel; the library in front of pythonfmu's."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import __version__
-from ..common.files import content_hash, kept, sources
+from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
-from ..compiling import linking as compiling
 from ..compiling.ir import tool_versions
-from ..compiling.linking import with_kernel
+from ..compiling.linking import link
 from ..compiling.targets import Target
 from ..contract.models import Model
+from .archive import TEMPLATES, filled
 from .tables import generated
 
 # what is told each stage of a build as it begins
@@ -31,18 +31,9 @@ FAT_MAGIC = 0xCAFEBABE
 FAT_PROCESSORS = {"x86_64": (0x01000007, 3), "arm64": (0x0100000C, 0)}
 FAT_ALIGNMENT = 14
 
-# a resource file of Windows (Microsoft, "VS_VERSIONINFO structure" and "RESOURCEHEADER structure")
-SIGNATURE, STRUCTURE, ALL_FLAGS, WINDOWS, LIBRARY = 0xFEEF04BD, 0x10000, 0x3F, 0x40004, 2
-ENGLISH, UNICODE = 0x0409, 0x04B0
-VERSION_INFO, ITS_NAME, SHARED = 16, 1, 0x30
-
 
 def header_folder() -> Path:
-    """Folder with the headers of FMI 2.0 and 3.0, which fmpy brings along.
-
-    Raises:
-        CompilationUnavailable: this fmpy has none.
-    """
+    """Folder with the headers of FMI 2.0 and 3.0, which fmpy brings along."""
     folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
     for version in (2, 3):
         if not (folder / f"fmi{version}Functions.h").is_file():
@@ -66,79 +57,19 @@ def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
     return files | {file: text.encode() for file, text in generated(model, guid, fmi).items()}
 
 
-def _padded(content: bytes) -> bytes:
-    return content + bytes(-len(content) % 4)
-
-
-def _block(key: str, value: bytes = b"", children: Sequence[bytes] = (), *, text: bool = True) -> bytes:
-    """Length, length of the value (of text in letters), whether that is text, key, value, children."""
-    body = _padded(bytes(6) + key.encode("utf-16-le") + bytes(2)) + value
-    for child in children:
-        body = _padded(body) + child
-    return struct.pack("<HHH", len(body), len(value) // 2 if text else len(value), text) + body[6:]
-
-
-def _entry(kind: int, name: int, flags: int, language: int, content: bytes) -> bytes:
-    header = struct.pack("<8HI", 0xFFFF, kind, 0xFFFF, name, 0, 0, flags, language, 0)
-    return struct.pack("<II", len(content), 12 + len(header)) + header + bytes(4) + _padded(content)
-
-
 def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
-    """Resource with the version of a library, which Windows shows, by the name of its file.
-
-    Args:
-        target: for which platform, {} unless it is Windows. library: name of its file.
-        title: what it is, for people.
-    """
+    """Resource with the version of a library, which Windows shows, by the name of its file; else none."""
     if target.system != "windows":
         return {}
-    texts = {
-        **{"FileDescription": title, "FileVersion": __version__, "InternalName": Path(library).stem},
-        **{"LegalCopyright": "MIT License", "OriginalFilename": library},
-        **{"ProductName": "inertia-module", "ProductVersion": __version__},
-    }
-    numbers = (*(int(number) for number in re.findall(r"\d+", __version__)), 0, 0, 0)[:4]
-    most, least = (numbers[n] << 16 | numbers[n + 1] for n in (0, 2))
-    fixed = (SIGNATURE, STRUCTURE, most, least, most, least, ALL_FLAGS, 0, WINDOWS, LIBRARY, 0, 0, 0)
-    shown = [_block(key, text.encode("utf-16-le") + bytes(2)) for key, text in texts.items()]
-    children = (
-        _block("StringFileInfo", children=[_block(f"{ENGLISH:04x}{UNICODE:04x}", children=shown)]),
-        _block(
-            "VarFileInfo",
-            children=[_block("Translation", struct.pack("<HH", ENGLISH, UNICODE), text=False)],
-        ),
-    )
-    content = _block("VS_VERSION_INFO", struct.pack("<13I", *fixed), children, text=False)
-    resource = _entry(0, 0, 0, 0, b"") + _entry(VERSION_INFO, ITS_NAME, SHARED, ENGLISH, content)
-    return {"version.res": resource}
-
-
-def link(model: Model, identifier: str, guid: str, target: Target, fmi: int) -> bytes:
-    """The shared library of a native FMU for one target.
-
-    Args:
-        model: what it computes. identifier: model identifier. guid: of modelDescription.xml.
-        target: for which platform. fmi: version of FMI, 2 or 3.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
-    library = f"{identifier}{target.suffix}"
-    content = shell_files(model, guid, fmi) | version_file(target, library, model.title)
-    return with_kernel(model, target, library, content, "-isystem", str(header_folder()))
+    numbers = ",".join([*re.findall(r"\d+", __version__), "0", "0", "0"][:4])
+    values = {"numbers": numbers, "title": title, "version": __version__, "library": library}
+    return {"version.rc": filled(TEMPLATES / "version.rc", values).encode()}
 
 
 def link_front(target: Target, behind: str) -> bytes:
-    """The library in front of pythonfmu's for one target, from the cache if it was built before.
-
-    Args:
-        target: for which platform. behind: name of pythonfmu's library, beside it.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The library in front of pythonfmu's, from the cache if it was built before; behind: name of that."""
     files = sources("fmu/front/*", "compiling/windows.c")
-    made_from = files | sources("__init__.py", "fmu/linking.py")
+    made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
     made_from |= sources("compiling/linking.py") | tool_versions("ziglang", "fmpy")
     made_from[behind] = target.label.encode()
 
@@ -148,9 +79,9 @@ def link_front(target: Target, behind: str) -> bytes:
         flags = ("-std=c11", "-isystem", str(header_folder()), f'-DPYTHONFMU="{behind}"')
         windows = {"kernel32.dll": WINDOWS_FUNCTIONS}
         needed = target._replace(libraries=("-ldl",))
-        return compiling.link(needed, f"front{target.suffix}", content, *flags, imports=windows)
+        return link(needed, f"front{target.suffix}", content, *flags, imports=windows)
 
-    return kept(f"front-{target.label}-{content_hash(made_from)[:16]}{target.suffix}", linked).read_bytes()
+    return kept(f"front-{target.label}{target.suffix}", made_from, linked).read_bytes()
 
 
 def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:

@@ -3,27 +3,54 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
-from ..common.files import content_hash, kept, sources
+from .. import __version__
+from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
-from ..compiling.ir import tool_versions
+from ..compiling.ir import is_cached, llvm_text, tool_versions
 from ..compiling.linking import made_from as machine_code_made_from
+from ..compiling.linking import with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
-from .archive import DESCRIPTION, archive, generation_date, guid_of
+from .archive import DESCRIPTION, TEMPLATES, archive, filled_xml, generation_date, guid_of
 from .c_source import c_source
 from .component import FOLDER, MANIFEST, PLATFORM, component
-from .description import FLANGE, build_description, model_description, resource_metadata, terminals
+from .description import FLANGE, model_description, terminals
 from .documentation import MECHANISM, index_page
-from .linking import Progress, header_folder, join_for_mac, link, shell_files
+from .linking import Progress, header_folder, join_for_mac, shell_files, version_file
 from .tables import generated
 
+Content = TypeVar("Content")
 # where SSP Traceability looks for it
 METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
+
+
+@dataclass
+class Build:
+    """A build under way.
+
+    Attributes:
+        progress: told each stage as it begins. targets: platforms of the native FMUs.
+        paths: files that are written. skipped: what is left out, with the reason.
+    """
+
+    progress: Progress = lambda stage: None
+    targets: Sequence[Target] = TARGETS
+    paths: list[Path] = field(default_factory=list)
+    skipped: dict[str, str] = field(default_factory=dict)
+
+    def attempt(self, what: str, make: Callable[..., Content], *arguments: Any) -> Content | None:
+        """Make a content; None where it cannot be compiled, and it is skipped."""
+        try:
+            return make(*arguments)
+        except CompilationUnavailable as reason:
+            self.skipped[what] = str(reason)
+            return None
 
 
 class NativeFmu(NamedTuple):
@@ -39,21 +66,51 @@ class NativeFmu(NamedTuple):
         """Name of its file."""
         return f"{self.identifier}.fmu"
 
+    def library_path(self, target: Target) -> str:
+        """Path in the FMU of its shared library for a target."""
+        folder = target.folder if self.fmi == 2 else target.platform
+        return f"binaries/{folder}/{self.identifier}{target.suffix}"
 
-def guid(fmu: NativeFmu) -> str:
-    """Hash of all that the FMU is made from: its sources and the versions of the tools.
+    def guid(self) -> str:
+        """Hash of all that the FMU is made from: its sources and the versions of the tools."""
+        made_from = tool_versions("ziglang") | machine_code_made_from(self.model)
+        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.c")
+        made_from |= sources("compiling/targets.py")
+        made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
+        made_from |= accompanying_files(self.model, self.picture, self.fmi)
+        made_from |= {name: text.encode() for name, text in generated(self.model, "", self.fmi).items()}
+        made_from["description"] = model_description(self.model, self.identifier, "", "", self.fmi)
+        return guid_of(made_from)
 
-    Raises:
-        CompilationUnavailable: the tools are not installed.
-    """
-    made_from = tool_versions("ziglang") | machine_code_made_from(fmu.model)
-    made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.c")
-    made_from |= sources("compiling/targets.py")
-    made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{fmu.fmi}*.h")}
-    made_from |= accompanying_files(fmu.model, fmu.picture, fmu.fmi)
-    made_from |= {name: text.encode() for name, text in generated(fmu.model, "", fmu.fmi).items()}
-    made_from["description"] = model_description(fmu.model, fmu.identifier, "", "", fmu.fmi)
-    return guid_of(made_from)
+    def content(self, build: Build) -> bytes:
+        """The content of its file for those of the platforms that can be compiled for."""
+        made_for = self.guid()
+        if not is_cached(self.model):
+            build.progress("translating the kernel for compilation, once: about a minute")
+            llvm_text(self.model)
+
+        def compiled_for(target: Target) -> bytes | None:
+            what = f"{self.identifier} for {target.label}"
+            return build.attempt(what, library, self, made_for, target, build.progress)
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:  # the compiler is a process of its own
+            libraries = list(pool.map(compiled_for, build.targets))
+        found: dict[str, list[tuple[str, bytes]]] = {}
+        for target, content in zip(build.targets, libraries, strict=True):
+            if content is not None:
+                found.setdefault(self.library_path(target), []).append((target.triple, content))
+        if not found:
+            raise CompilationUnavailable(build.skipped[f"{self.identifier} for {build.targets[0].label}"])
+        files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
+        if len(build.targets) == len(TARGETS):  # for all: also for those that are not among them
+            for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
+                added = build.attempt(f"{self.identifier} {what}", make, self, made_for, build.progress)
+                files |= added or {}
+        of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
+        files |= accompanying_files(self.model, self.picture, self.fmi, **of_standard)
+        description = self.identifier, made_for, generation_date(), self.fmi
+        described = model_description(self.model, *description, sources=c_files(files))
+        return archive(files | {DESCRIPTION: described})
 
 
 def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
@@ -68,7 +125,7 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
         "documentation/index.html": index_page(model, texts).encode(),
         f"documentation/{MECHANISM}": _picture(f"{picture}_named.png"),
         **{f"documentation/licenses/{name}.txt": text.encode() for name, text in texts.items()},
-        METADATA: resource_metadata(model),
+        METADATA: filled_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__}),
     }
     carried = f"fmu/references/{model.name}/"
     files |= {path.removeprefix(carried): content for path, content in sources(f"{carried}**/*").items()}
@@ -88,18 +145,12 @@ def _picture(name: str) -> bytes:
 
 
 def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The FMU in C99, by path in it, for processors that it has no library for.
-
-    Args:
-        fmu: of what. made_for: its GUID. progress: told that it is translated.
-
-    Raises:
-        CompilationUnavailable: the kernel cannot be translated.
-    """
+    """The FMU in C99, by path in it, for processors that it has no library for; made_for: its GUID."""
     progress(f"translating {fmu.identifier} to C")
     files = shell_files(fmu.model, made_for, fmu.fmi) | {"kernel.c": c_source(fmu.model).encode()}
     if fmu.fmi == 3:
-        files["buildDescription.xml"] = build_description(fmu.identifier, c_files(files))
+        values = {"identifier": fmu.identifier, "sources": c_files(files)}
+        files["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
     return {f"sources/{name}": content for name, content in files.items()}
 
 
@@ -109,14 +160,7 @@ def c_files(files: Iterable[str]) -> list[str]:
 
 
 def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The WebAssembly component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none.
-
-    Args:
-        fmu: of what. made_for: its GUID. progress: told that it is compiled.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
+    """The component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none."""
     if fmu.fmi == 2:
         return {}
 
@@ -124,76 +168,19 @@ def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[s
         progress(f"compiling {fmu.identifier} for {PLATFORM}")
         return component(fmu.model, made_for)
 
-    label = content_hash({made_for: PLATFORM.encode()})[:16]
-    content = kept(f"{fmu.identifier}-{PLATFORM}-{label}.wasm", compiled).read_bytes()
+    content = kept(f"{fmu.identifier}-{PLATFORM}.wasm", {"guid": made_for.encode()}, compiled).read_bytes()
     manifest = (FOLDER / "manifest.xml").read_bytes()
     return {f"binaries/{PLATFORM}/{fmu.identifier}.wasm": content, MANIFEST: manifest}
 
 
-def library_path(fmu: NativeFmu, target: Target) -> str:
-    """Path in the FMU of its shared library for a target."""
-    folder = target.folder if fmu.fmi == 2 else target.platform
-    return f"binaries/{folder}/{fmu.identifier}{target.suffix}"
-
-
 def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -> bytes:
-    """The shared library for one target, from the cache if it was built before.
-
-    Args:
-        fmu: it belongs to. made_for: its GUID. target: platform. progress: told if it is compiled.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
-    label = content_hash({made_for: target.label.encode()})[:16]
+    """The shared library for one target, from the cache if it was built before; made_for: the GUID."""
+    file = f"{fmu.identifier}{target.suffix}"
 
     def linked() -> bytes:
         progress(f"compiling {fmu.identifier} for {target.label}")
-        return link(fmu.model, fmu.identifier, made_for, target, fmu.fmi)
+        content = shell_files(fmu.model, made_for, fmu.fmi) | version_file(target, file, fmu.model.title)
+        return with_kernel(fmu.model, target, file, content, "-isystem", str(header_folder()))
 
-    return kept(f"{fmu.identifier}-{target.label}-{label}{target.suffix}", linked).read_bytes()
-
-
-def native_fmu(
-    fmu: NativeFmu, progress: Progress = lambda stage: None, targets: Sequence[Target] = TARGETS
-) -> tuple[bytes, dict[str, str]]:
-    """The content of an FMU's file for those of some targets that can be compiled for.
-
-    Returns:
-        The content; the targets skipped, with the reason.
-
-    Raises:
-        CompilationUnavailable: there is no target at all it could be compiled for.
-    """
-    made_for = guid(fmu)
-
-    def compiled_for(target: Target) -> bytes | CompilationUnavailable:
-        try:
-            return library(fmu, made_for, target, progress)
-        except CompilationUnavailable as reason:
-            return reason
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the compiler is a process of its own
-        libraries = list(pool.map(compiled_for, targets))
-    found: dict[str, list[tuple[str, bytes]]] = {}
-    skipped = {}
-    for target, content in zip(targets, libraries, strict=True):
-        if isinstance(content, CompilationUnavailable):
-            skipped[f"{fmu.identifier} for {target.label}"] = str(content)
-        else:
-            found.setdefault(library_path(fmu, target), []).append((target.triple, content))
-    if not found:
-        raise CompilationUnavailable(next(iter(skipped.values())))
-    files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
-    if len(targets) == len(TARGETS):  # for all: also for those that are not among them
-        for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
-            try:
-                files |= make(fmu, made_for, progress)
-            except CompilationUnavailable as reason:
-                skipped[f"{fmu.identifier} {what}"] = str(reason)
-    of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
-    files |= accompanying_files(fmu.model, fmu.picture, fmu.fmi, **of_standard)
-    described = model_description(
-        fmu.model, fmu.identifier, made_for, generation_date(), fmu.fmi, sources=c_files(files)
-    )
-    return archive(files | {DESCRIPTION: described}), skipped
+    name = f"{fmu.identifier}-{target.label}{target.suffix}"
+    return kept(name, {"guid": made_for.encode()}, linked).read_bytes()

@@ -1,4 +1,4 @@
-"""The Python FMU: pythonfmu packs the slave, the description comes from the model.
+"""The Python FMU: the slave behind pythonfmu's loader, the description comes from the model.
 
 The script and the bundled package carry a hash of their content in their names, so that two
 different builds of the FMU live in one process; the GUID is a hash of all the FMU is made from.
@@ -7,26 +7,21 @@ different builds of the FMU live in one process; the GUID is a hash of all the F
 from __future__ import annotations
 
 import importlib.metadata
-import sys
-import tempfile
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from pythonfmu import FmuBuilder
+import pythonfmu
 
 from ..common.files import content_hash, sources
-from ..compiling import CompilationUnavailable
 from ..compiling.ir import tool_versions
 from ..compiling.load import SHIPPED
-from ..compiling.targets import LINUX64, WIN64
+from ..compiling.targets import LINUX64, WIN64, Target
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import model_description
-from .linking import Progress, link_front
-from .native_fmu import NativeFmu, accompanying_files, library
-from .native_fmu import guid as native_guid
+from .linking import link_front
+from .native_fmu import Build, NativeFmu, accompanying_files, library
 
 BUNDLED = (
     "__init__.py",
@@ -61,6 +56,19 @@ class PythonFmu(NamedTuple):
         """Name of its file."""
         return f"{self.identifier}.fmu"
 
+    def guid(self) -> str:
+        """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
+        kernels, fronts = libraries(self, Build())
+        return _guid(self, bundled_files() | kernels | fronts)
+
+    def content(self, build: Build) -> bytes:
+        """The content of its file."""
+        kernels, fronts = libraries(self, build)
+        package = bundled_files() | kernels
+        described = _description(self, _guid(self, package | fronts), generation_date())
+        content = _packed(self, package, fronts) | _accompanying_files(self)
+        return archive(content | {DESCRIPTION: described})
+
 
 # the loader of pythonfmu 0.7 runs this script at every instantiation and then drops a reference to its
 # globals that it does not own: without one to spare, the second instance finds an empty module
@@ -85,50 +93,41 @@ def bundled_files() -> dict[str, bytes]:
     return sources(*BUNDLED)
 
 
-def shipped_libraries(fmu: PythonFmu, progress: Progress) -> tuple[dict[str, bytes], dict[str, str]]:
-    """Libraries with the compiled kernel, by path within the package, and those skipped, with the reason."""
-    files, skipped = {}, {}
+def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str, bytes]]:
+    """Libraries with the compiled kernel, by path in the package; in front of pythonfmu's, in the FMU."""
+
+    def compiled(target: Target) -> bytes:
+        return library(fmu.native, fmu.native.guid(), target, build.progress)
+
+    kernels, fronts = {}, {}
     for target in PLATFORMS:
-        path = f"{SHIPPED.name}/{target.folder}{target.suffix}"
-        try:
-            files[path] = library(fmu.native, native_guid(fmu.native), target, progress)
-        except CompilationUnavailable as reason:
-            skipped[f"compiled kernel in {fmu.identifier} for {target.label}"] = str(reason)
-    return files, skipped
+        what = f"{fmu.identifier} for {target.label}"
+        kernel = build.attempt(f"compiled kernel in {what}", compiled, target)
+        front = build.attempt(
+            f"front of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
+        )
+        if kernel is not None:
+            kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel
+        if front is not None:
+            fronts[f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"] = front
+    return kernels, fronts
 
 
-def fronts(fmu: PythonFmu) -> tuple[dict[str, bytes], dict[str, str]]:
-    """Our libraries in front of pythonfmu's, by path in the FMU, and those skipped, with the reason."""
-    files, skipped = {}, {}
-    for target in PLATFORMS:
-        path = f"binaries/{target.folder}/{fmu.identifier}{target.suffix}"
-        try:
-            files[path] = link_front(target, f"{BEHIND}{target.suffix}")
-        except CompilationUnavailable as reason:
-            skipped[f"front of {fmu.identifier} for {target.label} (see docs/fmu.md)"] = str(reason)
-    return files, skipped
-
-
-def _pack(identifier: str, files: dict[str, bytes], label: str) -> dict[str, bytes]:
-    """Let pythonfmu pack script and package; the archive's content by name."""
-    with tempfile.TemporaryDirectory() as folder:
-        package = Path(folder) / f"inertia_module_{label}"
-        for name, content in files.items():
-            path = package / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-        script = Path(folder) / f"{identifier}_{label}.py"
-        script.write_text(SCRIPT.format(package=package.name, identifier=identifier))
-        search_path, modules = list(sys.path), set(sys.modules)
-        try:
-            packed = FmuBuilder.build_FMU(script, dest=Path(folder) / "out", project_files={package})
-        finally:
-            sys.path[:] = search_path
-            for module in set(sys.modules) - modules:
-                if label in module:
-                    del sys.modules[module]
-        with zipfile.ZipFile(packed) as packed_archive:
-            return {name: packed_archive.read(name) for name in packed_archive.namelist()}
+def _packed(fmu: PythonFmu, package: dict[str, bytes], in_front: dict[str, bytes]) -> dict[str, bytes]:
+    """Files where pythonfmu's loader looks for them: the script by its name, package and libraries."""
+    folder, label = Path(pythonfmu.__file__).parent, content_hash(package)[:12]
+    script, name = f"{fmu.identifier}_{label}", f"inertia_module_{label}"
+    resources = {
+        **{f"{name}/{path}": content for path, content in package.items()},
+        **{f"pythonfmu/{path.name}": path.read_bytes() for path in folder.glob("*.py")},
+        f"{script}.py": SCRIPT.format(package=name, identifier=fmu.identifier).encode(),
+        "slavemodule.txt": script.encode(),
+    }
+    files = in_front | {f"resources/{path}": content for path, content in resources.items()}
+    for path in (folder / "resources" / "binaries").glob("*/*pythonfmu-export.*"):
+        place = f"binaries/{path.parent.name}/{fmu.identifier}{path.suffix}"
+        files[place.replace(fmu.identifier, BEHIND) if place in in_front else place] = path.read_bytes()
+    return files
 
 
 def _accompanying_files(fmu: PythonFmu) -> dict[str, bytes]:
@@ -150,22 +149,3 @@ def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
     )
     made_from["description"] = _description(fmu, "", "")
     return guid_of(made_from)
-
-
-def guid(fmu: PythonFmu) -> str:
-    """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
-    return _guid(fmu, bundled_files() | shipped_libraries(fmu, lambda stage: None)[0] | fronts(fmu)[0])
-
-
-def python_fmu(fmu: PythonFmu, progress: Progress = lambda stage: None) -> tuple[bytes, dict[str, str]]:
-    """The content of an FMU's file, and what was left out of it, with the reason."""
-    shipped, skipped = shipped_libraries(fmu, progress)
-    package = bundled_files() | shipped
-    in_front, without = fronts(fmu)
-    made_for = _guid(fmu, package | in_front)
-    description = _description(fmu, made_for, generation_date())
-    content = _pack(fmu.identifier, package, content_hash(package)[:12]) | _accompanying_files(fmu)
-    for path, front in in_front.items():
-        content[path.replace(fmu.identifier, BEHIND)] = content[path]
-        content[path] = front
-    return archive(content | {DESCRIPTION: description}), skipped | without

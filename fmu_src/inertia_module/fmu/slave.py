@@ -6,6 +6,7 @@ is refused is logged: the library in front (front/front.c) answers a call by the
 
 from __future__ import annotations
 
+import functools
 import math
 from array import array
 from collections.abc import Callable
@@ -33,6 +34,36 @@ NEAR_STOP = 1e-5
 _UNKNOWN = Variable("unknown", "", "", "", kind="")
 
 
+class Told(Refused):
+    """Refusal that leaves the instance as it was, with the status that the call is answered by."""
+
+    def __init__(self, message: str, status: Fmi2Status = Fmi2Status.error) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+def guarded(callback: Callable[..., None]) -> Callable[..., bool]:
+    """A callback out of which nothing is raised: tells whether all went well; else the reason is logged.
+
+    After any other refusal than one of Told every step is refused.
+    """
+
+    @functools.wraps(callback)
+    def call(slave: PythonSlave, *arguments: Any) -> bool:
+        try:
+            callback(slave, *arguments)
+            return True
+        except Told as error:
+            slave.say(str(error), error.status)
+        except Exception as error:
+            slave.phase = REFUSED
+            internal = "" if isinstance(error, Refused) else f"internal error: {type(error).__name__}: "
+            slave.say(f"{internal}{error}", Fmi2Status.error)
+        return False
+
+    return call
+
+
 class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     """A model behind the FMI 2.0 interface of pythonfmu; subclasses say which."""
 
@@ -42,7 +73,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         super().__init__(**kwargs)
         self._instance = self.instance_type("auto")
         self._variables = self._instance.model.variables
-        self._phase = INSTANTIATED
+        self.phase = INSTANTIATED
         self._tolerance: float | None = None
         self._stop_time = math.inf
         # in initialization mode: whether the outputs follow from the values set
@@ -52,75 +83,43 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             (self._instance.record(one.name).numbers, self._instance.model.place(one.name))
             for one in self._variables
         ]
-        self._reals = {
-            reference: place
-            for reference, place in enumerate(self._places)
-            if self._variables[reference].kind == REAL
-        }
 
-    def _say(self, message: str, status: Fmi2Status) -> None:
+    def say(self, message: str, status: Fmi2Status) -> None:
+        """Log a message."""
         # the text is used as a printf format
         self.log(message.replace("%", "%%"), status)
 
-    def _out_of_order(self, call: str, allowed: str) -> None:
-        self._say(f"{call} must come {allowed}, the instance is {self._phase}", Fmi2Status.error)
-
-    def _refuse(self, message: str) -> None:
-        """Log a refusal and refuse every step from now on."""
-        self._phase = REFUSED
-        self._say(message, Fmi2Status.error)
-
-    def _guarded(self, action: Callable[[], None]) -> None:
-        """Run an action; whatever goes wrong becomes a refusal."""
-        try:
-            action()
-        except Refused as error:
-            self._refuse(str(error))
-        except Exception as error:
-            self._refuse(f"internal error: {type(error).__name__}: {error}")
+    def _require(self, phase: str, call: str, allowed: str) -> None:
+        if self.phase != phase:
+            raise Told(f"{call} must come {allowed}, the instance is {self.phase}")
 
     # -- initialisation ------------------------------------------------------------------------------
 
+    @guarded
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Take over the stop time and the tolerance: it wins over the parameter, where the model has one."""
-        if self._phase != INSTANTIATED:
-            self._out_of_order("setupExperiment", "before enterInitializationMode")
-            return
+        self._require(INSTANTIATED, "setupExperiment", "before enterInitializationMode")
         if stop_time is not None and not stop_time >= start_time:
-            self._say(
-                must_be("stop time", f"at least the start time {start_time:.16g} s", stop_time),
-                Fmi2Status.error,
-            )
-            return
+            raise Told(must_be("stop time", f"at least the start time {start_time:.16g} s", stop_time))
         self._tolerance = tolerance
         self._stop_time = math.inf if stop_time is None else stop_time
 
+    @guarded
     def enter_initialization_mode(self) -> None:
-        """Load the kernel; say so when that will take a while."""
-        if self._phase != INSTANTIATED:
-            self._out_of_order("enterInitializationMode", "right after instantiation or reset")
-            return
-        self._phase = INITIALIZING
+        """Load the kernel, and say which."""
+        self._require(INSTANTIATED, "enterInitializationMode", "right after instantiation or reset")
+        self.phase = INITIALIZING
+        self._instance.load_kernel()
+        self.say(f"the kernel is {self._instance.kernel}", Fmi2Status.ok)
 
-        def load() -> None:
-            self._instance.load_kernel()
-            self._say(f"the kernel is {self._instance.kernel}", Fmi2Status.ok)
-
-        self._guarded(load)
-
+    @guarded
     def exit_initialization_mode(self) -> None:
         """Check the parameters, alone and together, and take the initial state."""
-        if self._phase != INITIALIZING:
-            self._out_of_order("exitInitializationMode", "after enterInitializationMode")
-            return
-        self._phase = STEPPING
-        self._guarded(self._start)
-        if self._phase is STEPPING:
-            self._guarded(self._warn)
-
-    def _warn(self) -> None:
+        self._require(INITIALIZING, "exitInitializationMode", "after enterInitializationMode")
+        self._start()
+        self.phase = STEPPING
         for message in self._instance.warnings():
-            self._say(message, Fmi2Status.warning)
+            self.say(message, Fmi2Status.warning)
 
     def _start(self) -> None:
         tolerance = self._instance.model.by_name.get("tolerance")
@@ -134,41 +133,30 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             self._start()
         except Exception as error:
-            self._say(str(error), Fmi2Status.discard)
+            self.say(str(error), Fmi2Status.discard)
 
+    @guarded
     def terminate(self) -> None:
         """Outputs stay readable, steps and inputs are refused."""
-        if self._phase is STEPPING:
-            self._phase = TERMINATED
-        else:
-            self._out_of_order("terminate", "after exitInitializationMode")
+        self._require(STEPPING, "terminate", "after exitInitializationMode")
+        self.phase = TERMINATED
 
     # -- stepping ------------------------------------------------------------------------------------
 
-    def do_step(self, current_time: float, step_size: float) -> bool:
+    @guarded
+    def do_step(self, current_time: float, step_size: float) -> None:
         """Advance by step_size, s; False (fmi2Discard) leaves the state as it was."""
-        try:
-            if self._phase is not STEPPING:
-                self._out_of_order("doStep", "after exitInitializationMode")
-                return False
-            stop = self._stop_time
-            if current_time + step_size > stop + NEAR_STOP * max(1.0, abs(stop)):
-                step = f"{step_size:.16g} s from {current_time:.16g} s"
-                message = f"a step must end at the stop time {stop:.16g} s at the latest, is one of {step}"
-                self._say(message, Fmi2Status.error)
-                return False
-            instance = self._instance
-            status = instance.call(codes.STEP, step_size) if math.isfinite(current_time) else codes.BAD_STEP
-            if status == codes.OK:
-                return True
-            if status == codes.BAD_STEP and not math.isfinite(current_time):
-                message = must_be("communication point", "a finite number of seconds", current_time)
-            else:
-                message = instance.explain(status, step_size)
-            self._say(message, Fmi2Status.discard)
-        except Exception as error:
-            self._refuse(f"internal error: {type(error).__name__}: {error}")
-        return False
+        self._require(STEPPING, "doStep", "after exitInitializationMode")
+        stop = self._stop_time
+        if current_time + step_size > stop + NEAR_STOP * max(1.0, abs(stop)):
+            step = f"{step_size:.16g} s from {current_time:.16g} s"
+            raise Told(f"a step must end at the stop time {stop:.16g} s at the latest, is one of {step}")
+        if not math.isfinite(current_time):
+            message = must_be("communication point", "a finite number of seconds", current_time)
+            raise Told(message, Fmi2Status.discard)
+        status = self._instance.call(codes.STEP, step_size)
+        if status != codes.OK:
+            raise Told(self._instance.explain(status, step_size), Fmi2Status.discard)
 
     # -- values --------------------------------------------------------------------------------------
 
@@ -176,7 +164,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         return self._variables[reference] if 0 <= reference < len(self._variables) else _UNKNOWN
 
     def _get(self, references: list[int], kinds: tuple[str, ...], missing: float) -> list[float]:
-        if self._phase is INITIALIZING and not self._calculated:
+        if self.phase == INITIALIZING and not self._calculated:
             self._calculate()
         values = []
         for reference in references:
@@ -185,19 +173,13 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
                 place, slot = self._places[reference]
                 values.append(place[slot])
             else:
-                self._say(_no_reference(reference, kinds[0]), Fmi2Status.error)
+                self.say(_no_reference(reference, kinds[0]), Fmi2Status.error)
                 values.append(missing)
         return values
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Real variables (NaN for a reference that is none)."""
-        reals = self._reals
-        if self._phase is INITIALIZING and not self._calculated:
-            self._calculate()
-        try:
-            return [place[slot] for place, slot in [reals[reference] for reference in vrs]]
-        except KeyError:
-            return self._get(vrs, (REAL,), math.nan)
+        return self._get(vrs, (REAL,), math.nan)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         """Values of Integer and Enumeration variables (0 for a reference that is none)."""
@@ -212,40 +194,34 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         self._get(vrs, ("String",), 0.0)
         return [""] * len(vrs)
 
-    def _why_not_set(self, variable: Variable, reference: int, kinds: tuple[str, ...]) -> str:
-        if variable.kind not in kinds:
-            return _no_reference(reference, kinds[0])
-        if variable.causality not in (INPUT, PARAMETER):
-            return f"a variable that is set must be an input or a parameter, {variable.name} is calculated"
-        if self._phase in (INSTANTIATED, INITIALIZING):
-            return ""  # values are checked at the end of initialization
+    def _require_settable(self, variable: Variable, reference: int, kinds: tuple[str, ...]) -> None:
         call = f"setting {variable.name}"
+        if variable.kind not in kinds:
+            raise Told(_no_reference(reference, kinds[0]))
+        if variable.causality not in (INPUT, PARAMETER):
+            raise Told(
+                f"a variable that is set must be an input or a parameter, {variable.name} is calculated"
+            )
+        if self.phase in (INSTANTIATED, INITIALIZING):
+            return  # values are checked at the end of initialization
         if variable.causality == PARAMETER and not variable.is_tunable:
-            return f"{call} must come before the end of initialization, the instance is {self._phase}"
-        if self._phase is not STEPPING:
-            return f"{call} must come before terminate, the instance is {self._phase}"
-        return ""
+            self._require("", call, "before the end of initialization")
+        self._require(STEPPING, call, "before terminate")
 
+    @guarded
     def _set(self, references: list[int], values: list[Any], kinds: tuple[str, ...]) -> None:
         """Set all of the values or, if one cannot be set, none."""
-
-        def assign() -> None:
-            numbers = {}
-            for reference, value in zip(references, values, strict=True):
-                variable = self._variable(reference)
-                message = self._why_not_set(variable, reference, kinds)
-                if message:
-                    self._say(message, Fmi2Status.error)
-                    return
-                numbers[variable.name] = value
-            if self._phase is INITIALIZING:
-                self._calculated = self._instance.started = False
-            try:
-                self._instance.assign(numbers)
-            except Refused as refused:
-                self._say(str(refused), Fmi2Status.discard)
-
-        self._guarded(assign)
+        numbers = {}
+        for reference, value in zip(references, values, strict=True):
+            variable = self._variable(reference)
+            self._require_settable(variable, reference, kinds)
+            numbers[variable.name] = value
+        if self.phase == INITIALIZING:
+            self._calculated = self._instance.started = False
+        try:
+            self._instance.assign(numbers)
+        except Refused as refused:
+            raise Told(str(refused), Fmi2Status.discard) from None
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set Real inputs and parameters: checked where they are used, tuned parameters here."""
@@ -267,9 +243,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> bytes:
         tolerance = math.nan if self._tolerance is None else self._tolerance
-        head = bytes([_PHASES.index(self._phase)]) + array("d", [tolerance, self._stop_time]).tobytes()
+        head = bytes([_PHASES.index(self.phase)]) + array("d", [tolerance, self._stop_time]).tobytes()
         return head + self._instance.save()
 
+    @guarded
     def _set_fmu_state(self, state: bytes) -> None:
         try:
             if len(state) < HEAD_SIZE or state[0] >= len(_PHASES):
@@ -277,11 +254,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             phase = _PHASES[state[0]]
             self._instance.restore(state[HEAD_SIZE:], must_be_started=phase in (STEPPING, TERMINATED))
         except Exception as error:
-            self._say(str(error) if isinstance(error, Refused) else f"{NO_STATE}: {error}", Fmi2Status.error)
-            return
+            raise Told(str(error) if isinstance(error, Refused) else f"{NO_STATE}: {error}") from None
         tolerance, self._stop_time = array("d", state[1:HEAD_SIZE])
         self._tolerance = None if math.isnan(tolerance) else tolerance
-        self._phase, self._calculated = phase, False
+        self.phase, self._calculated = phase, False
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:

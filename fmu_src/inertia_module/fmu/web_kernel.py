@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
 from typing import NamedTuple
 
-from ..common.files import content_hash, kept, sources
+from ..common.files import kept, sources
 from ..compiling.ir import tool_versions
-from ..compiling.linking import made_from, object_file, run_tool
-from ..compiling.targets import Target
+from ..compiling.linking import link, made_from, object_file
+from ..compiling.targets import BROWSERS
 from ..contract.models import Model
-from .linking import Progress
+from .native_fmu import Build
 
-# any browser since 2021 knows what a "generic" processor may
-BROWSERS = Target("", "wasm32-unknown-wasi", "generic", "wasm32-wasi")
-# bytes, of which the deepest calls of the kernel take 800
-STACK = 1 << 16
 # bytes: two hundred instances at once
 MEMORY = 1 << 24
 
@@ -32,35 +26,18 @@ class WebKernel(NamedTuple):
         """Name of its file."""
         return f"{self.identifier}.wasm"
 
+    def content(self, build: Build) -> bytes:
+        """The kernel as a module of WebAssembly, from the cache if it was built before.
 
-def web_kernel(kernel: WebKernel, progress: Progress = lambda stage: None) -> bytes:
-    """The kernel as a module of WebAssembly, from the cache if it was built before.
+        It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
+        """
+        depends_on = tool_versions("ziglang") | made_from(self.model)
+        depends_on |= sources("fmu/web_kernel.py", "compiling/targets.py")
 
-    It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
+        def linked() -> bytes:
+            build.progress(f"compiling {self.identifier} for browsers")
+            exported = [f"-Wl,--export={symbol}" for symbol in (self.model.symbol, "__heap_base")]
+            kernel = {"kernel.o": object_file(self.model, BROWSERS)}
+            return link(BROWSERS, "kernel.wasm", kernel, *exported, f"-Wl,--max-memory={MEMORY}")
 
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
-    depends_on = tool_versions("ziglang") | made_from(kernel.model) | sources("fmu/web_kernel.py")
-
-    def linked() -> bytes:
-        progress(f"compiling {kernel.identifier} for browsers")
-        return link(kernel.model)
-
-    return kept(f"{kernel.identifier}-{content_hash(depends_on)[:16]}.wasm", linked).read_bytes()
-
-
-def link(model: Model) -> bytes:
-    """The kernel of a model as a module of WebAssembly.
-
-    Raises:
-        CompilationUnavailable: what it takes is not installed, or fails.
-    """
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "kernel.o").write_bytes(object_file(model, BROWSERS))
-        exported = [f"-Wl,--export={symbol}" for symbol in (model.symbol, "__heap_base")]
-        given = ["-target", BROWSERS.compiler, "-mexec-model=reactor", "-s", *exported]
-        given += [f"-Wl,-z,stack-size={STACK}", f"-Wl,--max-memory={MEMORY}"]
-        run_tool("cc", [*given, "-o", "kernel.wasm", "kernel.o"], folder)
-        return (folder / "kernel.wasm").read_bytes()
+        return kept(self.file_name, depends_on, linked).read_bytes()

@@ -116,13 +116,14 @@ def experiments(folder: Path) -> list[Experiment]:
 
 
 def deviations(one: Experiment, expected: Result, table: Result) -> Iterator[Deviation]:
-    """Worst deviations of the table of a run from what its experiment has for results.
+    """Worst deviations of the table of a run, up to its end, from what its experiment has for results.
 
     Raises:
         TableError: the table has not all of their columns.
     """
+    rows = max(int(np.searchsorted(expected.time, table.time[-1], "right")), 1)
     for name in expected.names[1:]:
-        apart = np.abs(np.interp(expected.time, table.time, table[name]) - expected[name])
+        apart = np.abs(np.interp(expected.time, table.time, table[name]) - expected[name])[:rows]
         worst = int(np.argmax(apart))
         allowed = one.allowed.get(name, SHARE * float(np.abs(expected[name]).max()))
         yield Deviation(one.name, name, float(apart[worst]), allowed, float(expected.time[worst]))
@@ -147,7 +148,9 @@ def _step(path: Path, description: Any, report: Report, events: bool = False) ->
         report.warnings += log.warnings
     report.problems.extend(f"it logs an error: {message}" for message in log.errors)
     heading = "with event mode" if events else "stepped to"
-    report.facts[heading] = f"{stop:g} s in {len(table) - 1} steps"
+    end = float(table["time"][-1])
+    ended = end < stop - 0.5 * stop / STEPS
+    report.facts[heading] = f"{end:g} s in {len(table) - 1} steps" + ended * ", where it ends the simulation"
     for name in table.dtype.names or ():
         values = np.asarray(table[name], dtype=float)
         report.outputs[name] = float(values[-1])
@@ -166,6 +169,8 @@ def _replay(path: Path, step: float | None, report: Report, one: Experiment) -> 
     except UNREADABLE as error:
         report.problems.append(f"experiment {one.name} fails: {error}")
         return
+    if table.time[-1] < stop:
+        report.facts[one.name] = f"{table.time[-1]:g} s, where it ends the simulation"
     for found in deviations(one, expected, table):
         report.references.append(found)
         if found.deviation > found.allowed:

@@ -26,8 +26,10 @@ Array = NDArray[np.float64]
 
 # function of the native FMUs that takes many steps in one call
 RUN = "inertiaModuleRun"
-# status of a warning in the standards; above it are errors
-WARNING = 1
+# statuses of the standards: of a warning, above which are errors, and of a step that is not taken; of FMI 2.0
+# the question whether it ends the simulation
+WARNING, DISCARD = 1, 2
+TERMINATED = 3
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 # calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
@@ -200,6 +202,10 @@ class Log:
             (self.warnings if status == WARNING else self.errors).append(text)
 
 
+class Ended(FmuError):
+    """The FMU itself ends the simulation: in the step from the time of its instance on."""
+
+
 class Kept(NamedTuple):
     """A state kept by an instance, and its time, s."""
 
@@ -227,8 +233,8 @@ class Fmu(Closing):
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:
-        FmuError: the file is no such FMU, a name is unknown, or a value is refused; all methods raise it
-            once the instance is closed.
+        FmuError: the file is no such FMU, a name is unknown, or a value is refused. All methods raise it for
+            names that there are not, for what the FMU refuses or has not, and once the instance is closed.
     """
 
     def __init__(
@@ -252,8 +258,8 @@ class Fmu(Closing):
         try:
             self._load()
             self._call("setupExperiment", tolerance, start_time, stop_time)
-            self._assign(parameters or {})
-            self._assign(inputs or {})
+            self.set(**(parameters or {}))
+            self.set(**(inputs or {}))
             self._call("enterInitializationMode")
             self._before_start()
             self._call("exitInitializationMode")
@@ -308,11 +314,7 @@ class Fmu(Closing):
         return found
 
     def set_logging(self, on: bool, *categories: str) -> None:
-        """Switch log categories on or off; all of them if none is named.
-
-        Raises:
-            FmuError: an unknown category.
-        """
+        """Switch log categories on or off; all of them if none is named."""
         self._call("setDebugLogging", on, categories)
 
     # --- values ---
@@ -337,8 +339,8 @@ class Fmu(Closing):
             self._arrays[key] = (c_uint * len(key))(*self._references(key))
         return addressof(self._arrays[key])
 
-    def _assign(self, values: Mapping[str, float | bool | str]) -> None:
-        """Set variables by name: all of them or, on an unknown name or value, none."""
+    def set(self, /, **values: float | bool | str) -> None:
+        """Set inputs and tunable parameters by name to values: numbers, strings with a unit; all or none."""
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
             number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
@@ -346,21 +348,8 @@ class Fmu(Closing):
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
 
-    def set(self, **values: float | str) -> None:
-        """Set inputs and tunable parameters by name to values, numbers or strings with a unit; all or none.
-
-        Raises:
-            FmuError: an unknown name, no quantity, a variable that cannot be set now, or a value of a tunable
-                parameter that the FMU refuses.
-        """
-        self._assign(values)
-
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Read values by names, or one alone, of any type, as floats.
-
-        Raises:
-            FmuError: an unknown name, or the FMU refuses to give a value.
-        """
+        """Read values by names, or one alone, of any type, as floats."""
         key = as_names(names)
         if key not in self._readers:
             row = np.empty((1, len(key)))
@@ -385,13 +374,21 @@ class Fmu(Closing):
         """Advance by a communication step, s.
 
         Raises:
-            FmuError: the FMU refused the step; its state is as it was.
+            FmuError: the FMU refused the step; its state is as it was. Ended: it ends the simulation.
         """
         try:
             self._call("doStep", self.time, step)
         except FmuError as error:
+            if self._has_ended(error.__cause__):
+                raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
+
+    def _has_ended(self, failure: BaseException | None) -> bool:
+        """Tell whether the failure of a step means that the FMU ends the simulation."""
+        with contextlib.suppress(Exception):
+            return getattr(failure, "status", None) == DISCARD and self._instance.getBooleanStatus(TERMINATED)
+        return False
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
@@ -418,20 +415,12 @@ class Fmu(Closing):
         return True
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md).
-
-        Raises:
-            FmuError: an unknown name, no input, or an FMU that takes no derivatives of inputs.
-        """
+        """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""
         orders, values = [1] * len(rates), list(rates.values())
         self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Rates of outputs by names, or one alone, after the last step, per second (see docs/fmu.md).
-
-        Raises:
-            FmuError: an unknown name, no output, or an FMU that gives no derivatives of outputs.
-        """
+        """Rates of outputs by names, or one alone, after the last step, per second (see docs/fmu.md)."""
         references = self._references(names)
         return tuple(self._call("getRealOutputDerivatives", references, [1] * len(references)))
 
@@ -444,9 +433,6 @@ class Fmu(Closing):
 
         Returns:
             Shape (outputs, inputs), units of the output over those of the input.
-
-        Raises:
-            FmuError: an unknown name, or an FMU that gives no directional derivatives.
         """
         unknowns, knowns = self._references(outputs), self._references(inputs)
         columns = [self._call("getDirectionalDerivative", unknowns, [known], [1.0]) for known in knowns]
@@ -455,11 +441,7 @@ class Fmu(Closing):
     # --- states ---
 
     def get_state(self) -> Kept:
-        """Keep the state to go back to; cheaper than save, and good for this instance only.
-
-        Raises:
-            FmuError: the FMU cannot give its state.
-        """
+        """Keep the state to go back to; cheaper than save, and good for this instance only."""
         self._kept.append(Kept(self._call("getFMUstate"), self.time))
         return self._kept[-1]
 
@@ -469,31 +451,19 @@ class Fmu(Closing):
             raise FmuError("a state must be one of get_state of this instance, not freed since")
 
     def set_state(self, kept: Kept) -> None:
-        """Take over a kept state of get_state, and its time.
-
-        Raises:
-            FmuError: it is not one, or freed.
-        """
+        """Take over a kept state of get_state, and its time."""
         self._check_kept(kept)
         self._call("setFMUstate", kept.state)
         self.time = kept.time
 
     def free_state(self, kept: Kept) -> None:
-        """Free a kept state of get_state; closing the instance frees all.
-
-        Raises:
-            FmuError: it is not one, or freed.
-        """
+        """Free a kept state of get_state; closing the instance frees all."""
         self._check_kept(kept)
         self._kept = [known for known in self._kept if known is not kept]
         self._call("freeFMUstate", kept.state)
 
     def save(self) -> bytes:
-        """Serialise the whole state of the instance.
-
-        Raises:
-            FmuError: the FMU cannot give its state.
-        """
+        """Serialise the whole state of the instance."""
         kept = self.get_state()
         try:
             return bytes(self._call("serializeFMUstate", kept.state))
@@ -550,5 +520,5 @@ class RestartedFmu(Fmu):
         """
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.set_state(self._blank)
-        self._assign(values)
+        self.set(**values)
         self._call("exitInitializationMode")

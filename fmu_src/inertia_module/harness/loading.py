@@ -16,19 +16,12 @@ from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import Any
 
-from fmpy import extract
+from fmpy import extract, fmi2
 from fmpy.fmi1 import FMICallException, calloc, free, printLogMessage
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
-from .fmu import RUN, WARNING, Log
+from .fmu import DISCARD, RUN, WARNING, Log
 
 
 class Unpacked:
@@ -79,7 +72,7 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
         log.take(environment, status, category, message)
 
 
-_DISPATCHER = fmi2CallbackLoggerTYPE(_dispatch)
+_DISPATCHER = fmi2.fmi2CallbackLoggerTYPE(_dispatch)
 
 
 def callbacks_of(log: Log, environment: int | None = None) -> Any:
@@ -88,11 +81,11 @@ def callbacks_of(log: Log, environment: int | None = None) -> Any:
     Fmpy's proxy, which formats the messages, knows one callback a process: the last one given. One that is
     freed while another instance still logs would crash the process: that of all instances stays.
     """
-    callbacks = fmi2CallbackFunctions()
+    callbacks = fmi2.fmi2CallbackFunctions()
     callbacks.logger = _DISPATCHER
     addLoggerProxy(byref(callbacks))
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
     callbacks.componentEnvironment = key = id(log) if environment is None else environment
     _logs[key] = log
     return callbacks
@@ -111,7 +104,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
         "instanceName": name,
     }
     if description.fmiVersion == "2.0":
-        instance = FMU2Slave(**arguments)
+        instance = fmi2.FMU2Slave(**arguments)
         instance.instantiate(callbacks=callbacks_of(log), loggingOn=True)
     else:
         instance = Slave(**arguments)
@@ -136,6 +129,7 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     """
 
     _experiment: tuple[float | None, float, float | None] = (None, 0.0, None)
+    _ended = False
 
     def setupExperiment(
         self, tolerance: float | None = None, startTime: float = 0.0, stopTime: float | None = None
@@ -150,6 +144,18 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
     deSerializeFMUstate = FMU3Slave.deserializeFMUState
     getRealOutputDerivatives = FMU3Slave.getOutputDerivatives
+
+    def doStep(self, *arguments: Any, **named: Any) -> Any:
+        """Step; where the FMU ends the simulation that is said as in FMI 2.0."""
+        answer = super().doStep(*arguments, **named)
+        self._ended = answer[1]
+        if self._ended:
+            raise FMICallException("fmi3DoStep", DISCARD)
+        return answer
+
+    def getBooleanStatus(self, kind: int) -> bool:
+        """Tell whether the last step has ended the simulation: of what FMI 2.0 can be asked only this."""
+        return self._ended
 
     def setRealInputDerivatives(self, *arguments: Any) -> None:
         raise NotImplementedError("FMI 3.0 has no derivatives of inputs")

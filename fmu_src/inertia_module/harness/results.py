@@ -77,10 +77,7 @@ class Result:
     @classmethod
     def from_rows(cls, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> Result:
         """Take over rows, shape (n, names), time first and in s. Raises as from_columns."""
-        columns = dict(zip(names, rows.T, strict=True))
-        if len(columns) == len(names) and np.isfinite(rows).all() and (rows[1:, 0] >= rows[:-1, 0]).all():
-            return cls(columns, {TIME: "s", **units})
-        return cls.from_columns(columns, units)
+        return cls.from_columns(dict(zip(names, rows.T, strict=True)), units)
 
     def without(self, names: Set[str]) -> Result:
         """The table without the columns of these names."""

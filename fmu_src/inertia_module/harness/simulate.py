@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.errors import Refused, did_you_mean
 from ..common.terminal import Progress, progress_bar
 from ..common.units import split_quantity
-from .fmu import Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
+from .fmu import Ended, Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
@@ -91,7 +91,7 @@ def drive(
 
     Returns:
         Table of time, the inputs, what was measured (`omega_out_measured`) and the outputs, shape
-        (steps + 1,) each.
+        (steps + 1,) each; it is shorter if the FMU itself ends the simulation.
 
     Raises:
         FmuError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
@@ -108,7 +108,10 @@ def drive(
         report = progress or stack.enter_context(progress_bar(f"driving {fmu.path.name}"))
         rows = np.empty((times.size, len(table.names) + len(outputs)))
         rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
-        run(fmu, np.diff(times), held, outputs, rows[:, len(table.names) :], report)
+        try:
+            run(fmu, np.diff(times), held, outputs, rows[:, len(table.names) :], report)
+        except Ended:
+            rows = rows[: int(np.searchsorted(times, fmu.time, "right"))]
         units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
     return Result.from_rows((TIME, *columns, *outputs), rows, units)
 

@@ -82,7 +82,7 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
         record, run = outcome.record, page_run(outcome.record, outcome.warnings)
     start = {"scene": page_scene(scene, record), "run": run}
     data = [
-        f'<script id="kernel" type="text/plain">{_packed(content_of(WEB_KERNEL)[0])}</script>',
+        f'<script id="kernel" type="text/plain">{_packed(content_of(WEB_KERNEL))}</script>',
         script("tables", page_tables(INERTIA_MODULE)),
         script("start", start),
     ]

@@ -4,8 +4,14 @@
 #include <math.h>
 
 static const struct variable variables[] = {
-{% for variable in model.variables %}
-    {{ row(variable, model) }},
+{% for one in model.variables %}
+    {{ "{" }}{{ quoted(one.name) }}, {{ one.kind | upper }}, {{ arrays.get(one.causality, "OUTPUTS") }}, {{ model.place(one.name) }},
+{% for ending in ("_rate", "_rate_given") %}
+     {{ model.place(one.name ~ ending) if one.causality == "input" else -1 }},
+{% endfor %}
+     {{ discrete.index(one.name) if one.name in discrete else -1 }}, {{ one.late | int }}, {{ (one.causality == "output") | int }}, {{ one.is_tunable | int }},
+     {{ number(one.start or 0.0) }}, {{ number(one.ends[0]) }}, {{ number(one.ends[1]) }}, {{ number(small(one)) }},
+     {{ quoted(one.allowed if one.causality == "parameter" else "") }}},
 {% endfor %}
 {% if fmi == 3 %}{# no place in a record of the kernel, no rate #}
     {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},
@@ -15,8 +21,8 @@ static const struct variable variables[] = {
 {% for name, texts in (("messages", model.messages), ("warnings", model.warnings)) if texts %}
 {% for status, text in texts.items() %}
 static const struct piece {{ name }}_{{ status }}[] = {
-{% for piece in pieces(text, model) %}
-    {{ piece }},
+{% for before, kind, slot in pieces(text, model) %}
+    {{ "{" }}{{ quoted(before) }}, {{ kind }}, {{ slot }}},
 {% endfor %}
     {"", LAST_PIECE, 0},
 };
@@ -29,12 +35,20 @@ static const struct message {{ name }}[] = {
 };
 
 {% endfor %}
-static const int discrete[] = {{ "{%s}" | format(discrete | join(", ") or "0") }};
+static const int discrete[] = {
+{% for name in discrete %}
+    {{ model.place(name) }},
+{% else %}{# C has no empty arrays #}
+    0,
+{% endfor %}
+};
 static const size_t traced[] = {{ "{%s}" | format(traced | join(", ")) }};
 
 static const struct bound bounds[] = {
-{% for one in bounds or [none] %}{# C has no empty arrays #}
-    {{ "{%s, %d, %s}" | format(records[one.record], one.place, number(one.most)) if one else "{CONSTANTS, 0, 0.0}" }},
+{% for one in model.bounds %}
+    {{ "{%s, %d, %s}" | format(records[one.record], one.place, number(one.most)) }},
+{% else %}
+    {CONSTANTS, 0, 0.0},
 {% endfor %}
 };
 
@@ -43,5 +57,5 @@ const struct model model = {
     {{ tolerance }}, {{ switch | join(", ") }},
     {{ model.sizes | join(", ") }},
     messages, {{ model.messages | length }}, {{ "warnings" if model.warnings else "NULL" }}, {{ model.warnings | length }},
-    discrete, {{ discrete | length }}, traced, {{ traced | length }}, bounds, {{ bounds | length }},
+    discrete, {{ discrete | length }}, traced, {{ traced | length }}, bounds, {{ model.bounds | length }},
 };
