@@ -181,19 +181,20 @@ class End:
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlation of each pair of keys whose errors are known, by their names."""
-        signs = np.copysign(self.deviations, [key.span for key in self.problem.keys])
+        # a span may be below 0
+        size = np.copysign(self.deviations, [key.span for key in self.problem.keys])
         pairs = itertools.combinations(enumerate(self.problem.keys), 2)
         return {
-            (first.name, second.name): float(self.covariance[n, m] / (signs[n] * signs[m]))
+            (first.name, second.name): float(self.covariance[n, m] / (size[n] * size[m]))
             for (n, first), (m, second) in pairs
-            if math.isfinite(signs[n] * signs[m])
+            if math.isfinite(size[n] * size[m])
         }
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Interval of 95 % of each key, SI, by name; without ends of the range where it cannot be told.
+        """Interval of 95 % of each key, SI, by name; all that it may be where they cannot be told.
 
-        Of the last key the limits are kept: where chi-squared is least beyond one, intervals are what that
+        The limits of the last key are kept: where chi-squared is least beyond one, intervals are what that
         allows from there on.
         """
         from scipy.special import stdtrit
@@ -229,15 +230,12 @@ class End:
         return end.straightened()
 
     def straightened(self) -> End:
-        """The end with slopes over REACH standard errors to both sides, the other keys giving way."""
+        """The end with slopes over REACH standard errors to both sides, along the axes of their ellipse."""
         if not np.isfinite(self.deviations).all():
             return self
-        ways = REACH * self.covariance / self.deviations
-        ways *= min(1.0, LARGEST_STEP / np.abs(ways).max())
-        low, high = (np.clip(self.point + side * ways.T, *self.problem.limits) for side in (-1.0, 1.0))
-        problem = self.problem
-        change = np.array(
-            [problem.residuals(b) - problem.residuals(a) for a, b in zip(low, high, strict=True)]
-        )
-        slopes = np.linalg.solve(high - low, change).T
+        squares, axes = np.linalg.eigh(self.covariance)
+        ways = np.minimum(REACH * np.sqrt(np.abs(squares)), LARGEST_STEP)[:, None] * axes.T
+        low, high = (np.clip(self.point + side * ways, *self.problem.limits) for side in (-1.0, 1.0))
+        before, after = ([self.problem.residuals(point) for point in points] for points in (low, high))
+        slopes = np.asarray((np.linalg.pinv(high - low) @ np.subtract(after, before)).T, dtype=float)
         return replace(self, slopes=slopes) if np.isfinite(slopes).all() else self

@@ -186,7 +186,7 @@ class Orders:
         all of these, and is where there is the most of the signal.
         """
         rows, near = self.waterfall[name], 2 * HALF_LOBE / self.turns
-        ratio = self.ratio[:, None] / self.ratio.mean()
+        ratio = self.ratio[:, None] / (self.ratio.mean() or 1.0)  # in lock-up the drive stands still
         found = list[tuple[Line, int, int, Array]]()
         for family, (turn, bend) in enumerate([(0.0, ratio**0), (0.0, ratio), (1.0, ratio), (-1.0, ratio)]):
             tracks = turn + (self.order - turn) * bend

@@ -261,8 +261,9 @@ def tried(end: End, keys: Sequence[Free], start: Array, progress: Progress) -> l
         for key in end.problem.rig.data.sensors.values():
             if key.name in {one.name for one in keys}:
                 fit(end.problem.with_key(key), np.append(start, 1.0))
-    for cause in causes(found.values()) if whole else []:
-        if cause.name in full:
+    for cause in causes(found.values()):
+        if whole and cause.name in full:
+            # with it anything else may be otherwise too
             found[cause.name] = _with_any(cause, full[cause.name], keys)
     return sorted(found.values(), key=lambda one: -one.evidence)
 
