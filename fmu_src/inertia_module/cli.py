@@ -548,10 +548,10 @@ def chart(
 def orders(
     scene: SceneFile,
     output: OutputFolder = None,
-    of: Annotated[str, option("Orders of link1, cycles a turn of it, or of pulses.")] = "link1",
+    of: Annotated[str, option("Orders of link1, cycles a turn of it, or of drive_angle.")] = "link1",
     signals: Annotated[Texts, option("Output to look at; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Highest order.", "ORDER")] = None,
-    turns: Annotated[float | None, option("Turns of link 1 (or pulses) in a window: 1 / resolution.")] = None,
+    turns: Annotated[float | None, option("Turns of that in a window: 1 / resolution.")] = None,
     begin: Annotated[
         Text, option("Begin of the time analysed: '2 s' (where it turns).", "TIME", "--from")
     ] = None,
@@ -599,7 +599,9 @@ def orders(
         still = {"no order": f"0 {found.units[name]}, it does not swing"}
         shown.append((name.replace("_", " "), lines or still))
     if found.bends:
-        shown.append("lines bend with the speed ratio: those of the pulses are straight with --of pulses")
+        shown.append(
+            "lines bend with the speed ratio: those of the pulses are straight with --of drive_angle"
+        )
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
 
 

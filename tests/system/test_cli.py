@@ -131,8 +131,8 @@ OPTIONS = {
         {"columns": ["omega2"], "starts": 3, "seed": 7},
     ),
     "orders": (
-        [REFERENCE, "--of=pulses", "--signal=omega2", "--highest=5", "--turns=6", "--from=1 s"],
-        {"of": "pulses", "signals": ["omega2"], "highest": 5.0, "turns": 6.0, "begin": 1.0, "end": None},
+        [REFERENCE, "--of=drive_angle", "--signal=omega2", "--highest=5", "--turns=6", "--from=1 s"],
+        {"of": "drive_angle", "signals": ["omega2"], "highest": 5.0, "turns": 6.0, "begin": 1.0, "end": None},
     ),
 }
 CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]

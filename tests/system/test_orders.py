@@ -16,7 +16,7 @@ from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
-from inertia_module.jobs.orders import pulses_a_turn, spectra
+from inertia_module.jobs.orders import spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene, run_scene
@@ -197,11 +197,9 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
 
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
-def test_over_pulses_the_first_order_is_the_pulse_whatever_the_output_does(fmu, omega1):
+def test_over_the_drive_angle_the_pulse_of_a_planar_module_is_order_1_whatever_the_output_does(fmu, omega1):
     scene = held(1.0, omega1, **PLANAR, output_inertia=3.0)
-    assert pulses_a_turn(scene.parameters()) == 1.0
-    assert pulses_a_turn(held().parameters()) == 3.6  # R1: as often as its reduced inertia rises
-    found = jobs.orders(scene, fmu, of="pulses", signals=["mesh_torque"], turns=8.0, end=0.9)
+    found = jobs.orders(scene, fmu, of="drive_angle", signals=["mesh_torque"], turns=8.0, end=0.9)
     assert found.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
     over_turns = jobs.orders(scene, fmu, signals=["mesh_torque"], turns=6.0, end=0.9)
     order = over_turns.largest(1)["mesh_torque"][0].order
@@ -290,12 +288,12 @@ RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration
     "drive, options, words",
     [
         ({}, {"highest": 100.0}, "highest order must be .* at most 49.09, is 100: .*communication_step"),
-        ({}, {"highest": 100.0, "of": "pulses"}, "highest order must be .*, is 100"),
+        ({}, {"highest": 100.0, "of": "drive_angle"}, "highest order must be .*, is 100"),
         ({}, {"turns": 100.0}, "turns of a window must be of 4 to the 15.92 .*, is 100"),
         ({}, {"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),
         ({}, {"end": 0.1}, "turns of a window must be of 4 to the 1.592 .*, is 4"),
         ({}, {"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
-        ({}, {"of": "wheel"}, "orders must be link1 or pulses, is 'wheel'"),
+        ({}, {"of": "wheel"}, "orders must be link1 or drive_angle, is 'wheel'"),
         ({}, {"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
         (RAMP, {"begin": 0.0}, "not at 0 s"),
         ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
@@ -320,7 +318,9 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeyp
     with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
         jobs.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
-    assert_refused(r"must rise, does not at .* s: choose other times", jobs.orders, locked, fmu, of="pulses")
+    assert_refused(
+        r"must rise, does not at .* s: choose other times", jobs.orders, locked, fmu, of="drive_angle"
+    )
 
 
 def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):

@@ -10,9 +10,9 @@ import dataclasses
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -26,38 +26,20 @@ from ..scene import Scene
 from ..scene.reading import scene_text
 from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
 from .evaluation import read
-from .least_squares import PASSES, End, Problem
-from .measurement import Measurement, Rig, measurement
-from .suspects import (
-    AS_GOOD,
-    CHANCE,
-    EXCLUDED,
-    Leftover,
-    Suspect,
-    by_chance,
-    causes,
-    lag_one,
-    suspected,
-    tried,
-)
+from .least_squares import End, Problem
+from .measurement import CHANCE, Measurement, Rig, lag_one, measurement
+from .suspects import AS_GOOD, EXCLUDED, Suspect, causes, suspected, tried
 
 # of the points looked at, as many of the best are starts of a search
 SEARCHED = 3
-# searches that end so near, of chi-squared, ended at the same
-SAME = 0.01
-# suspects that explain something, that are shown
-SHOWN = 6
-# scene and measurement differ by so much of a factor of units
-NEARLY = 0.25
-# correlations from here on are warned of
-CORRELATED = 0.95
+# share of the progress that points and searches each are
+LOOKED = 0.2
+# what all of a range changes, of the noise, without influence
+NOTHING = 1e-2
 # so near to an end of its range, of the range, a value is at it
 AT_END = 1e-4
-NOT_IDENTIFIABLE = "not identifiable from the data: the interval is {}"
-UNEXPLAINED = "the residuals are systematic: no interval holds before their cause is known"
 
 Interval = tuple[float, float]
-Stage = TypeVar("Stage")
 
 
 @dataclass(frozen=True)
@@ -94,12 +76,6 @@ class Fitted:
             return f"from {low:.6g} to {high:.6g} {self.unit}, with {' or '.join(self.rests_on)}{doubt}"
         rests = f", if {' or '.join(self.rests_on)} may be otherwise" if self.rests_on else ""
         return f"{value}, from {low:.6g} to {high:.6g}{rests}{doubt}"
-
-    @property
-    def alone(self) -> str:
-        """The narrow interval in a line."""
-        excluded = "" if self.holds else f", about {self.value:.6g}, which the data exclude"
-        return "from {:.6g} to {:.6g}".format(*self.narrow) + excluded
 
 
 @dataclass(frozen=True)
@@ -146,7 +122,7 @@ class FitResult:
         """Warnings of what the user has to know, in sentences."""
         found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
         for (first, second), number in self.correlations.items():
-            if abs(number) > CORRELATED:
+            if abs(number) > 0.95:
                 found.append(
                     f"{first} and {second} are correlated by {number:.3f}: the data tell both together, not"
                     " each"
@@ -164,19 +140,21 @@ class FitResult:
                 f"chi-squared is {self.chi_squared:.3g}: the residuals are larger than the noise,"
                 " the scene lacks something"
             )
-        following = {name: lag_one(self.table()[f"{name}_residual"]) for name in self.measurement.columns}
-        related = {name: one for name, one in following.items() if one > by_chance(len(self.computed))}
-        for name, one in related.items():
-            found.append(
-                f"residuals of {name} are autocorrelated (lag-1 {one:.2f}): the model has a systematic error"
-            )
-        # of the one column in another unit it is told below
+        table = self.table()
+        following = {name: lag_one(table[f"{name}_residual"]) for name in self.measurement.columns}
+        related = [
+            f"residuals of {name} are autocorrelated (lag-1 {one:.2f}): the model has a systematic error"
+            for name, one in following.items()
+            if one > self.measurement.chance
+        ]
+        # of the one column in another unit the cause tells
         alone = any(one.other_unit and self._whole(one) for one in self.causes)
-        return [*(self.units_doubted if related and not alone else ()), *found, *self._verdict()]
+        doubted = self.units_doubted if related and not alone else []
+        return [*doubted, *found, *related, *self._verdict()]
 
     def _whole(self, one: Suspect) -> bool:
         """Tell whether a suspect leaves nothing that is systematic."""
-        return one.autocorrelation <= by_chance(len(self.computed))
+        return one.autocorrelation <= self.measurement.chance
 
     def _verdict(self) -> list[str]:
         """The sentence on what would explain the residuals."""
@@ -199,30 +177,33 @@ class FitResult:
     def suspicions(self) -> dict[str, str]:
         """Give lines, by name, on the suspects that explain something and on those answers rest on."""
         setting = {name for one in self.parameters for name in one.rests_on}
-        explaining = [one.name for one in self.suspects if one.evidence > AS_GOOD][:SHOWN]
+        explaining = [one.name for one in self.suspects if one.evidence > AS_GOOD][:6]
         lines = {one.name: one.told for one in self.suspects if one.name in {*explaining, *setting}}
         together = [one.name for one in self.suspects if not math.isfinite(one.error)]
         return lines | ({"told only with what is free": ", ".join(together)} if together else {})
 
     def as_dict(self) -> dict[str, Any]:
         """Give the result for machines: what is not known is None."""
+        from pydantic_core import to_jsonable_python
+
         units = self.measurement.table.units
-        told: dict[str, Any] = _known(
+        told: dict[str, Any] = to_jsonable_python(
             {
-                "parameters": {one.name: asdict(one) for one in self.parameters},
+                "parameters": {one.name: one for one in self.parameters},
                 "correlations": [[*pair, number] for pair, number in self.correlations.items()],
                 "noise": {
                     name: {"value": value, "unit": units[name], "estimated": name in self.estimated}
                     for name, value in self.noise.items()
                 },
                 "chi_squared": self.chi_squared,
-                "suspects": [asdict(one) for one in self.suspects],
+                "suspects": self.suspects,
                 "causes": [one.name for one in self.causes],
                 "values": self.measurement.number,
                 "searches_that_agree": self.same_end,
                 "runs": self.runs,
                 "warnings": self.warnings,
-            }
+            },
+            inf_nan_mode="null",
         )
         return told
 
@@ -230,9 +211,10 @@ class FitResult:
         """Give the lines of the printed table, by heading."""
         found = {}
         for one in self.parameters:
-            found[one.name] = one.text
-            if math.isfinite(one.narrow[1] - one.narrow[0]):
-                found[f"{one.name}, all else right"] = one.alone
+            found[one.name], (low, high) = one.text, one.narrow
+            if math.isfinite(high - low):
+                excluded = "" if one.holds else f", about {one.value:.6g}, which the data exclude"
+                found[f"{one.name}, all else right"] = f"from {low:.6g} to {high:.6g}{excluded}"
         for (first, second), number in self.correlations.items():
             found[f"correlation of {first} and {second}"] = f"{number:.3f}"
         for name, value in self.noise.items():
@@ -260,15 +242,6 @@ class FitResult:
             "residuals": self.table().to_csv(folder / "residuals.csv"),
             "fit": write_text(folder / "fit.json", json.dumps(self.as_dict(), indent=2) + "\n"),
         }
-
-
-def _known(value: Any) -> Any:
-    """Tables, lists and numbers as JSON can say them: None for what is infinite."""
-    if isinstance(value, dict):
-        return {name: _known(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_known(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def fit(
@@ -335,86 +308,95 @@ def _units_doubted(rig: Rig, values: dict[str, float]) -> list[str]:
     return [
         f"{name} is {gain:.3g} times what the scene computes as it is: perhaps {unit}"
         for name, gain in zip(data.columns, gains, strict=True)
-        if (unit := data.unit_by(name, gain, NEARLY))
+        # the scene as it is may be off by so much
+        if (unit := data.unit_by(name, gain, 0.25))
     ]
 
 
 def _run(
     rig: Rig, keys: Sequence[Free], so: dict[str, float], starts: int, seed: int, progress: Progress
 ) -> FitResult:
-    """Look at points, search from the best of them, find the noise, then intervals and suspects."""
-    data = rig.data
+    """Look at points, search from the best of them, find the noise, then suspects."""
+    data, names = rig.data, rig.data.columns
     spread = np.where(np.ptp(data.values, axis=0) > 0.0, data.values.std(axis=0), 1.0)
-    sigma = np.column_stack(
-        [data.noise.get(name, np.full(len(data.table), spread[n])) for n, name in enumerate(data.columns)]
-    )
-    known = tuple(key for key in keys if math.isfinite(key.deviation))
-    problem = Problem(rig, tuple(keys), sigma, known, so)
+    sigma = [
+        data.noise.get(name, np.full(len(data.table), one)) for name, one in zip(names, spread, strict=True)
+    ]
+    problem = Problem(rig, tuple(keys), np.column_stack(sigma), so)
     places: list[Point] = [{key.name: key.start for key in keys}]
     if starts and any(key.held for key in keys):
         places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
-    points = [np.array([key.variable(float(place[key.name])) for key in keys]) for place in places]
-    freed = suspected(rig.scene, data, {*so, *(key.name for key in keys)})
-    stages, done = len(points) + min(SEARCHED, len(points)) + PASSES + len(keys) + len(freed), 0
-
-    def stage(begun: Stage) -> Stage:
-        """Pass on what a stage begins with, the stage counted as done."""
-        nonlocal done
-        done += 1
-        progress(done / stages)
-        return begun
-
-    costs = np.array([np.sum(problem.residuals(point) ** 2) for point in map(stage, points)])
-    if not np.isfinite(costs).any():
+    points = np.array([[key.variable(float(place[key.name])) for key in keys] for place in places])
+    costs = []
+    for n, point in enumerate(points):
+        progress(LOOKED * n / len(points))
+        costs.append(float(np.sum(problem.residuals(point) ** 2)))
+    begun = [points[n] for n in np.argsort(costs)[:SEARCHED] if math.isfinite(costs[n])]
+    if not begun:
         raise Refused(f"the scene must take values of what is free, refuses all tried: {rig.refused}")
-    begun = [points[n] for n in np.argsort(costs)[:SEARCHED] if np.isfinite(costs[n])]
-    ends = sorted(map(problem.solve, map(stage, begun)), key=lambda end: end.chi_squared)
-    best = problem.weighed(ends[0], stage)
-    values, told = best.problem.values(best.point), [key.name for key in best.problem.keys]
-    narrow = {name: best.interval(name) for name in map(stage, told)}
-    point = {name: value for name, value in values.items() if name not in data.sensors}
-    scene = rig.scene.with_keys(point)
+    ends = []
+    for n, point in enumerate(begun, 1):
+        progress(LOOKED + LOOKED * n / len(begun))
+        ends.append(problem.solve(point))
+    ends.sort(key=lambda end: end.chi_squared)
+    best = _of_influence(ends[0]).settled()
+    values = best.problem.values(best.point)
+    scene = rig.scene.with_keys({name: value for name, value in values.items() if name not in data.sensors})
     start = np.array([key.variable(key.start) for key in best.problem.keys])
     # their values are those of the scene as it is
-    suspects = tried(best, suspected(scene, data, {*so, *values}), start, stage)
-    computed, names = rig.computed(values), data.columns
+    freed = suspected(scene, data, values)
+    suspects = tried(best, freed, start, lambda share: progress(2.0 * LOOKED + (1.0 - 2.0 * LOOKED) * share))
     return FitResult(
         scene=scene,
-        parameters=[_fitted(key, best, narrow.get(key.name), suspects) for key in keys],
+        parameters=[_fitted(key, best, suspects) for key in keys],
         correlations=best.correlations,
         measurement=data,
-        computed=Result({"time": data.table.time, **dict(zip(names, computed.T, strict=True))}),
+        computed=Result({"time": data.table.time, **dict(zip(names, rig.computed(values).T, strict=True))}),
         noise=dict(zip(names, np.sqrt(np.mean(best.problem.sigma**2, axis=0)).tolist(), strict=True)),
         estimated=[name for name in names if name not in data.noise],
         chi_squared=best.chi_squared / best.freedom,
         suspects=suspects,
         units_doubted=[],
-        same_end=(sum(end.chi_squared <= (1.0 + SAME) * ends[0].chi_squared for end in ends), len(ends)),
+        same_end=(sum(end.chi_squared <= 1.01 * ends[0].chi_squared for end in ends), len(ends)),
         runs=rig.runs,
         ended=best.ended,
     )
 
 
-def _fitted(key: Free, best: End, narrow: Interval | None, suspects: Sequence[Suspect]) -> Fitted:
-    """A free key as it was found; narrow: its interval if all else is right, None without influence."""
-    value = best.problem.values(best.point)[key.name]
-    if narrow is None:
-        endless = (-math.inf, math.inf)
+def _of_influence(end: End) -> End:
+    """The end of a search with what has no influence put back to its start and held."""
+    told, keys = end.changes >= NOTHING, end.problem.keys
+    if not told.any():
+        raise Refused(
+            f"something free must have an influence on {', '.join(end.problem.rig.data.columns)}, none has of"
+            f" {', '.join(key.name for key in keys)}"
+        )
+    free = tuple(key for key, one in zip(keys, told, strict=True) if one)
+    fixed = end.problem.fixed | {key.name: key.start for key in keys if key not in free}
+    problem = dataclasses.replace(end.problem, keys=free, fixed=fixed)
+    return dataclasses.replace(end, problem=problem, point=end.point[told], slopes=end.slopes[:, told])
+
+
+def _fitted(key: Free, best: End, suspects: Sequence[Suspect]) -> Fitted:
+    """A free key as it was found."""
+    value, endless = best.problem.values(best.point)[key.name], (-math.inf, math.inf)
+    if key not in best.problem.keys:
         doubt = "has no influence on what was measured, stays where it was"
         return Fitted(key.name, value, math.inf, endless, endless, key.unit, doubt=doubt)
+    narrow = best.ranges[key.name]
     width, doubts = narrow[1] - narrow[0], list[str]()
-    if not key.held:
-        if width > 2.0 * abs(value):
-            doubts.append(NOT_IDENTIFIABLE.format("wider than twice the value"))
-    elif width >= (1.0 - AT_END) * abs(key.span):
-        doubts.append(NOT_IDENTIFIABLE.format("as wide as its range"))
-    elif min(value - key.low, key.high - value) < AT_END * abs(key.span):
+    if not key.held and width > 2.0 * abs(value):
+        doubts.append("not identifiable from the data: the interval is wider than twice the value")
+    elif key.held and width >= (1.0 - AT_END) * key.span:
+        doubts.append("not identifiable from the data: the interval is as wide as its range")
+    elif key.held and min(value - key.low, key.high - value) < AT_END * key.span:
         doubts.append("is at the end of its range")
-    named, chance, left = causes(suspects), by_chance(len(best.problem.rig.data.table)), Leftover.of(best)
-    following = named[0].autocorrelation if named else left.following(left.values)
-    holds = not named or following > chance
-    if following > chance:
-        doubts.append(UNEXPLAINED)
+    named = causes(suspects)
+    following = named[0].autocorrelation if named else best.following
+    unexplained = following > best.problem.rig.data.chance
+    if unexplained:
+        doubts.append("the residuals are systematic: no interval holds before their cause is known")
+    holds = not named or unexplained
     # where a cause explains all, nothing that explains much less is possible, nor that all is as it should be
     enough = -math.inf if holds else named[0].evidence - EXCLUDED
     possible = [one for one in suspects if math.isfinite(one.error) and one.evidence > enough]

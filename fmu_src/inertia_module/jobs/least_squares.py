@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -17,28 +16,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import Refused
 from .axes import Free
-from .measurement import Rig
+from .measurement import Rig, lag_one
 
-# noise that is not known is found anew so often
-PASSES = 3
-# step of differences, of a range or a start value; later the standard error, the others held, within
-# these: where freewheels switch from one row to the next slopes change over less, and would
-# make intervals too narrow
+# noise that is not known is found anew so often at most, and until no more than this share of it changes
+PASSES, SETTLED = 3, 0.02
+# step of differences, of a range or a start value; later the standard error, the others held, within these
 STEP, SMALLEST_STEP, LARGEST_STEP = 1e-3, 1e-5, 0.05
-# chi-squared and shares that change less end a search, and one for an end of an interval
-ENOUGH, ROUGHLY = 1e-7, 1e-4
+# length of the slopes that tell errors, in standard errors: where freewheels switch from one row to the next
+# slopes change over less, and would make intervals too narrow
+REACH = 2.0
+# chi-squared and shares that change less end a search
+ENOUGH = 1e-7
 MOST_ITERATIONS = 100
-# what all of a range changes, of the noise, without influence
-NOTHING = 1e-2
 CONFIDENCE = 0.95
-# an end that is not there after so many steps, each twice the one before, is none
-MOST_STEPS = 12
-# the first of them, in standard errors
-FARTHER = 2.2
-# excess where the scene refuses a value
-REFUSED = 1e6
-# of an interval, so much is an end uncertain
-EXACT = 1e-2
 
 Array = NDArray[np.float64]
 
@@ -49,113 +39,64 @@ class Problem:
 
     Attributes:
         rig: what is fitted. keys: those that are free; a point is an array of their variables, shape (keys,).
-        sigma: noise of each value, shape (rows, columns). known: keys of which something is known before.
-        fixed: values of keys that stay, SI, by name.
+        sigma: noise of each value, shape (rows, columns). fixed: values of keys that stay, SI, by name.
     """
 
     rig: Rig
     keys: tuple[Free, ...]
     sigma: Array
-    known: tuple[Free, ...] = ()
     fixed: dict[str, float] = field(default_factory=dict)
 
     @property
     def limits(self) -> tuple[Array, Array]:
         """Least and greatest variables."""
-        low, high = np.reshape([key.limits for key in self.keys], (-1, 2)).T
+        low, high = np.transpose([key.limits for key in self.keys])
         return low, high
 
     def values(self, point: Array) -> dict[str, float]:
         """Values at a point, SI, by name."""
         return self.fixed | {key.name: key.value(u) for key, u in zip(self.keys, point.tolist(), strict=True)}
 
-    def _off(self, values: dict[str, float]) -> Array:
-        """Computed less measured for values; 0 of what does not count."""
-        data = self.rig.data
-        return np.where(data.counted, self.rig.computed(values) - data.values, 0.0)
-
     def residuals(self, point: Array) -> Array:
-        """Differences over noise, those that count, flat; behind them those from what was known before."""
-        values = self.values(point)
-        before = [(values[key.name] - key.start) / key.deviation for key in self.known]
-        return np.append((self._off(values) / self.sigma)[self.rig.data.counted], before)
+        """Computed less measured over noise, column by column, and behind them what was known before."""
+        values, data = self.values(point), self.rig.data
+        off = (self.rig.computed(values) - data.values) / self.sigma
+        known = [key for key in self.keys if math.isfinite(key.deviation)]
+        before = [(values[key.name] - key.start) / key.deviation for key in known]
+        return np.append(off.T[data.counted.T], before)
 
     def with_key(self, key: Free) -> Problem:
         """The problem with one more key free, which is the last."""
         return replace(self, keys=(*self.keys, key))
 
-    def holding(self, values: dict[str, float]) -> Problem:
-        """The problem with some of its keys fixed at values, SI."""
-        keys = tuple(key for key in self.keys if key.name not in values)
-        return replace(self, keys=keys, fixed=self.fixed | values)
-
-    def with_noise_of(self, point: Array) -> Problem:
-        """The problem with the noise of each column, where it is not known, from the residuals at a point."""
-        data = self.rig.data
-        share = data.counted.sum(axis=0) * (1.0 - point.size / data.number)
-        found = np.sqrt(np.sum(self._off(self.values(point)) ** 2, axis=0) / share)
-        return replace(self, sigma=np.where(data.estimated & (found > 0.0), found, self.sigma))
-
-    def solve(
-        self,
-        start: Array,
-        steps: ArrayLike = STEP,
-        slopes: str = "2-point",
-        enough: float = ENOUGH,
-        exact: bool = False,
-    ) -> End:
+    def solve(self, start: Array, steps: ArrayLike | None = None) -> End:
         """Search from a point.
 
         Args:
-            start: a point. steps: of the differences, one or one a variable. slopes: by differences to one
-                side or, "3-point", to both. enough: see ENOUGH. exact: for what all has an influence.
+            start: a point. steps: of differences to both sides, one a variable; without, STEP to one side.
 
         Raises:
             Refused: the scene refuses the point, or so much about it that there are no slopes.
         """
         from scipy.optimize import least_squares
 
-        if not self.keys:
-            return End(self, start, self.residuals(start), np.empty((0, 0)), True)
         try:
             end = least_squares(
                 self.residuals,
                 np.clip(start, *self.limits),
                 bounds=self.limits,
-                jac=slopes,
-                diff_step=steps,
+                jac="2-point" if steps is None else "3-point",
+                diff_step=STEP if steps is None else steps,
                 x_scale="jac",
-                # lsmr soon ends where something has no influence, but takes no single variable
-                tr_solver="exact" if exact or start.size == 1 else "lsmr",
-                ftol=enough,
-                xtol=enough,
+                tr_solver="exact",
+                ftol=ENOUGH,
+                xtol=ENOUGH,
                 max_nfev=MOST_ITERATIONS,
             )
         except ValueError as error:
             said = self.rig.refused or error
             raise Refused(f"ranges must be such that the scene takes them: {said}") from error
         return End(self, end.x, end.fun, end.jac, bool(end.success))
-
-    def weighed(self, end: End, begun: Callable[[End], End]) -> End:
-        """An end with weights by the noise; what has no influence is put back to its start and held.
-
-        Args:
-            end: of a search with other weights. begun: passes on what a search begins from.
-        """
-        for n in range(PASSES):
-            problem, told = begun(end).problem.with_noise_of(end.point), np.ones(end.point.size, dtype=bool)
-            if n:
-                # the search before had these weights, nearly
-                told = end.changes >= NOTHING
-            idle = {key.name: key.start for key, one in zip(problem.keys, told, strict=True) if not one}
-            if not told.any():
-                columns, names = self.rig.data.columns, [key.name for key in self.keys]
-                raise Refused(
-                    f"something free must have an influence on {', '.join(columns)}, none has of"
-                    f" {', '.join(names)}"
-                )
-            end = problem.holding(idle).solve(end.point[told], end.steps[told], "3-point")
-        return end
 
 
 @dataclass(frozen=True)
@@ -184,88 +125,117 @@ class End:
         return self.residuals.size - self.point.size
 
     @property
-    def changes(self) -> Array:
-        """How far each variable moves the residuals, of their noise."""
-        return np.asarray(np.linalg.norm(self.slopes, axis=0))
+    def parts(self) -> list[Array]:
+        """Residuals of each column, and last those from what was known before."""
+        return np.split(self.residuals, np.cumsum(self.problem.rig.data.counted.sum(axis=0)))
 
     @property
-    def steps(self) -> Array:
-        """Standard error of each variable, the others held, as far as it is a step for differences."""
-        changes = self.changes / math.sqrt(self.chi_squared / self.freedom or 1.0)
-        return np.clip(1.0 / np.maximum(changes, 1.0 / LARGEST_STEP), SMALLEST_STEP, None)
+    def following(self) -> float:
+        """Largest autocorrelation of a column."""
+        return max(lag_one(part) for part in self.parts[:-1])
+
+    @property
+    def systematic(self) -> bool:
+        """Tell whether residuals follow one another more than noise does by chance."""
+        return self.following > self.problem.rig.data.chance
+
+    @property
+    def scatter(self) -> Array:
+        """Noise of each column that is left, of what it weighs by; 1 where it is known, shape (columns,)."""
+        squares = np.array([part @ part / part.size for part in self.parts[:-1]])
+        left = np.sqrt(squares * self.residuals.size / self.freedom)
+        return np.where(self.problem.rig.data.estimated & (left > 0.0), left, 1.0)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Weight of each residual by the noise that is left, shape (residuals,)."""
+        return np.repeat(1.0 / np.append(self.scatter, 1.0), [part.size for part in self.parts])
+
+    @property
+    def changes(self) -> Array:
+        """How far each variable moves the residuals, of the noise that is left."""
+        return np.asarray(np.linalg.norm(self.slopes * self.weights[:, None], axis=0))
 
     @cached_property
     def covariance(self) -> Array:
         """Covariance of the variables, infinite where they cannot be told."""
+        size = np.outer(self.changes, self.changes)
+        weighed = self.slopes * self.weights[:, None]
         try:
-            found = np.linalg.inv(self.slopes.T @ self.slopes)
+            return np.asarray(np.linalg.inv(weighed.T @ weighed / np.where(size > 0.0, size, 1.0)) / size)
         except np.linalg.LinAlgError:
-            found = np.full((self.point.size, self.point.size), math.inf)
-        scale = self.chi_squared / self.freedom if self.problem.rig.data.estimated.any() else 1.0
-        return np.asarray(found * scale)
+            return np.full(size.shape, math.inf)
+
+    @property
+    def deviations(self) -> Array:
+        """Standard error of each variable, infinite where it cannot be told."""
+        squares = np.diag(self.covariance)
+        return np.sqrt(np.where(squares > 0.0, squares, math.inf))
 
     @property
     def errors(self) -> dict[str, float]:
         """Standard error of each key, SI, by name; infinite where it cannot be told."""
-        squares = np.diag(self.covariance)
-        deviations = np.sqrt(np.where(squares > 0.0, squares, math.inf)).tolist()
-        return {k.name: abs(k.span) * one for k, one in zip(self.problem.keys, deviations, strict=True)}
+        pairs = zip(self.problem.keys, self.deviations.tolist(), strict=True)
+        return {key.name: abs(key.span) * one for key, one in pairs}
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlation of each pair of keys whose errors are known, by their names."""
-        spans, errors = np.array([key.span for key in self.problem.keys]), self.errors
-        spread, pairs = self.covariance * np.outer(spans, spans), itertools.combinations(enumerate(errors), 2)
+        # a span may be below 0
+        size = np.copysign(self.deviations, [key.span for key in self.problem.keys])
+        pairs = itertools.combinations(enumerate(self.problem.keys), 2)
         return {
-            (first, second): float(spread[n, m]) / (errors[first] * errors[second])
+            (first.name, second.name): float(self.covariance[n, m] / (size[n] * size[m]))
             for (n, first), (m, second) in pairs
-            if math.isfinite(errors[first] * errors[second])
+            if math.isfinite(size[n] * size[m])
         }
 
-    def interval(self, name: str) -> tuple[float, float]:
-        """Interval of a key: all other values found anew, chi-squared has grown by what the F-test allows.
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Interval of 95 % of each key, SI, by name; all that it may be where they cannot be told.
 
-        Returns:
-            Both ends, SI; an end of its range, or infinite, where there is none.
+        The limits of the last key are kept: where chi-squared is least beyond one, intervals are what that
+        allows from there on.
         """
-        from scipy.stats import f
+        from scipy.special import stdtrit
 
-        problem = self.problem
-        place = next(n for n, key in enumerate(problem.keys) if key.name == name)
-        key, others = problem.keys[place], np.arange(self.point.size) != place
-        allowed = math.sqrt(float(f.ppf(CONFIDENCE, 1, self.freedom)) * self.chi_squared / self.freedom)
-        spread = self.covariance[:, place]
-        along = np.nan_to_num(spread[others] / spread[place], posinf=0.0, neginf=0.0)
+        keys, weights, deviations = self.problem.keys, self.weights, self.deviations
+        if not np.isfinite(deviations).all():
+            return {key.name: (key.low, key.high) for key in keys}
+        most, last = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)), deviations[-1]
+        share = self.covariance[:, -1] / last
+        # of the last one, where chi-squared is least, and its limits from there, in its standard errors
+        least = -last * float(self.slopes[:, -1] * weights @ (self.residuals * weights))
+        low, high = ((limit - self.point[-1]) / last - least for limit in keys[-1].limits)
+        reach = math.hypot(most, np.clip(0.0, low, high))
+        # an end of the ellipse, or where it meets the limit
+        held = np.clip(np.outer([-reach, reach], share / deviations), low, high)
+        alone = np.sqrt(np.maximum(deviations**2 - share**2, 0.0))
+        across = np.array([[-1.0], [1.0]]) * alone * np.sqrt(np.maximum(reach**2 - held**2, 0.0))
+        found = {}
+        for key, ends in zip(keys, (self.point + share * (least + held) + across).T.tolist(), strict=True):
+            lower, upper = sorted(min(max(key.value(end), key.low), key.high) for end in ends)
+            found[key.name] = lower, upper
+        return found
 
-        def excess(u: float) -> float:
-            """Root of what chi-squared has grown by at a value, over what is allowed: nearly a line."""
-            held = problem.holding({name: key.value(u)})
-            start = np.clip(self.point[others] + along * (u - self.point[place]), *held.limits)
-            if not np.isfinite(held.residuals(start)).all():
-                return REFUSED
-            least = held.solve(start, self.steps[others], "3-point", ROUGHLY).chi_squared
-            return math.sqrt(max(least - self.chi_squared, 0.0)) - allowed
+    def settled(self) -> End:
+        """Search on with the noise that is left, until it stays, and find slopes as long as intervals."""
+        end = self
+        for _ in range(PASSES):
+            scatter, changes = end.scatter, np.maximum(end.changes, 1.0 / LARGEST_STEP)
+            problem = replace(end.problem, sigma=end.problem.sigma * scatter)
+            end = problem.solve(end.point, np.maximum(1.0 / changes, SMALLEST_STEP))
+            if np.allclose(scatter, 1.0, rtol=SETTLED):
+                break
+        return end.straightened()
 
-        low, high = key.limits
-        inside, step = float(self.point[place]), FARTHER * self.errors[name] / abs(key.span)
-        if not math.isfinite(step):
-            step = float(self.steps[place])
-        ends = _end(excess, inside, -step, low), _end(excess, inside, step, high)
-        least, greatest = sorted(map(key.value, ends))
-        return least, greatest
-
-
-def _end(excess: Callable[[float], float], inside: float, step: float, limit: float) -> float:
-    """Find where the excess changes its sign, on the side of the step."""
-    from scipy.optimize import root_scalar
-
-    start = inside
-    for _ in range(MOST_STEPS):
-        outside = min(start + step, limit) if step > 0.0 else max(start + step, limit)
-        if excess(outside) > 0.0:
-            found = root_scalar(excess, bracket=(inside, outside), method="brenth", xtol=EXACT * abs(step))
-            return float(found.root)
-        if outside == limit:
-            return limit
-        inside, step = outside, 2.0 * step
-    return math.copysign(math.inf, step)
+    def straightened(self) -> End:
+        """The end with slopes over REACH standard errors to both sides, along the axes of their ellipse."""
+        if not np.isfinite(self.deviations).all():
+            return self
+        squares, axes = np.linalg.eigh(self.covariance)
+        ways = np.minimum(REACH * np.sqrt(np.abs(squares)), LARGEST_STEP)[:, None] * axes.T
+        low, high = (np.clip(self.point + side * ways, *self.problem.limits) for side in (-1.0, 1.0))
+        before, after = ([self.problem.residuals(point) for point in points] for points in (low, high))
+        slopes = np.asarray((np.linalg.pinv(high - low) @ np.subtract(after, before)).T, dtype=float)
+        return replace(self, slopes=slopes) if np.isfinite(slopes).all() else self

@@ -1,10 +1,9 @@
 """Measurements: columns over time with their noise, and a scene read at the same times, as sensors show it.
 
-A measurement is columns over time that a scene computes, in SI, with their noise where it is known. The scene
-is run and read at the times of a measurement, which need not be communication points. The loop keeps its
-communication step, which is part of what is simulated: controllers sample at it. The FMU stops within a step
-at each time and is read there, so that nothing is interpolated that jumps with the freewheels. A mean or peak
-over a step is that since the time before, the first since the start.
+The times need not be communication points. The loop keeps its communication step, which is part of what is
+simulated: controllers sample at it. The FMU stops within a step at each time and is read there, so nothing is
+interpolated that jumps with the freewheels. A mean or peak over a step is that since the time before, the
+first since the start.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..common.errors import Refused, did_you_mean
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME, COMPUTED
-from ..harness.fmu import run
+from ..harness.fmu import take_steps
 from ..harness.simulate import Plant, Result
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
@@ -35,22 +35,28 @@ NOISE = "_noise"
 MEAN, PEAK = "_mean", "_peak"
 # of the FMU; the ripple is that of one step and no sum or peak of its parts
 READABLE = [name for name in COMPUTED if name != "torque_ripple"]
-# times as near to a communication point, of a step, are taken there
-NEAR = 1e-6
+# a communication step has so many: what is within one is at one time
+TICKS = 10_000_000
 # what a sensor may have: measured is gain times computed, which is shift earlier, and offset
 OFFSET, GAIN, SHIFT = "offset", "gain", "shift"
 # of the clock, which all columns share
 CLOCK = f"{SHIFT}.time"
 # of the time measured
 MOST_LATE = 0.1
+# standard deviations of chance that a warning keeps from; autocorrelation that is no longer a sensor's noise
+CHANCE, AUTOCORRELATED = 4.0, 0.2
 # so near, of the factor, a gain is that of another unit
 NEAR_UNIT = 0.02
 # that columns come in, beside those of SI
 UNITS = ("rpm", "deg/s", "rev/s", "km/h", "deg", "rev", "mm", "kN", "kNm", "kJ", "kW")
-# runs whose values are kept: offsets and gains need none of their own
-KEPT = 8
 
 Array = NDArray[np.float64]
+
+
+def lag_one(residuals: Array) -> float:
+    """Autocorrelation from row to row about the mean; 0 of what does not change."""
+    centred = residuals - residuals.mean()
+    return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2)) if np.ptp(residuals) else 0.0
 
 
 @dataclass(frozen=True)
@@ -89,26 +95,27 @@ class Measurement:
         """How many values are compared."""
         return int(self.counted.sum())
 
+    @property
+    def chance(self) -> float:
+        """Autocorrelation at lag 1 that the noise of a sensor may have."""
+        return max(AUTOCORRELATED, CHANCE / math.sqrt(len(self.table)))
+
     @functools.cached_property
     def sensors(self) -> dict[str, Free]:
         """Free keys of what its sensors may have, by name; see OFFSET and CLOCK."""
         times = self.table.time
         row = float(np.median(np.diff(times))) if times.size > 1 else 1e-3
         late = max(MOST_LATE * float(np.ptp(times)), row)
-
-        def sensor(name: str, unit: str, usual: float, size: float, most: float = math.inf) -> Free:
-            return Free(name, unit, usual - most, usual + most, start=usual, origin=usual, span=size)
-
-        found = [sensor(CLOCK, "s", 0.0, row, late)]
+        found = [(CLOCK, "s", 0.0, row, late)]
         for name in self.columns:
-            found += [
-                sensor(
-                    f"{OFFSET}.{name}", self.table.units[name], 0.0, float(np.std(self.table[name])) or 1.0
-                ),
-                sensor(f"{GAIN}.{name}", "", 1.0, 1.0),
-                sensor(f"{SHIFT}.{name}", "s", 0.0, row, late),
-            ]
-        return {one.name: one for one in found}
+            size = float(np.std(self.table[name])) or 1.0
+            found.append((f"{OFFSET}.{name}", self.table.units[name], 0.0, size, math.inf))
+            found.append((f"{GAIN}.{name}", "", 1.0, 1.0, math.inf))
+            found.append((f"{SHIFT}.{name}", "s", 0.0, row, late))
+        return {
+            name: Free(name, unit, usual - most, usual + most, start=usual, origin=usual, span=size)
+            for name, unit, usual, size, most in found
+        }
 
     def unit_by(self, column: str, gain: float, near: float = NEAR_UNIT) -> str:
         """Say of a gain of a column that its numbers are in another unit, where that is as near as this."""
@@ -172,119 +179,8 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     return Measurement(si.without({f"{name}{NOISE}" for name in noisy}), headings, noise, counted)
 
 
-class Stopped:
-    """A plant of loops.ClosedLoop that stops within its steps to be read.
-
-    Args:
-        plant: a started FMU. names: what is read. times: s, rising. near: s, up to which a time is at a
-            communication point.
-    """
-
-    def __init__(self, plant: Plant, names: Sequence[str], times: Array, near: float) -> None:
-        self._plant, self._names, self._times, self._near = plant, tuple(names), times, near
-        # where it has stopped, s, and the values of names there
-        self._stops, self._rows = [0.0], [np.array(plant.read(self._names))]
-
-    def set(self, **values: float) -> None:
-        """Set inputs by name."""
-        self._plant.set(**values)
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name."""
-        return self._plant.read(names)
-
-    def advance(self, step: float) -> None:
-        """Advance by a communication step, s, by way of the times within it."""
-        self.take_steps(np.array([step]), (), np.empty((1, 0)), (), np.empty((2, 0)))
-
-    def take_steps(
-        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-    ) -> bool:
-        """Take steps by way of the times within them; arguments as of Fmu.take_steps. It always can."""
-        now = self._stops[-1]
-        points = np.cumsum([now, *lengths])
-        first = np.searchsorted(self._times, points[:-1] + self._near, "right")
-        after = np.searchsorted(self._times, points[1:] - self._near)
-        parts = [[*self._times[i:k], end] for i, k, end in zip(first, after, points[1:], strict=True)]
-        stops, number = np.concatenate(parts), [len(part) for part in parts]
-        held = dict(zip(inputs, np.repeat(given, number, axis=0).T, strict=True))
-        found = np.empty((stops.size + 1, len(outputs) + len(self._names)))
-        run(self._plant, np.diff(stops, prepend=now), held, (*outputs, *self._names), found)
-        rows[:] = found[np.cumsum([0, *number]), : len(outputs)]
-        self._stops.extend(stops.tolist())
-        self._rows.extend(found[1:, len(outputs) :])
-        return True
-
-    def values(self, name: str, times: Array) -> Array:
-        """Values of a name at times, which it has passed, shape (times,); see the head on means and peaks."""
-        stops, values = np.array(self._stops), np.array(self._rows)[:, self._names.index(name)]
-        ends, places = np.unique(np.searchsorted(stops, times - self._near), return_inverse=True)
-        last, found = int(ends[-1]) + 1, values[ends]
-        # what a time stands for begins behind the one before; the start stands for itself
-        begins = np.append(min(1, ends[0]), ends[:-1] + 1)
-        if name.endswith(MEAN):
-            lengths, whole = (
-                np.diff(stops, prepend=-1.0),
-                np.diff(stops[ends], prepend=0.0 if ends[0] else -1.0),
-            )
-            found = np.add.reduceat(values[:last] * lengths[:last], begins) / whole
-        elif name.endswith(PEAK):
-            found = np.maximum.reduceat(values[:last], begins)
-        return found[places]
-
-
-class Observer(SceneRunner):
-    """Runs scenes that differ in numbers and gives their signals at the times of a measurement.
-
-    Args:
-        fmu_path: the FMU of the module. names: of its variables and of signals of the loop; the latter are
-            known at the communication points and taken linear in between. times: s, rising, from 0.
-
-    Raises:
-        FmuError: the FMU cannot be loaded.
-    """
-
-    def __init__(self, fmu_path: Path | str, names: Sequence[str], times: Array) -> None:
-        super().__init__(fmu_path)
-        self._names, self._times = list(names), times
-
-    def __call__(self, scene: Scene, shifts: Sequence[float] | None = None) -> Array:
-        """Values at the times, shape (times, names).
-
-        Args:
-            scene: that is run. shifts: s, by which each name is read earlier, at the start at the earliest.
-
-        Raises:
-            FmuError: the FMU refuses a value or a step.
-            Refused: a time is within a step over which the speed of link 1 is extrapolated.
-        """
-        step = scene.run.communication_step
-        near, late = NEAR * step, np.zeros(len(self._names)) if shifts is None else np.array(shifts)
-        at = dict(zip(self._names, np.maximum(self._times - late[:, None], 0.0), strict=True))
-        times = np.unique(list(at.values()))
-        times = times[np.diff(times, prepend=-1.0) > near]
-        off = np.abs(times / step - np.round(times / step)) > NEAR
-        if off.any() and scene.parameters().get("input_hold"):
-            raise Refused(
-                "with mechanism.input_hold = 'linear' time must be a whole number of run.communication_step ="
-                f" {step:g} s, is {times[off][0]:g} s"
-            )
-        signals = scene.surroundings.output_labels
-        read = [name for name in self._names if name not in signals]
-        plant = Stopped(self.started(scene), read, times, near)
-        loop = ClosedLoop(plant, scene.surroundings, (), scene.signal_units)
-        record = loop.run(step * max(math.ceil(times[-1] / step - NEAR), 1))
-        values = [
-            np.interp(at[name], record.time, record[name])
-            if name in signals
-            else plant.values(name, at[name])
-            for name in self._names
-        ]
-        return np.column_stack(values)
-
-
-class Rig(Observer):
-    """A scene as the sensors of a measurement see it.
+class Rig(SceneRunner):
+    """A scene as the sensors of a measurement see it: an FMU that stops at their times within its steps.
 
     Args:
         scene: what stands in the rig. data: the measurement. fmu_path: the FMU of the module.
@@ -294,26 +190,76 @@ class Rig(Observer):
     """
 
     def __init__(self, scene: Scene, data: Measurement, fmu_path: Path) -> None:
-        super().__init__(fmu_path, data.columns, data.table.time)
+        super().__init__(fmu_path)
         self.scene, self.data, self.runs, self.refused = scene, data, 0, ""
-        self._observed = functools.lru_cache(KEPT)(self._observe)
-
-    def _observe(self, point: tuple[tuple[str, float], ...], shifts: tuple[float, ...]) -> Array:
-        """Columns that the scene computes with keys, earlier by shifts, s; NaN where it refuses them."""
-        self.runs += 1
-        try:
-            return self(self.scene.with_keys(dict(point)), shifts)
-        except Refused as error:
-            self.refused = str(error)
-            return np.full(self.data.values.shape, np.nan)
+        signals = scene.surroundings.output_labels
+        self._read = tuple(name for name in data.columns if name not in signals)
 
     def computed(self, values: Mapping[str, float]) -> Array:
         """Columns for values by key, SI, shape (rows, columns); NaN where the scene refuses them."""
 
-        def of_sensor(kind: str, usual: float) -> list[float]:
-            return [values.get(f"{kind}.{name}", usual) for name in self.data.columns]
+        def of_sensors(kind: str, usual: float) -> Array:
+            return np.array([values.get(f"{kind}.{name}", usual) for name in self.data.columns])
 
-        point = tuple((name, value) for name, value in values.items() if name not in self.data.sensors)
-        late = values.get(CLOCK, 0.0)
-        shifts = tuple(late + shift for shift in of_sensor(SHIFT, 0.0))
-        return self._observed(point, shifts) * of_sensor(GAIN, 1.0) + of_sensor(OFFSET, 0.0)
+        keys = {name: value for name, value in values.items() if name not in self.data.sensors}
+        late = of_sensors(SHIFT, 0.0) + values.get(CLOCK, 0.0)
+        times = np.maximum(self.data.table.time[:, None] - late, 0.0)
+        self.runs += 1
+        try:
+            seen = self._seen(self.scene.with_keys(keys), times)
+        except Refused as error:
+            self.refused = str(error)
+            return np.full(times.shape, np.nan)
+        return of_sensors(GAIN, 1.0) * seen + of_sensors(OFFSET, 0.0)
+
+    def _seen(self, scene: Scene, times: Array) -> Array:
+        """Columns of a scene, each at its times, s, shape (rows, columns)."""
+        step = scene.run.communication_step
+        ticks = np.rint(times * (TICKS / step)).astype(np.int64)
+        off = ticks % TICKS != 0
+        if off.any() and scene.parameters().get("input_hold"):
+            raise Refused(
+                "with mechanism.input_hold = 'linear' time must be a whole number of run.communication_step ="
+                f" {step:g} s, is {times[off][0]:g} s"
+            )
+        points = TICKS * np.arange(max(-(-int(ticks.max()) // TICKS), 1) + 1)
+        stops = np.union1d(ticks, points)
+        self._stops, self._points, self._taken = stops * (step / TICKS), np.searchsorted(stops, points), 0
+        self._rows = np.empty((stops.size, len(self._read)))
+        loop = ClosedLoop(self.started(scene), scene.surroundings, (), scene.signal_units)
+        record = loop.run(step * (points.size - 1))
+        found = np.empty(times.shape)
+        for n, name in enumerate(self.data.columns):
+            if name in self._read:
+                found[:, n] = self._column(name, np.searchsorted(stops, ticks[:, n]))
+            else:
+                found[:, n] = np.interp(times[:, n], record.time, record[name])
+        return found
+
+    def take_steps(
+        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+    ) -> bool:
+        """Take steps by way of the stops within them; arguments as of Fmu.take_steps. It always can."""
+        points = self._points[self._taken : self._taken + lengths.size + 1]
+        self._taken += lengths.size
+        part, names = slice(points[0], points[-1] + 1), (*outputs, *self._read)
+        stops, found = self._stops[part], np.empty((points[-1] + 1 - points[0], len(names)))
+        held = np.repeat(given, np.diff(points), axis=0)
+        take_steps(cast(Plant, super()), np.diff(stops), inputs, held, names, found)
+        rows[:] = found[points - points[0], : len(outputs)]
+        self._rows[part] = found[:, len(outputs) :]
+        return True
+
+    def _column(self, name: str, at: NDArray[np.int64]) -> Array:
+        """Values at some stops; means and peaks are those since the one before, the first since the start."""
+        values = self._rows[:, self._read.index(name)]
+        ends, order = np.unique(at, return_inverse=True)
+        found = values[ends]
+        if name.endswith(MEAN):
+            works = np.cumsum(values * np.diff(self._stops, prepend=0.0))[ends]
+            lengths = np.diff(self._stops[ends], prepend=0.0)
+            # at the start it is that of no step
+            np.divide(np.diff(works, prepend=0.0), lengths, out=found, where=lengths > 0.0)
+        elif name.endswith(PEAK):
+            found = np.maximum.reduceat(values[: ends[-1] + 1], np.append(0, ends[:-1] + 1))
+        return found[order]

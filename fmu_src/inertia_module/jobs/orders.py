@@ -1,4 +1,4 @@
-"""Orders of a scene: how much of torques, speeds and forces swings how often a turn of link 1, or a pulse.
+"""Orders of a scene: how much of torques, speeds and forces swings how often a turn of link 1 or the drive.
 
 The scene is run, and what is recorded over time is resampled in equal steps of the angle, so that a machine
 that runs up has the same lines as one at a steady speed. Sources: K. R. Fyfe and E. D. S. Munck, Analysis of
@@ -12,8 +12,8 @@ import json
 import math
 import re
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,19 +33,16 @@ from ..contract.variables import BY_NAME
 from ..harness.results import write_columns, write_mat
 from ..harness.simulate import Result, communication_points
 from ..kernel.codes import AVERAGED
-from ..kernel.inertia import reduced_inertia
 from ..loops.sources import evaluate
-from ..memory import Module
 from ..scene import Scene, run_scene
 from .evaluation import read
 
 Array = NDArray[np.float64]
 
 # what an order is counted over
-LINK1, PULSES = "link1", "pulses"
-BASES = {LINK1: "turn of link 1", PULSES: "pulse"}
-# what pulses follow from; an angle comes without whole turns, and these
-DRIVE = "drive"
+LINK1, DRIVE = "link1", "drive_angle"
+BASES = {LINK1: "turn of link 1", DRIVE: "turn of the drive angle"}
+# an angle comes without whole turns, and these
 ANGLES = ("input_angle", "input_turns", "drive_angle", "drive_turns")
 # steps that are tried before the run
 TRIED = 20
@@ -61,24 +58,21 @@ RECORDED = 2.56
 # resampled as finely as recorded at the slowest, for what is left out would fold down, but at most so much
 # finer than at the fastest
 FINEST = 10.0
-WINDOW = "hann"
+# with its bandwidth of noise, in 1 / turns
+WINDOW, BANDWIDTH = "hann", 1.5
 # a spectrum is drawn out to so many times the points, so that a line between two of them is not missed
 PADDING = 4
 # half the width of a line, in 1 / turns of the window, and the height of what the window makes beside it
 HALF_LOBE, SIDE_LOBE = 2, 0.05
-# a line that bends is looked for so far beside itself, relative
-BESIDE = 0.03
-# so many places for each line wanted are looked at, for a bending one takes several
-SEARCHED = 4
 # a line bends if along its bend there is so many times more of the signal than along its order
 BENDING = 1.1
-# turns (or pulses) in a window: at most where nothing is asked for, and at least
+# turns in a window: at most where nothing is asked for, and at least
 TURNS, LEAST_TURNS = 32.0, 4.0
 # below this share of its largest or its nominal value a signal is rounding, and what is beyond a limit
 ROUNDING = 1e-8
 # units of a UFF file, and what all its amplitudes have in common: over orders, speed on the z axis
-UFF_UNITS: dict[str, Any] = {"type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1}
-UFF_UNITS |= {"length": 1.0, "force": 1.0, "temp": 1.0, "temp_offset": 273.15}
+UFF_UNITS: dict[str, Any] = {"type": 164, "units_code": 1, "units_description": "SI", "length": 1.0}
+UFF_UNITS |= {"force": 1.0, "temp": 1.0, "temp_offset": 273.15}
 UFF_LINES: dict[str, Any] = {"type": 58, "func_type": 0, "ref_node": 0, "ref_dir": 0}
 UFF_LINES |= {"abscissa_spec_data_type": 20, "abscissa_spacing": 1, "orddenom_spec_data_type": 0}
 UFF_LINES |= {"z_axis_spec_data_type": 19, "z_axis_axis_lab": "speed", "z_axis_axis_units_lab": "rpm"}
@@ -90,7 +84,7 @@ class Line(NamedTuple):
     """A line of a spectrum.
 
     Attributes:
-        order: cycles a turn (a pulse). amplitude: RMS average over the windows, in the unit of the signal.
+        order: cycles a turn. amplitude: RMS average over the windows, in the unit of the signal.
         greatest: amplitude in the window where it is greatest. speed: of link 1 there, rad/s.
         low, high: orders between which it bends with the speed ratio; of a straight line, order.
         frequency, phase: Hz, and rad as of Orders, where it is greatest.
@@ -111,11 +105,11 @@ class Orders:
     """Spectra over orders; n orders, m windows.
 
     Attributes:
-        of: what an order is counted over, LINK1 or PULSES. turns: of that in a window.
-        order: cycles a turn (a pulse), shape (n,).
+        of: what an order is counted over, LINK1 or DRIVE. turns: of that in a window.
+        order: cycles a turn, shape (n,).
         time, speed: at the middle of each window, s, and mean speed of link 1 in it, rad/s, shape (m,).
-        rate: turns (pulses) a second in each window, Hz: of order 1, shape (m,).
-        ratio: turns of the drive a turn (a pulse) in each window, shape (m,): with it lines bend.
+        rate: turns a second in each window, Hz: of order 1, shape (m,).
+        ratio: turns of the drive a turn in each window, shape (m,): with it lines bend.
         spectrum: complex amplitude of each signal in each window, in its unit, shape (m, n); mean and trend
             apart. Phases are those of cosines, 0 with a maximum where the angle of link 1 (the drive) is 0.
         units: of the signals.
@@ -130,8 +124,6 @@ class Orders:
     ratio: Array
     spectrum: dict[str, NDArray[np.complex128]]
     units: dict[str, str]
-    # lines that were looked for, by how many of each signal: picture, table and files ask for the same
-    _known: dict[int, dict[str, list[Line]]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def waterfall(self) -> dict[str, Array]:
@@ -155,15 +147,16 @@ class Orders:
 
     def rms(self, name: str) -> float:
         """RMS of all that swings up to the highest order, in the unit of the signal (Parseval's theorem)."""
-        window = signal.get_window(WINDOW, 4096)
-        bandwidth = window.size * np.sum(window**2) / np.sum(window) ** 2  # of noise, in bins
-        return math.sqrt(0.5 * float(np.sum(self.amplitude[name] ** 2)) / (PADDING * bandwidth))
+        return math.sqrt(0.5 * float(np.sum(self.amplitude[name] ** 2)) / (PADDING * BANDWIDTH))
 
     def largest(self, number: int = 5) -> dict[str, list[Line]]:
         """The largest lines of each signal, the largest first."""
-        if number not in self._known:
-            self._known[number] = {name: self._lines(name, number) for name in self.amplitude}
-        return self._known[number]
+        return {name: found[:number] for name, found in self._lines.items()}
+
+    @cached_property
+    def _lines(self) -> dict[str, list[Line]]:
+        """All lines of each signal: picture, table and files ask for them."""
+        return {name: self._found(name) for name in self.spectrum}
 
     def lines(self, number: int = 5, hz: bool = False) -> dict[str, dict[str, str]]:
         """The largest lines as text, by signal and order; hz: speeds in rpm, with the frequency."""
@@ -183,71 +176,54 @@ class Orders:
 
     @property
     def bends(self) -> bool:
-        """Tell whether lines bend that are straight over pulses."""
+        """Tell whether lines bend that are straight over the drive angle."""
         return any(line.low < line.high for lines in self.largest().values() for line in lines)
 
-    def _lines(self, name: str, number: int) -> list[Line]:
-        """The largest lines of a signal; all places that a bending one passes are one line."""
-        found: list[tuple[Line, Array, int]] = []
-        for place in self._places(self.amplitude[name])[: SEARCHED * number]:
-            order = float(self.order[place])
-            straight = self._along(name, np.full(self.ratio.size, order), 0.5 / self.turns)[0]
-            window = int(np.argmax(straight))
-            if any(one.low < one.high and self._meets(along, order, window) for one, along, _ in found):
-                continue  # a line that bends passes here
-            line, track, at = self._line(name, place)
-            if line.low < line.high:
-                near = [one for one, along, _ in found if self._meets(along, track[at], at)]
-                if any(one.amplitude >= line.amplitude for one in near):
-                    continue
-                found = [one for one in found if not self._meets(track, one[0].order, one[2])]
-            found.append((line, track, at))
-        lines = sorted((line for line, _, _ in found), key=lambda line: -line.amplitude)
-        return lines[:number]
+    def _found(self, name: str) -> list[Line]:
+        """The lines of a signal, the largest first.
 
-    def _meets(self, track: Array, order: float, window: int) -> bool:
-        """Tell whether a line of these orders is as near to an order in a window as the window can tell."""
-        return abs(order - float(track[window])) <= 2 * HALF_LOBE / self.turns
-
-    def _places(self, amplitude: Array) -> list[int]:
-        """Find the lines of a spectrum, the largest first; without side lobes and trend."""
-        found: list[int] = []
-        places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
-        for place in places[np.argsort(amplitude[places])[::-1]].tolist():
-            near = (larger for larger in found if abs(place - larger) <= 2 * HALF_LOBE * PADDING)
-            if self.order[place] * self.turns >= HALF_LOBE and all(
-                amplitude[place] > SIDE_LOBE * amplitude[larger] for larger in near
-            ):
-                found.append(place)
-        return found
-
-    def _along(self, name: str, track: Array, reach: float) -> tuple[Array, Array]:
-        """Amplitude and order, in each window, of a line whose order in it is known within a reach."""
-        beside = np.abs(self.order - track[:, None]) <= reach
-        places = np.where(beside, self.waterfall[name], -1.0).argmax(axis=1)
-        return self.waterfall[name][np.arange(places.size), places], self.order[places]
-
-    def _line(self, name: str, place: int) -> tuple[Line, Array, int]:
-        """The line at a place of a spectrum, its order in each window, and the window where it is greatest.
-
-        It bends with the drive, alone or on top of a turn of link 1, where more of the signal is along that.
+        They are straight, or bend with the drive, alone or on top of a turn of link 1. Each is seen along
+        all of these, and is where there is the most of the signal.
         """
-        order, amplitude = float(self.order[place]), float(self.amplitude[name][place])
-        track = np.full(self.ratio.size, order)
-        heights, orders = self._along(name, track, max(BESIDE * order, 1.0 / self.turns))
-        window = int(np.argmax(heights))
-        share, there = self.ratio / self.ratio[window], float(orders[window])
-        most = BENDING * _rms(self._along(name, track, 0.5 / self.turns)[0])
-        for turning in (0.0, 1.0, -1.0):
-            bent = (there - turning) * share + turning
-            found, near = self._along(name, bent, 0.5 / self.turns)
-            bends = np.ptp(bent) > HALF_LOBE / self.turns and bent.min() > HALF_LOBE / self.turns
-            if bends and _rms(found) > most:
-                track, heights, orders, amplitude, most = bent, found, near, _rms(found), _rms(found)
-        at = int(np.argmax(heights))
-        largest = self.spectrum[name][at, np.searchsorted(self.order, orders[at])]
-        values = (track[at], amplitude, heights[at], self.speed[at], track.min(), track.max())
-        return Line(*map(float, (*values, self.rate[at] * track[at], np.angle(largest)))), track, at
+        rows, near = self.waterfall[name], 2 * HALF_LOBE / self.turns
+        ratio = self.ratio[:, None] / (self.ratio.mean() or 1.0)  # in lock-up the drive stands still
+        found = list[tuple[Line, int, int, Array]]()
+        for family, (turn, bend) in enumerate([(0.0, ratio**0), (0.0, ratio), (1.0, ratio), (-1.0, ratio)]):
+            tracks = turn + (self.order - turn) * bend
+            pairs = zip(tracks, rows, strict=True)
+            heights = [np.interp(track, self.order, row, right=0.0) for track, row in pairs]
+            amplitude = np.sqrt(np.mean(np.square(heights), axis=0))
+            places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
+            for track in tracks.T[places]:
+                if track.min() >= 0.5 * near and (family == 0 or np.ptp(track) > 0.5 * near):
+                    found.append((*self._line(name, track), family, track))
+        kept = list[tuple[Line, int, int, Array]]()
+        # a line bends if it is so much more of one
+        found.sort(key=lambda one: one[0].amplitude / (BENDING if one[2] else 1.0), reverse=True)
+        for line, window, family, track in found:
+            larger = [one for one in kept if abs(one[3][window] - line.order) <= near]
+            if all(family == one[2] and line.amplitude > SIDE_LOBE * one[0].amplitude for one in larger):
+                kept.append((line, window, family, track))
+        return sorted((line for line, *_ in kept), key=lambda line: -line.amplitude)
+
+    def _line(self, name: str, track: Array) -> tuple[Line, int]:
+        """The line of these orders in the windows, as near as they tell, and the window of its greatest."""
+        places = np.add(np.rint(track[:, None] / self.order[1]), [-1, 0, 1]).astype(int)
+        beside = np.take_along_axis(self.spectrum[name], places.clip(0, self.order.size - 1), axis=1)
+        found = beside[np.arange(track.size), np.abs(beside).argmax(axis=1)]
+        told = np.abs(found if np.ptp(track) > 0.0 else beside[:, 1])
+        at = int(np.abs(found).argmax())
+        line = Line(
+            order=float(track[at]),
+            amplitude=float(np.sqrt(np.mean(told**2))),
+            greatest=float(np.abs(found[at])),
+            speed=float(self.speed[at]),
+            low=float(track.min()),
+            high=float(track.max()),
+            frequency=float(self.rate[at] * track[at]),
+            phase=float(np.angle(found[at])),
+        )
+        return line, at
 
     def as_dict(self) -> dict[str, Any]:
         """The largest orders of each signal, for machines."""
@@ -297,13 +273,14 @@ class Orders:
         Raises:
             NotInstalled: there is no pyuff here.
         """
-        sets, common = [UFF_UNITS], {**UFF_LINES, "x": self.order, "id2": f"cycles a {BASES[self.of]}"}
+        sets = [UFF_UNITS]
         for node, (name, rows) in enumerate(self.spectrum.items(), 1):
             # directions of forces are 1 to 3, of moments 4 to 6
             component = re.search("_(force|moment)_([xyz])$", name)
             side = "xyz".index(component[2]) + (1 if component[1] == "force" else 4) if component else 0
-            one = {**common, "id1": name, "rsp_node": node, "rsp_dir": side}
-            one |= {"ordinate_axis_lab": name[:20], "ordinate_axis_units_lab": self.units[name] or "NONE"}
+            one = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles a {BASES[self.of]}"}
+            one |= {"rsp_node": node, "rsp_dir": side, "ordinate_axis_lab": name[:20]}
+            one["ordinate_axis_units_lab"] = self.units[name] or "NONE"
             for row, time, rpm in zip(rows, self.time, self.rpm, strict=True):
                 sets.append({**one, "id3": f"at {time:g} s", "data": row, "z_axis_value": rpm})
         with tempfile.TemporaryDirectory() as folder:
@@ -311,10 +288,6 @@ class Orders:
             library("pyuff", "jobs").UFF(str(whole)).write_sets(sets, "overwrite")
             write_atomically(path, whole.read_bytes())
         return path
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def spectra(
@@ -329,7 +302,7 @@ def spectra(
     """Order spectra of recorded signals.
 
     Args:
-        table: of the signals over time, with input_speed, r rows. turned: turns (pulses) up to each row,
+        table: of the signals over time, with input_speed, r rows. turned: turns up to each row,
             rising, shape (r,). names: of the signals.
         of: what turned counts. highest: order; by default the highest that the rows show.
         turns: in a window; windows overlap by half. By default a quarter of all there are, at most TURNS.
@@ -361,15 +334,15 @@ def spectra(
     angles = np.interp([begin, end], table.time, turned1)
     driven = np.interp([begin, end], table.time, turned if drive is None else drive)
     return Orders(
-        of,
-        per_window,
-        order,
-        time,
-        (angles[1] - angles[0]) / (end - begin),
-        np.ptp(edges[:, ::2], axis=1) / (end - begin),
-        (driven[1] - driven[0]) / np.ptp(edges[:, ::2], axis=1),
-        spectrum,
-        {name: table.units.get(name, "") for name in names},
+        of=of,
+        turns=per_window,
+        order=order,
+        time=time,
+        speed=(angles[1] - angles[0]) / (end - begin),
+        rate=size / samples / (end - begin),
+        ratio=(driven[1] - driven[0]) * samples / size,
+        spectrum=spectrum,
+        units={name: table.units.get(name, "") for name in names},
     )
 
 
@@ -406,28 +379,6 @@ def rounding(table: Result, name: str) -> float:
     return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
 
 
-def pulses_a_turn(parameters: Mapping[str, float]) -> float:
-    """Pulses a turn of the drive angle q, mean over its period: how often the reduced inertia I(q) begins to
-    rise, for its slope is what pushes link 2.
-
-    Args:
-        parameters: of the module, those that differ from the defaults.
-    """
-    module = _module(parameters)
-    turns = int(module.derived.period_turns)
-    angles = np.linspace(0.0, math.tau * turns, 720 * turns, endpoint=False)
-    slopes = [reduced_inertia(module.derived, float(q))[1] for q in angles]  # type: ignore[no-untyped-call]
-    rising = np.array(slopes) > 0.0
-    return float(np.sum(rising & ~np.roll(rising, 1))) / turns
-
-
-def _module(parameters: Mapping[str, float]) -> Module:
-    """The module with these parameters, by which its constants are read."""
-    module = Module("plain")
-    module.check(**parameters)
-    return module
-
-
 def orders(
     scene: Scene | Path | str,
     fmu_path: Path | str | None = None,
@@ -446,7 +397,7 @@ def orders(
     Args:
         scene: a scene or its file.
         fmu_path: the FMU of the module; None for that of the package.
-        of: "link1" or "pulses".
+        of: "link1" or "drive_angle".
         signals: names of outputs, locals or signals of the loop, or of BEARING; without them those of SIGNALS
             that swing.
         highest: as of spectra.
@@ -476,47 +427,45 @@ def orders(
     wanted = dict.fromkeys([*(BEARING.get(name, name) for name in looked), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(wanted)})
 
-    def within(time: Array, turned: Array) -> slice:
-        """Rows that are looked at: without the rest that they begin with, if no begin is given."""
-        low, high = np.searchsorted(time, (first - 1e-9, last + 1e-9))
-        turning = np.diff(turned[low:high]) != 0.0
-        return slice(low + (int(np.argmax(turning)) if begin is None else 0), high)
+    def looked_at(table: Result) -> Result:
+        """The rows that are looked at: without the rest that they begin with, if no begin is given."""
+        low, high = np.searchsorted(table.time, (first - 1e-9, last + 1e-9))
+        if begin is None:
+            low += int(np.argmax(np.diff(_turned(table, of)[low:high]) != 0.0))
+        return Result({name: values[low:high] for name, values in table.columns.items()}, table.units)
 
     # what is sure to be refused after the run is refused now: by the speed that is given, else by first steps
-    step, given = scene.run.communication_step, scene.prescribed.get("omega1")
-    if of == LINK1 and given is not None and not scene.parameters().get("input_hold"):
+    step, before = scene.run.communication_step, None
+    told = of == LINK1 and not scene.parameters().get("input_hold")
+    given = scene.prescribed.get("omega1") if told else None
+    if given is not None:
         times = communication_points(scene.run.stop_time, step)
-        turned = np.cumsum([evaluate(given, at) for at in times]) * step / math.tau
-        turned = np.append(0.0, turned[:-1])  # the speed is held over a step
-        part = within(times, turned)
-        turned = turned[part] * math.copysign(1.0, turned[part][-1] - turned[part][0])
-        highest_order(times[part], turned, highest)
-        turns_of_window(turned, of, turns)
+        held = [step * evaluate(given, at) for at in times[:-1]]  # the speed is held over a step
+        before = Result(
+            {"time": times, "input_angle": np.append(0.0, np.cumsum(held)), "input_turns": 0.0 * times}
+        )
     elif record is None and first == 0.0 and TRIED * step < last:
-        table = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
-        turned = _turned(table, of, scene)
-        part = within(table.time, turned)
+        before = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
+    if before is not None:
+        part = looked_at(before)
+        turned = _turned(part, of)
         if begin is not None or np.ptp(turned) > 0.0:
-            highest_order(table.time[part], turned[part], highest)
+            highest_order(part.time, turned, highest)
+            if given is not None:
+                turns_of_window(turned, of, turns)
     record = run_scene(scene, fmu_path, progress).record if record is None else record
-    part = within(record.time, _turned(record, of, scene))
-    columns, units = {name: values[part] for name, values in record.columns.items()}, dict(record.units)
-    for name in set(looked) & set(BEARING):
-        columns[name] = -_module(scene.parameters())["imbalance_mass"] * columns[BEARING[name]]
-        units[name] = "N"
-    table = Result(columns, units)
-    turned = _turned(table, of, scene)
+    mass = scene.parameters().get("imbalance_mass", BY_NAME["imbalance_mass"].start or 0.0)
+    forces = {name: -mass * record[BEARING[name]] for name in looked if name in BEARING}
+    table = looked_at(Result(record.columns | forces, record.units | dict.fromkeys(forces, "N")))
     swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
     if not swinging and signals is None:
         raise Refused(f"signals must swing, of {', '.join(looked)} none does")
-    drive = _turned(table, DRIVE, scene)
     names = swinging if signals is None else looked
-    return spectra(table, turned, names, of, highest, turns, drive)
+    return spectra(table, _turned(table, of), names, of, highest, turns, _turned(table, DRIVE))
 
 
-def _turned(table: Result, of: str, scene: Scene) -> Array:
-    """Turns of link 1, of the drive, or pulses, up to each row, counted the way it turns."""
+def _turned(table: Result, of: str) -> Array:
+    """Turns of link 1 or of the drive up to each row, counted the way it turns."""
     angle, whole = ANGLES[:2] if of == LINK1 else ANGLES[2:]
     turned = table[angle] / math.tau + table[whole]
-    each = pulses_a_turn(scene.parameters()) if of == PULSES else 1.0
-    return each * math.copysign(1.0, turned[-1] - turned[0]) * turned
+    return math.copysign(1.0, turned[-1] - turned[0]) * turned
