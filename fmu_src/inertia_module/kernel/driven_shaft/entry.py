@@ -22,7 +22,7 @@ STATE = (
 )
 # all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow and
 # fast are tells motion.characteristic. Then the step last taken, the responses to it and its Gramian
-CONSTANTS = ("rate", "square", "swing", "slow", "fast", "step", ("responses", 7), ("gramian", 16))
+CONSTANTS = ("rate", "square", "swing", "slow", "fast", "step", ("responses", 6), ("gramian", 16))
 # z1 to z4 of the motions over the step in hand, room for the Gramian (motion), the state before the step
 WORKSPACE = (
     *(("twist", 4), ("slip", 4), ("slip_rate", 4), ("speed", 4), ("speed_rate", 4)),

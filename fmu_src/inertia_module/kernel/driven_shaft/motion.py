@@ -5,19 +5,14 @@ Twist, slip, speed of the driven mass and their rates all move as
     z1' = z2 - rate z1      z2' = z3 - square z1      z3' = z4      z4' = 0
 
 from a z at the beginning: z1(t) = z1 slope + z2 impulse + z3 one + z4 two, of responses.
-The integral of its square is a quadratic form of the z. The form's matrix, the Gramian W, is a Gauss sum
-over a short part of the step and doubled: W(2t) = W(t) + E(t)^T W(t) E(t), where z(t) = E(t) z. As a sum
-of squares it is exact to rounding for any stiffness and step, and it owes nothing to the balance of energy.
-Van Loan, Computing integrals involving the matrix exponential, IEEE Trans. Automatic Control 23 (1978).
-
-Exact motion of z'' + rate z' + square z = 0, and of its integrals, in every damping regime.
-
-The answer to an impulse is a closed form, of exponentials that only fade. Its integrals would cancel in
-closed form where the characteristic numbers meet each other (critical damping) or zero (soft shaft, short
-step). They are Gauss sums over a short part of the step, and found over twice the time from those over the
-time: scaling and squaring, by sums of what is mostly positive. The cost grows with the logarithm of the
-step, and nothing overflows. Moler and Van Loan, Nineteen dubious ways to compute the exponential of a
-matrix, SIAM Review 45 (2003), methods 3 and 14.
+The integral of its square is a quadratic form of the z, its matrix the Gramian W. Over a part of the step
+so short that nothing swings or fades W and the integrals of the answer to an impulse are Gauss sums; then
+both are doubled: W(2t) = W(t) + E(t)^T W(t) E(t), where z(t) = E(t) z. The answer itself is a closed form,
+of exponentials that only fade; its integrals would cancel in closed form where the characteristic numbers
+meet each other (critical damping) or zero (soft shaft, short step). So all is exact to rounding for any
+stiffness and step, nothing overflows, and nothing is owed to the balance of energy. Moler and Van Loan,
+Nineteen dubious ways to compute the exponential of a matrix, SIAM Review 45 (2003), methods 3 and 14; Van
+Loan, Computing integrals involving the matrix exponential, IEEE Trans. Automatic Control 23 (1978).
 """
 
 import math
@@ -66,44 +61,23 @@ def free(swing, slow, fast, t):
     return fading + fast * impulse, impulse, fading - slow * impulse
 
 
-def responses(rate, square, swing, slow, fast, t):
-    """Everything a step of length t > 0 needs.
-
-    Args:
-        rate, square: of the equation, 1/s and 1/s^2. swing, slow, fast: of characteristic. t: s.
-
-    Returns:
-        (step, slope, impulse, one, two, three, four): answer to a displacement 1, rate of the answer to
-        an impulse 1, this answer, and its first to fourth integrals from 0 to t.
-    """
-    part = t
-    while fast * part > SHORT:
-        part *= 0.5
+def short_integrals(d, t):
+    """First to fourth integral from 0 to t of the answer to an impulse 1, t so short that a sum is exact."""
     one = two = three = four = 0.0
     for n in range(5):
-        left = part - part * NODES[n]
-        _, impulse, _ = free(swing, slow, fast, part * NODES[n])
-        share = part * WEIGHTS[n] * impulse
+        left = t - t * NODES[n]
+        _, impulse, _ = free(d.swing, d.slow, d.fast, t * NODES[n])
+        share = t * WEIGHTS[n] * impulse
         one += share
         two += share * left
         three += share * left * left / 2.0
         four += share * left * left * left / 6.0
-    while part < t:
-        _, impulse, slope = free(swing, slow, fast, part)
-        # the integrals of step: impulse + rate one and so on
-        four += impulse * (three + rate * four) + slope * four
-        four += part * (three + part * (0.5 * two + part / 6.0 * one))
-        three += impulse * (two + rate * three) + slope * three + part * (two + 0.5 * part * one)
-        two += impulse * (one + rate * two) + slope * two + part * one
-        one += impulse * (impulse + rate * one) + slope * one
-        part *= 2.0
-    step, impulse, slope = free(swing, slow, fast, t)
-    return step, slope, impulse, one, two, three, four
+    return one, two, three, four
 
 
-def write_move(d, w, t):
-    """Put E(t) into w.move, row by row."""
-    step, slope, impulse, one, two, _, _ = responses(d.rate, d.square, d.swing, d.slow, d.fast, t)
+def write_move(d, w, t, one, two):
+    """Put E(t) into w.move, row by row, from the first two of these integrals."""
+    step, impulse, slope = free(d.swing, d.slow, d.fast, t)
     copy(w.move, (
         slope, impulse, one, two,
         -d.square * impulse, step, impulse + d.rate * one, one + d.rate * two,
@@ -112,41 +86,53 @@ def write_move(d, w, t):
     ))  # fmt: skip
 
 
-def write_gramian(d, w, t):
-    """Put the Gramian over t into d, row by row."""
-    part = t
-    while d.fast * part > SHORT:
-        part *= 0.5
-    clear(d.gramian)
-    for n in range(5):
-        write_move(d, w, part * NODES[n])
-        for i in range(16):
-            d.gramian[i] += part * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
-    while part < t:
-        write_move(d, w, part)
-        for i in range(16):
-            w.product[i] = 0.0
-            for k in range(4):
-                w.product[i] += d.gramian[i - i % 4 + k] * w.move[4 * k + i % 4]
-        for i in range(16):
-            for k in range(4):
-                d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
-        part *= 2.0
+def double_gramian(d, w):
+    """Double the time of the Gramian in d, that of w.move."""
+    for i in range(16):
+        w.product[i] = 0.0
+        for k in range(4):
+            w.product[i] += d.gramian[i - i % 4 + k] * w.move[4 * k + i % 4]
+    for i in range(16):
+        for k in range(4):
+            d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
 
 
 def keep_step(d, w, h):
     """Put Gramian and responses of a step h into d, unless they are there: most steps are alike."""
-    if h != d.step:
-        d.step = h
-        write_gramian(d, w, h)
-        copy(d.responses, responses(d.rate, d.square, d.swing, d.slow, d.fast, h))
+    if h == d.step:
+        return
+    d.step = h
+    part = h
+    while d.fast * part > SHORT:
+        part *= 0.5
+    clear(d.gramian)
+    for n in range(5):
+        one, two, _, _ = short_integrals(d, part * NODES[n])
+        write_move(d, w, part * NODES[n], one, two)
+        for i in range(16):
+            d.gramian[i] += part * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
+    one, two, three, four = short_integrals(d, part)
+    rate = d.rate
+    while part < h:
+        write_move(d, w, part, one, two)
+        double_gramian(d, w)
+        slope, impulse = w.move[0], w.move[1]
+        # the integrals of step: impulse + rate one and so on
+        four += impulse * (three + rate * four) + slope * four
+        four += part * (three + part * (0.5 * two + part / 6.0 * one))
+        three += impulse * (two + rate * three) + slope * three + part * (two + 0.5 * part * one)
+        two += impulse * (one + rate * two) + slope * two + part * one
+        one += impulse * (impulse + rate * one) + slope * one
+        part *= 2.0
+    _, impulse, slope = free(d.swing, d.slow, d.fast, h)
+    copy(d.responses, (slope, impulse, one, two, three, four))
 
 
 def integral(d, z, order):
     """Integral of a motion over the step kept; that of the integral for order 2, z1 at the end for 0."""
     total = 0.0
     for n in range(4):
-        total += z[n] * d.responses[n + order + 1]
+        total += z[n] * d.responses[n + order]
     return total
 
 
