@@ -173,13 +173,11 @@ WORKSPACE = (
     # of the step does not come to; what links 1 and 2 come to
     *(("end", INERTIA), "slip_angle", ("far", INERTIA), "far_angle"),
     *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
-    *("work1", "load_impulse", "friction_work", "reached"),
+    *("work1", "friction_work", "reached"),
     # ... and what the freewheels leave of it: speeds of link 2 and the hub, impulse of Tc, contact mode
     *("settled2", "settled3", "output", "mode"),
-    # ... load of the hub and what follows from it, mean and end speed of the hub, its push; the driven mass
-    *("hub_load", "hub_gain", "relative_load", "relative_gain", "stiff"),
-    *("theta", "mean3", "end3", "contact_impulse"),
-    *("mean_relative", "seen3", "omega4"),
+    # ... mean and end speed of the hub; elastic output: slip behind it, the driven mass
+    *("mean3", "end3", "stiff", "relative_load", "relative_gain", "mean_relative", "seen3", "omega4"),
     # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
     # share of the journals in it, what it takes, whether it has stopped the slip; whether the way is all that
     # is asked for
@@ -187,9 +185,8 @@ WORKSPACE = (
     "straight",
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
-    # ... drag of the freewheels: whether it acts, its impulses by the mean speed of link 2, what it takes,
-    # whether a mean slip went against it
-    *("dragging", "drag_load", "drag_gain", "over_load", "over_gain", "holding", "lost_by_drag", "reversed"),
+    # ... drag of the freewheels: whether it acts, what it takes, whether a mean slip went against it
+    *("dragging", "lost_by_drag", "reversed"),
     # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it

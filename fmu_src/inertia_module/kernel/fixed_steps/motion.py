@@ -30,7 +30,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     """Links 1 and 2 over the step, link 2 held or against the impulse load + gain u, u its mean speed.
 
     Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque),
-    load_impulse, friction_work (the work of the links' viscous friction), lost_by_load, slip_stopped (whether
+    friction_work (the work of the links' viscous friction), lost_by_load, slip_stopped (whether
     w.friction has stopped the slip) and reached: whether the energy suffices to come to where the step is to
     end. Besides the load w.friction, N m, resists the slip, and weights w.weight1 and w.weight_slip, N m, the
     angles of link 1 and of the slip. With w.straight the energy is not looked at: the way would be too short.
@@ -134,9 +134,8 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     w.lost_by_load = friction * turned
     mean1 += answer1 * turned
     mean2 = mean1 - turned
-    w.load_impulse = load + gain * mean2
     w.friction_work = h * friction_power(d, mean1, mean2, d.b2)
-    resisted = w.load_impulse + h * (d.b1 * mean1 + d.b2 * mean2)
+    resisted = load + gain * mean2 + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
         end_y = y + driven - resisted
         w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
@@ -263,61 +262,57 @@ def end_fall(d, x, w):
     x.relative *= slower
 
 
-def load_hub(d, x, w, held, joined, h):
-    """Find the impulses on hub and link 2 by mean speeds, N m s.
+def load_hub(d, x, w, joined, h):
+    """Impulse of load, friction or shaft on the hub: load + gain u, u its mean speed, rad/s.
 
-    Load, friction or shaft on the hub: hub_load + hub_gain u, u its mean speed. Drag of the housing freewheel
-    on link 2: drag_load + drag_gain u, of the output freewheel on the hub: over_load - over_gain u, u that of
-    link 2. Where both stay together drag holds them with up to w.holding.
+    Behind it an elastic shaft slips by w.relative_load + w.relative_gain u. Where the step does not resolve
+    the shaft its torque is that of the twist at the end. A light hub that turns freely then ends at its mean
+    speed, but where not even link 2 with the hub is heavy enough it meets the driven mass (w.stiff).
+
+    Returns:
+        (load, gain, share of the step's change of speed that u has, 1/2 or 1).
     """
-    w.hub_load = w.load * h
-    w.hub_gain = d.b3 * h
+    load = w.load * h
+    gain = d.b3 * h
     w.stiff = 0.0
     # one that friction stops within the step does not turn back
-    w.theta = 0.5 if w.hub_gain < 2.0 * d.J3 else 1.0
-    if d.elastic != 0.0:
-        load_shaft(d, x, w, joined, h)
-    w.drag_load = w.drag_gain = w.over_load = w.over_gain = w.holding = 0.0
-    acting = h * w.dragging
-    if acting == 0.0:
-        return
-    if not held and not (x.play_housing > 0.0 and x.omega2 < 0.0):
-        w.drag_load = acting * d.housing_drag
-        w.drag_gain = acting * d.housing_drag_viscous
-    if joined:
-        w.holding = acting * d.output_drag
-    if joined or (x.play_output > 0.0 and x.omega3 < x.omega2):
-        return
-    w.over_gain = acting * d.output_drag_viscous
-    drag = acting * d.output_drag
-    braking = w.hub_load + w.hub_gain * x.omega3 + drag + w.over_gain * (x.omega3 - x.omega2)
-    mean3 = x.omega3 - w.theta * braking / (d.J3 + w.theta * w.hub_gain)
-    w.over_load = drag + w.over_gain * mean3
-
-
-def load_shaft(d, x, w, joined, h):
-    """Find the impulse of an elastic shaft on the hub; behind it is relative_load + relative_gain u, rad/s.
-
-    Where the step does not resolve the shaft its torque is that of the twist at the end. A light hub that
-    turns freely then ends at its mean speed (w.theta), but where not even link 2 with the hub is heavy enough
-    it meets the driven mass (w.stiff).
-    """
+    theta = 0.5 if gain < 2.0 * d.J3 else 1.0
+    if d.elastic == 0.0:
+        return load, gain, theta
     damping = d.damping + d.stiffness * h
     pull = damping * h
     together = d.J3 + inertia_of_link2(d, x.here.i, x.here.b, x.here.g)
     if pull * (together + d.J4) > RESOLVED * together * d.J4:
         w.stiff = 1.0
     elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
-        w.theta = 1.0
+        theta = 1.0
     else:
         damping -= 0.5 * d.stiffness * h
     free = 2.0 * d.J4 * (1.0 - d.balancer)
     share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
     spring = h * d.stiffness * x.twist
     w.relative_gain = share * (free + h * d.friction)
-    w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + w.hub_load - spring)
-    w.hub_load = spring + h * damping * w.relative_load
-    w.hub_gain += h * damping * w.relative_gain
+    w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + load - spring)
+    return spring + h * damping * w.relative_load, gain + h * damping * w.relative_gain, theta
+
+
+def drag_on_link2(d, x, held, acting):
+    """Impulse of the housing freewheel's drag on link 2: (load, gain) as above; acting: for this time, s."""
+    if held or (x.play_housing > 0.0 and x.omega2 < 0.0):
+        return 0.0, 0.0
+    return acting * d.housing_drag, acting * d.housing_drag_viscous
+
+
+def drag_on_hub(d, x, joined, hub, acting):
+    """Impulse of the output freewheel's drag on the hub: load - gain u, u of link 2; hub: as of load_hub."""
+    if joined or (x.play_output > 0.0 and x.omega3 < x.omega2):
+        return 0.0, 0.0
+    load, gain, theta = hub
+    drag = acting * d.output_drag
+    viscous = acting * d.output_drag_viscous
+    braking = load + gain * x.omega3 + drag + viscous * (x.omega3 - x.omega2)
+    mean3 = x.omega3 - theta * braking / (d.J3 + theta * gain)
+    return drag + viscous * mean3, viscous
 
 
 def drive_mass(d, x, w, h):

@@ -16,7 +16,18 @@ from ..impulse import settle, shaft_inertia
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from ..loads import sample_load
-from .motion import drive_mass, end_fall, find_friction, load_hub, mesh_impulse, move_links, turn_shaft, weigh
+from .motion import (
+    drag_on_hub,
+    drag_on_link2,
+    drive_mass,
+    end_fall,
+    find_friction,
+    load_hub,
+    mesh_impulse,
+    move_links,
+    turn_shaft,
+    weigh,
+)
 
 # fixed steps that one communication step may take
 MAX_STEPS = 1e7
@@ -61,28 +72,34 @@ def follow(d, x, w, held, joined, prescribed, h):
     """Follow all over the step with link 2 held or not, joined with the hub or not.
 
     Writes what it comes to with the impacts at its end: w.settled2, settled3, output, mode, as settle.
+    Returns the impulse that holds link 2 and hub together, N m s.
     """
-    load_hub(d, x, w, held, joined, h)
-    carried = 0.0
-    load = w.drag_load - w.over_load
-    gain = w.drag_gain + w.over_gain
+    acting = h * w.dragging
+    hub = load_hub(d, x, w, joined, h)
+    hub_load, hub_gain, theta = hub
+    drag_load, drag_gain = drag_on_link2(d, x, held, acting)
+    over_load, over_gain = drag_on_hub(d, x, joined, hub, acting)
+    carried = holding = 0.0
+    load = drag_load - over_load
+    gain = drag_gain + over_gain
     if joined:
         carried = d.J3
-        load += w.hub_load
-        gain += w.hub_gain
+        holding = acting * d.output_drag
+        load += hub_load
+        gain += hub_gain
     move_links(d, x, w, held, carried, load, gain, prescribed, h)
     mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
-    drag = w.drag_load + w.drag_gain * mean2
-    overrun = w.over_load - w.over_gain * mean2
+    drag = drag_load + drag_gain * mean2
+    overrun = over_load - over_gain * mean2
     if joined:
         w.end3 = w.end2
         w.mean3 = mean2
-        w.contact_impulse = w.hub_load if held else d.J3 * (w.end3 - x.omega3) + (w.load_impulse - drag)
+        contact = hub_load if held else d.J3 * (w.end3 - x.omega3) + hub_load + hub_gain * mean2
     else:
-        w.contact_impulse = -overrun
-        braking = w.hub_load + w.hub_gain * x.omega3 + overrun
-        w.end3 = x.omega3 - braking / (d.J3 + w.theta * w.hub_gain)
-        w.mean3 = x.omega3 + w.theta * (w.end3 - x.omega3)
+        contact = -overrun
+        braking = hub_load + hub_gain * x.omega3 + overrun
+        w.end3 = x.omega3 - braking / (d.J3 + theta * hub_gain)
+        w.mean3 = x.omega3 + theta * (w.end3 - x.omega3)
     # a freewheel with play left takes an impulse where that is used up in the step
     stops = d.housing != 0.0 and closes(d.housing_engagement_angle, x.play_housing + h * mean2)
     meets = closes(d.output_engagement_angle, x.play_output + h * (w.mean3 - mean2))
@@ -97,34 +114,35 @@ def follow(d, x, w, held, joined, prescribed, h):
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
-    push = w.contact_impulse + w.holding
+    push = contact + holding
     if push > 0.0 and d.output != 0.0:
         # it is the impulse over the whole step that must not pull, but for the drag
         end2 = w.end2 if held else w.end2 + push / inertia2
         w.settled2, w.settled3, output, mode = settle(
             d, inertia2, end2, inertia3, w.end3 - push / inertia3, stops, meets
         )
-        w.output = output - w.holding
+        w.output = output - holding
         w.mode = mode
         if mode == DRIVING or mode == HELD_DRIVING:
-            return
+            return push
     w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3, stops, meets)
-    w.output = output + w.contact_impulse
+    w.output = output + contact
     w.mode = mode
+    return push
 
 
 def follow_closed(d, x, w, prescribed, h):
     """A step in which a closed freewheel stays closed unless the contact force is negative."""
     always = d.output == 0.0
     joined = always or (x.omega3 == x.omega2 and x.play_output == 0.0)
-    follow(d, x, w, False, joined, prescribed, h)
-    if joined and not always and w.contact_impulse + w.holding <= 0.0:
+    push = follow(d, x, w, False, joined, prescribed, h)
+    if joined and not always and push <= 0.0:
         follow(d, x, w, False, False, prescribed, h)
     stays = x.omega2 == 0.0 and x.play_housing == 0.0
     if d.housing != 0.0 and stays and (w.mode == HELD or w.mode == HELD_DRIVING):
         joined = always or (x.omega3 == 0.0 and x.play_output == 0.0 and w.mode == HELD_DRIVING)
-        follow(d, x, w, True, joined, prescribed, h)
-        if joined and not always and w.contact_impulse + w.holding < 0.0:
+        push = follow(d, x, w, True, joined, prescribed, h)
+        if joined and not always and push < 0.0:
             follow(d, x, w, True, False, prescribed, h)
 
 
