@@ -88,7 +88,7 @@ def derive_planar(d):
 
 
 def derive_general(d):
-    """Derive the constants of the general equations of motion (kernel.equations)."""
+    """Derive what freewheels, losses and weights add to the equations of motion (kernel.equations)."""
     d.mesh_loss = 1.0 - d.mesh_efficiency
     d.satellite_loss = 0.0 if d.planar != 0.0 else 1.0 - d.satellite_mesh_efficiency
     d.number = d.satellites
@@ -124,11 +124,8 @@ def derive_general(d):
 def add_bodies(d):
     """Set what the turning satellite gears add to J1, J16, I, B and the bounds of |F|; d is there but for it.
 
-    Their inertia is Ja about their own axes, Jt across (docs/mechanics.md, Bodies). Of the energy of a gear's
-    rotation what is the same at every angle is added to J1 and J16: only what goes with the azimuth A of its
-    axis is left to the reduced inertia.
-    T = Jt |w|^2 / 2 + (Ja - Jt) (w e)^2 / 2 with w = omega1 x + q' (z + s e), e the axis of the gear. In the
-    planar layout it is parallel to the central one.
+    Of the energy of a gear's rotation (docs/mechanics.md, Bodies) what is the same at every angle is added to
+    J1 and J16: only what goes with the azimuth A of its axis is left to the reduced inertia.
     """
     d.bodies = 0.0
     d.body_i = 0.0
@@ -261,15 +258,10 @@ def derive(p, d):
 
 
 def satellites_overlap(p, reach):
-    """Tell whether neighbouring satellites overlap.
-
-    Planar: circles of radius r, their centres R0 + r from the axis and 2 (R0 + r) sin(pi/n) apart.
-    Bevel: cones of half angle phi with one apex, their axes inclined by Sigma and delta apart:
-    sin(delta/2) = sin(Sigma) sin(pi/n) against sin(phi) = sin(Sigma) / sqrt(1 + 2 s cos(Sigma) + s^2).
-    An internal satellite (phi > pi/2) leaves no room for a second one; its root is below 1.
+    """Tell whether neighbouring satellites overlap (docs/mechanics.md, Room).
 
     Args:
-        p: parameters. reach: (R0 + r) / r, or that root.
+        reach: planar (R0 + r) / r, bevel sqrt(1 + 2 s cos Sigma + s^2).
     """
     return p.satellites > 1.0 and reach * math.sin(math.pi / p.satellites) < 1.0 - ROUNDING
 

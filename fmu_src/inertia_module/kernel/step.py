@@ -213,14 +213,6 @@ def apply_jump(d, u, x, h, jump):
     return jump_averaged(d, x, jump), 0.0
 
 
-def turn_input(d, x, start1, h):
-    """Speed of link 1 at the end of the step, where it is given from start1 on."""
-    x.omega1 = start1 + x.alpha1 * h
-    x.omega1_low = 0.0
-    if d.fidelity == KINEMATIC:
-        keep_ratio(d, x)
-
-
 def run(d, u, x, w, h):
     """Advance the state by h under the inputs, and look at its energies. Returns a status."""
     switch_now(d, x)
@@ -238,7 +230,10 @@ def run(d, u, x, w, h):
     if status != OK:
         return status
     if d.by_torque == 0.0:
-        turn_input(d, x, start1, x.length)
+        x.omega1 = start1 + x.alpha1 * x.length
+        x.omega1_low = 0.0
+        if d.fidelity == KINEMATIC:
+            keep_ratio(d, x)
     else:
         if d.fidelity != AVERAGED:
             follow_torque(d, x)
