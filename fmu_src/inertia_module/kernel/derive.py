@@ -190,12 +190,10 @@ def derive(p, d):
     """Fill d from p and check what only shows in combination.
 
     Args:
-        p: parameters, each already within the range of the table of variables.
-        d: derived constants, written; it begins with the fields of p.
+        p: parameters, each already within the range of the table of variables; d begins with their fields.
 
     Returns:
-        Status: OK, NO_PLAY, WIND_UP_STEPPED, EVENTS_ONLY, PRESCRIBED, NO_INPUT_INERTIA, NO_RECTIFIER,
-        SINGULAR or a BAD_START code.
+        Status: OK, or that of parameters that are refused together.
     """
     for n in range(len(p.numbers)):
         d.numbers[n] = p.numbers[n]

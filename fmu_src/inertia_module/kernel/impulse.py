@@ -61,11 +61,7 @@ def push_driven_mass(d, x, change3, stiff):
 
 
 def jump_links(d, x, inertia, jump, change2):
-    """One linear part of a jump: omega1 by jump, link 2 by change2. Returns the impulses of M1 and M2, N m s.
-
-    Args:
-        inertia: I, B and G.
-    """
+    """One linear part of a jump: omega1 by jump, omega2 by change2. Returns impulses of M1 and M2, N m s."""
     i, b, g = inertia
     rate_change = d.k * (jump - change2)
     mesh = d.k * (b * jump + g * rate_change)

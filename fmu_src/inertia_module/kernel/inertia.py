@@ -12,12 +12,8 @@ def reduced_inertia(d, q):
     inertia J16 is carried by link 1 as well: it enters I and B as it enters G. What the turning gears add
     at every angle is in J1 and J16.
 
-    Args:
-        d: derived constants.
-        q: drive angle, rad.
-
     Returns:
-        (I, I', B, B', G, G'), kg m^2 and kg m^2 per rad of q.
+        (I, I', B, B', G, G') at the drive angle q, kg m^2 and kg m^2 per rad of q.
     """
     mass = d.mass
     if d.planar != 0.0:

@@ -9,11 +9,9 @@ from .sine import sine_cosine, sines_cosines
 
 
 def imbalance(d, q, turned):
-    """An imbalance of module 0 in the frame of link 1.
+    """An imbalance of module 0 in the frame of link 1, at the drive angle q, rad.
 
     Args:
-        d: derived constants.
-        q: drive angle, rad.
         turned: angle of its satellite from satellite 0 about the axis of the drive, rad (bevel).
 
     Returns:
@@ -60,10 +58,7 @@ def to_fixed_frame(theta1, x, y, z):
 def acceleration(place, omega1, alpha1, rate_q, rate2_q):
     """Absolute acceleration of an imbalance in the frame of link 1, m/s^2.
 
-    r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r) with w along Ox.
-
-    Args:
-        place: of imbalance(). omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''.
+    r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r) with w along Ox; place: of imbalance().
     """
     _, y, z, x1, y1, z1, x2, y2, z2 = place
     square = rate_q * rate_q
@@ -80,7 +75,6 @@ def imbalance_in_fixed_frame(d, q, theta1, omega1, alpha1, rate_q, rate2_q, turn
     """Position, velocity and acceleration of an imbalance of module 0 in the fixed frame Oxyz.
 
     Args:
-        theta1, omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''.
         turned: angle of its satellite from satellite 0, rad, about the axis of the drive (bevel) or Ox.
 
     Returns:

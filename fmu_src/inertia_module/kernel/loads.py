@@ -55,11 +55,8 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
 def momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
     """Rate of the angular momentum of one gear's rotation in the frame of link 1, N m (bevel).
 
-    L = Jt v + h e with v = omega1 x + q' z of the drive, h = Jt s q' + (Ja - Jt) (w e) and e' = v x e.
-
-    Args:
-        d: derived constants. omega1, alpha1: of link 1. rate_q, rate2_q: q' and q''.
-        azimuth: A of its axis, rad.
+    L = Jt v + h e with v = omega1 x + q' z of the drive, h = Jt s q' + (Ja - Jt) (w e) and e' = v x e; e is
+    its axis, of the azimuth A, rad.
     """
     sine = math.sin(d.shaft_angle)
     axial = math.cos(d.shaft_angle)

@@ -58,15 +58,7 @@ def check(p, d, u):
 
 
 def start(p, d, u, x, y, w):
-    """Derive the constants and set the state at the end of initialisation.
-
-    Args:
-        p: parameters, each within its range. u: inputs.
-        d: derived constants, x: state, y: outputs, all written. w: workspace.
-
-    Returns:
-        Status: OK, one of derive's or of check_inputs.
-    """
+    """Derive the constants and set state and outputs at the end of initialisation. Returns a status."""
     status = check(p, d, u)
     if status != OK:
         return status
@@ -105,12 +97,9 @@ def start(p, d, u, x, y, w):
 
 
 def tune(p, d, x, w):
-    """Derive the constants anew from parameters that have changed between steps.
+    """Derive the constants anew from parameters that have changed between steps. Returns a status.
 
-    What the state knows of the last step no longer holds.
-
-    Returns:
-        Status: OK, or one of check_parameters or of build_map, which leave x as it was.
+    What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
     """
     status = check_parameters(p, d)
     if status == OK and d.fidelity == AVERAGED:
@@ -149,8 +138,6 @@ def advance(d, u, x, y, w, h, operation):
     A status other than OK leaves state and outputs as they were.
 
     Args:
-        d, u: derived constants, inputs (held or extrapolated over the step).
-        x, y: state and outputs, written. w: workspace.
         operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were,
             with STEP_PRECISELY differences of results are free of the noise of the tolerance.
     """
@@ -182,8 +169,7 @@ def audit(d, x, before, stored, tolerance):
     """Tell whether the energies of the step balance: OK or NOT_BALANCED.
 
     Args:
-        x, before: state after and before the step; x.energy_stored is set. stored: energy stored after it, J.
-        tolerance: that the step was made with.
+        before: state before the step. stored: energy after it, J, kept in x. tolerance: of the step.
     """
     put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
     put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
@@ -199,11 +185,7 @@ def audit(d, x, before, stored, tolerance):
 
 
 def apply_jump(d, u, x, h, jump):
-    """Apply a jump of the speed of link 1, or of a prescribed ratio.
-
-    Returns:
-        Impulses of the input torque and of the output freewheel, N m s.
-    """
+    """Apply a jump of the speed of link 1, or of a prescribed ratio. Returns impulses of M1 and Tc, N m s."""
     if d.fidelity != AVERAGED:
         x.torques_continue = 0.0
         return jump_input(d, x, jump, d.fidelity == ELASTIC and is_stiff(d, x, u.omega1))

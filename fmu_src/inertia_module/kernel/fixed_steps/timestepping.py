@@ -230,11 +230,7 @@ def close_within(d, x, w, prescribed, h, share):
 def use_play(d, x, w, end2, end3, h):
     """Turn freewheels within their play by the step in hand; what an impact at its end takes is lost.
 
-    Args:
-        end2, end3: speeds of link 2 and hub after it, rad/s.
-
-    Returns:
-        Whether one with play has closed.
+    end2 and end3 are the speeds of link 2 and hub after it, rad/s. Returns whether one with play has closed.
     """
     turned2 = w.angle1 - w.new_slip_angle
     held = w.mode == HELD or w.mode == HELD_DRIVING
