@@ -6,7 +6,7 @@ from pathlib import Path
 import control as ct
 import numpy as np
 import pytest
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 from scenes import ELASTIC
 
 from inertia_module import bridge
@@ -215,30 +215,12 @@ def measured(path, **change):
     return bridge.measured_response(path, **{**START, **good, **change})
 
 
-NO_SYSTEM = [
-    ({"step": 0}, "step must be a positive number of seconds, is 0"),
-    ({"state": "all"}, "state must be 'motion' or 'whole', is 'all'"),
-    ({"parameters": ELASTIC}, "with state = 'motion' fidelity must be one of .*, is elastic"),
-    ({"parameters": {"input_hold": "linear"}}, "'motion' input_hold must be constant, is linear"),
-    ({"outputs": ["energy_in"]}, "energy_in state must be 'whole', is 'motion': it is a sum since"),
-    ({"outputs": ["imbalance_acceleration_y"]}, "depends on the angle of link 1"),
-    ({"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]}, "angle of the drive"),
-    ({"outputs": ["omega5"]}, "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
-    ({"inputs": ["omega2"]}, r"input omega2 must be one of the FMU .did you mean"),
-    ({"parameters": BY_TORQUE}, "with drive = torque an input must be drive_torque, is omega1"),
-    ({"inputs": TORQUES}, "with drive = speed an input must be omega1, is drive_torque"),
-]
-NO_MEASUREMENT = [
-    ({"excited": "omega2"}, "excited must be omega1 or load_torque, is 'omega2'"),
-    ({"step": 0.5}, r"frequency must be above 0 and at most .*, is 1$"),
-    ({"parameters": BY_TORQUE}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
-    ({"amplitude": 0.0}, "amplitude must be a positive number, is 0"),
-]
-
-
 @pytest.mark.parametrize(
     "make, given, message",
-    [*((bridge.fmu_system, *case) for case in NO_SYSTEM), *((measured, *case) for case in NO_MEASUREMENT)],
+    [
+        *((bridge.fmu_system, *case) for case in REFUSED["systems"]),
+        *((measured, *case) for case in REFUSED["responses"]),
+    ],
 )
 def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make, given, message):
     with pytest.raises(ValueError, match=message):

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from refused import COMBINATIONS, refusal, sentence
+from refused import REFUSED, refusal, sentence
 from scenes import ENGINE, advanced, started
 
 from inertia_module.contract.variables import (
@@ -142,7 +142,7 @@ def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing
 
 
 def test_combination_that_cannot_be_is_refused_by_name_value_and_what_is_allowed(compiled):
-    for values, expected in COMBINATIONS:
+    for values, expected in REFUSED["combinations"]:
         module = Module(compiled)
         said = refusal(module.start, **values)
         assert expected in said, values
