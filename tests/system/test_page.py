@@ -20,9 +20,7 @@ from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, s
 from tests.system.programs import command, left
 from tests.unit import scenes
 
-LEGEND = "[...document.querySelectorAll('.panel:first-child .legend output')].map(cell => cell.textContent)"
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")
-SCENES = "[...document.querySelectorAll('select[aria-label=Scene] option')].map(one => one.value)"
 SENTENCE = "#sentence"
 
 
@@ -118,7 +116,7 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
 
 
 def test_every_scene_of_the_page_is_accepted(page):
-    names = page.page.evaluate(SCENES)
+    names = page.ask("scenes")
     assert len(names) >= 8
     for name in names:
         page.page.get_by_label("Scene", exact=True).select_option(name)
@@ -150,7 +148,7 @@ def test_clock_curves_and_switches_agree(page):
     assert time == pytest.approx(0.4321, rel=1e-3)
     row = np.searchsorted(page.shown("time"), time, side="right") - 1
     values = [page.shown(name)[row] for name in ("input_speed", "omega2", "omega_out")]
-    told = [float(text.replace("−", "-").split()[0]) for text in page.page.evaluate(LEGEND)]
+    told = [float(text.replace("−", "-").split()[0]) for text in page.ask("legend")]
     assert told == pytest.approx(values, abs=0.01)
     # the cursor of the curves stands there, and a press on them goes there
     curves = page.page.locator(".panel:first-child .u-over")
@@ -284,13 +282,6 @@ def test_converter_chart_is_that_of_the_package(page):
 # --- on a phone and a desk, in light and dark, for a screen reader; and how quick it is ---
 
 AXE = ROOT / "page" / "node_modules" / "axe-core" / "axe.min.js"
-# boxes narrower than what is in them, all settings unfolded
-TOO_NARROW = """() => {
-  document.querySelectorAll('details').forEach(group => { group.open = true; });
-  return [...document.querySelectorAll('body *:not(svg *)')].filter(
-    box => getComputedStyle(box).display !== 'inline' && box.scrollWidth > box.clientWidth + 1
-  ).map(box => `${box.tagName} ${box.className}: ${box.textContent.slice(0, 60)}`);
-}"""
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
@@ -310,7 +301,7 @@ def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
         sized.drawn()
         width = sized.page.viewport_size["width"]
         assert sized.page.evaluate("document.documentElement.scrollWidth") <= width, font
-        assert sized.page.evaluate(TOO_NARROW) == [], font
+        assert sized.ask("tooNarrow") == [], font
 
 
 def test_axe_finds_no_serious_fault(sized):
@@ -420,16 +411,6 @@ def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
         assert still.simulate(given) == str(refused.value), case
 
 
-INTEGRATE = """request => new Promise(done => {
-  let calls = 0;
-  window.inertiaModule.integrate(request, run => {
-    calls++;
-    if (run.complete || run.refusal !== null) {
-      const columns = Object.entries(run.columns).map(([name, array]) => [name, [...array]]);
-      done({ ...run, columns: Object.fromEntries(columns), time: [...run.time], calls });
-    }
-  });
-})"""
 # up to speed and, by a jump, to another load
 OVER_TIME = {
     "omega1": {"times": [0.0, 0.05, 0.2], "values": [0.0, 20.0, 120.0]},
@@ -459,7 +440,7 @@ def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built)
 
 def test_integrate_is_simulate_in_slices_with_angles_whole(still):
     given = options({**scenes.PLANAR, "tolerance": 1e-12})  # which takes some slices
-    run = still.page.evaluate(INTEGRATE, {**given, "duration": 2.0})
+    run = still.ask("integrate", {**given, "duration": 2.0})
     at_once = still.simulate({**given, "steps": 2000})
     assert run["complete"]
     assert run["calls"] > 1
@@ -472,7 +453,7 @@ def test_integrate_is_simulate_in_slices_with_angles_whole(still):
 def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
     given = options({"load_torque": 10.0})
     given["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
-    run = still.page.evaluate(INTEGRATE, {**given, "duration": 1.0})
+    run = still.ask("integrate", {**given, "duration": 1.0})
     assert not run["complete"]
     assert len(run["time"]) == len(run["columns"]["omega2"]) == 12
     assert run["refusal"] == still.simulate(given)
@@ -481,7 +462,7 @@ def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
 
 def test_warnings_are_those_of_the_native_fmu(still, built):
     given = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
-    run = still.page.evaluate(INTEGRATE, {**given, "duration": 0.01})
+    run = still.ask("integrate", {**given, "duration": 0.01})
     with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"]) as fmu:
         assert run["warnings"] == fmu.warnings
     assert len(run["warnings"]) == 2
@@ -489,17 +470,9 @@ def test_warnings_are_those_of_the_native_fmu(still, built):
 
 def test_thousand_instances_take_the_memory_of_one(still):
     """Instances are given back, also those that are refused."""
-    used = """([good, bad]) => {
-      const { simulate } = window.inertiaModule;
-      for (let n = 0; n < 1000; n++) {
-        simulate(good);
-        try { simulate(bad); } catch { /* refused */ }
-      }
-      return simulate(good).omega_out.at(-1);
-    }"""
     good = {**options({"omega1": 100.0}), "steps": 2, "outputs": ["omega_out"]}
     bad = {**good, "parameters": {"tolerance": 7.0}}
-    assert still.page.evaluate(used, [good, bad]) == still.simulate(good)["omega_out"][-1]
+    assert still.ask("thousand", [good, bad]) == still.simulate(good)["omega_out"][-1]
 
 
 # --- the command view, and run --view: a page whole or not at all ---
@@ -521,11 +494,6 @@ communication_step = "60 ms"
 outputs = ["mesh_torque", "mesh_torque_mean"]
 """
 MOST_BYTES = 2_500_000
-PLAYED = """async () => {
-  const { start, playable } = window.inertiaModule;
-  const { time, columns } = await playable(start.run, start.scene.parameters);
-  return { time: [...time], omega_out: [...columns.omega_out], q: [...columns.q] };
-}"""
 
 
 def check_page(page):
@@ -545,7 +513,7 @@ def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
     """The load of this scene follows the motion: the page cannot run it, so it holds the run."""
     page, table = opened(ENGINE), table_of(ENGINE, fmu, tmp_path)
     check_page(page)
-    start, played = page.page.evaluate("window.inertiaModule.start"), page.page.evaluate(PLAYED)
+    start, played = page.page.evaluate("window.inertiaModule.start"), page.ask("played")
     every = start["run"]["every"]
     assert not start["scene"]["exact"]
     assert start["scene"]["inputs"]["load_torque"] == pytest.approx(table["load_torque"].mean(), rel=1e-3)
