@@ -19,25 +19,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
+from inertia_module import loops
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.results import heading, write_figure, write_rows
 from inertia_module.harness.simulate import Progress
-from inertia_module.loops import (
-    SCHEMES,
-    ClosedLoop,
-    CoupledEngine,
-    Engine,
-    EngineMap,
-    EnginePlant,
-    Governor,
-    InterfaceInertia,
-    Ledger,
-    Scheme,
-    TorqueDrivenEngine,
-    initial_inputs,
-    interface_inertia,
-    torque_driven,
-)
 from inertia_module.scene import Scene, load_scene
 
 from .reference.cases import OMEGA1, THETA1
@@ -58,12 +43,12 @@ TOLERANCE = 1e-8
 # the governor closes its loop at this rate, rad/s, on engine and module together; its integral at a quarter
 _BANDWIDTH = 20.0
 # of the engine: least and greatest torque, N.m
-_LIMITS = EngineMap((0.0,), (200.0,), (20.0,))
+_LIMITS = loops.EngineMap((0.0,), (200.0,), (20.0,))
 # what is called unstable: the engine off its speed by this share, which no course here comes near to
 _OFF = 0.9
 TORQUE = "torque-driven"
 # by name; None: the module is driven by torque
-COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
+COUPLINGS: dict[str, loops.Scheme | None] = {TORQUE: None, **loops.SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
@@ -79,7 +64,7 @@ URBAN_MODULE = {
 }
 # a small car's engine, kg.m2, with its flywheel; rad/s at which it idles
 ENGINE_INERTIA, IDLE_SPEED = 0.15, 80.0
-ENGINE_MAP = EngineMap(
+ENGINE_MAP = loops.EngineMap(
     (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
 )
 # of the urban cycle: by coupling the substeps of the scene's communication step
@@ -92,10 +77,10 @@ RUNS = {
 }
 
 
-def governor(inertia: float) -> Governor:
+def governor(inertia: float) -> loops.Governor:
     """Make a governor for what turns with the engine, its rotor included, kg.m2."""
     gain = _BANDWIDTH * inertia
-    return Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
+    return loops.Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
 
 
 @dataclass(frozen=True)
@@ -115,14 +100,14 @@ class CoupledCase:
     ratio: float
 
     @cached_property
-    def interface(self) -> InterfaceInertia:
+    def interface(self) -> loops.InterfaceInertia:
         """Interface inertia of the module, kg.m2."""
-        return interface_inertia(self.parameters)
+        return loops.interface_inertia(self.parameters)
 
-    def engine(self) -> Engine:
+    def engine(self) -> loops.Engine:
         """Make the engine at the start of the case."""
         inertia = self.interface.greatest / self.ratio
-        return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
+        return loops.Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 
 # by name and greatest interface inertia over that of the engine
@@ -148,14 +133,14 @@ class Course(NamedTuple):
     omega1: Array
     omega_out: Array
     work: float
-    ledger: Ledger
+    ledger: loops.Ledger
 
 
 def one_piece(case: CoupledCase) -> Course:
     """Engine and module in one piece by the independent reference, from sample to sample of the governor."""
     engine = case.engine()
     law = engine.governor
-    motion = Reference(torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
+    motion = Reference(loops.torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
     samples = round(WINDOW / law.sample_time)
     integral = work = 0.0
     omega1, omega_out = [], []
@@ -169,43 +154,43 @@ def one_piece(case: CoupledCase) -> Course:
             work += torque * (motion.state[THETA1] - angle)
         omega1.append((motion.state[THETA1] - began) / WINDOW)
         omega_out.append(motion.omega_out)
-    return Course(np.array(omega1), np.array(omega_out), work, Ledger())
+    return Course(np.array(omega1), np.array(omega_out), work, loops.Ledger())
 
 
 @contextmanager
 def coupled(
     fmu_path: Path,
-    scheme: Scheme | None,
-    engine: Engine,
+    scheme: loops.Scheme | None,
+    engine: loops.Engine,
     inertia: float,
     parameters: Mapping[str, float],
     *given: Any,
     substeps: int = 1,
-) -> Iterator[EnginePlant]:
+) -> Iterator[loops.EnginePlant]:
     """Engine and module at their start by a scheme; without one by torque.
 
     Args:
         inertia: of the interface, kg.m2, that the scheme reckons with. parameters: of the module.
         given: what Fmu takes besides, inputs and tolerance. substeps: in each step.
     """
-    values = parameters if scheme is not None else torque_driven(parameters, engine.inertia)
+    values = parameters if scheme is not None else loops.torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, values, *given) as fmu:
         if scheme is None:
-            yield TorqueDrivenEngine(fmu, engine, substeps)
+            yield loops.TorqueDrivenEngine(fmu, engine, substeps)
         else:
-            yield CoupledEngine(fmu, engine, scheme, inertia, substeps)
+            yield loops.CoupledEngine(fmu, engine, scheme, inertia, substeps)
 
 
 def coupled_engine(
-    case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
-) -> AbstractContextManager[EnginePlant]:
+    case: CoupledCase, scheme: loops.Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
+) -> AbstractContextManager[loops.EnginePlant]:
     """Engine and module at the start of a case."""
     given = case.parameters, {"omega1": case.speed, "load_torque": case.load_torque}, tolerance
     return coupled(fmu_path, scheme, case.engine(), case.interface.middle, *given)
 
 
 def course(
-    case: CoupledCase, scheme: Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
+    case: CoupledCase, scheme: loops.Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> Course:
     """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
     omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
@@ -333,13 +318,13 @@ def urban_run(
         stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
     """
     parameters = {**scene.parameters(), "input_hold": 0.0}
-    start = initial_inputs(scene.surroundings)
-    interface, speed = interface_inertia(parameters), start["omega1"]
-    engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
+    start = loops.initial_inputs(scene.surroundings)
+    interface, speed = loops.interface_inertia(parameters), start["omega1"]
+    engine = loops.Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
     given = interface.middle, parameters, start, scene.accuracy.tolerance
     with coupled(fmu_path, COUPLINGS[name], engine, *given, substeps=substeps) as plant:
         before = plant.energy_stored
-        loop = ClosedLoop(plant, scene.surroundings, ("omega_out",), scene.signal_units)
+        loop = loops.ClosedLoop(plant, scene.surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
         output, lost = plant.read(("energy_out", "energy_lost"))
         worked, stored = engine.state.work_in, plant.energy_stored - before

@@ -10,15 +10,7 @@ from refused import REFUSED, assert_refused
 from scenes import ELASTIC
 
 from inertia_module import bridge
-from inertia_module.contract.variables import (
-    BY_NAME,
-    DRIVE_ANGLE,
-    LINK1_ANGLE,
-    LOCAL,
-    OUTPUT,
-    SINCE_START,
-    with_causality,
-)
+from inertia_module.contract import variables
 from inertia_module.harness.fmu import Fmu
 from studies.coupling import URBAN_MODULE
 
@@ -181,7 +173,7 @@ def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, e
 def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
     """A restart from the motion has all but sums since the start and what turns with link 1."""
     inputs = {"omega1": 100.0, "load_torque": 10.0}
-    names = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
+    names = [variable.name for variable in variables.with_causality(variables.OUTPUT, variables.LOCAL)]
     with Fmu(fmu, {}, inputs, 1e-11) as module:
         for _ in range(123):
             module.advance(STEP)
@@ -192,12 +184,12 @@ def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
         module.advance(STEP)
         found = dict(zip(names, module.read(names), strict=False))
     differ = {name for name in names if found[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
-    follows = {name: BY_NAME[name].follows for name in names}
-    changed = {name for name in names if follows[name] in (SINCE_START, LINK1_ANGLE)}
+    follows = {name: variables.BY_NAME[name].follows for name in names}
+    changed = {name for name in names if follows[name] in (variables.SINCE_START, variables.LINK1_ANGLE)}
     # no energy is lost here, and the audit stays at rounding
-    nothing = {name for name in BY_NAME if name.startswith("energy_lost")} | {"energy_residual"}
+    nothing = {name for name in variables.BY_NAME if name.startswith("energy_lost")} | {"energy_residual"}
     assert differ == changed - nothing
-    assert {name for name, of in follows.items() if of == DRIVE_ANGLE} == {
+    assert {name for name, of in follows.items() if of == variables.DRIVE_ANGLE} == {
         "drive_angle",
         "imbalance_x",
         "imbalance_velocity_x",
