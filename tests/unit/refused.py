@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 from inertia_module.common.errors import Refused
+from inertia_module.memory import ModelInstance
 
 # by what is refused, rows of what is given and words of the sentence
 REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
@@ -15,13 +16,22 @@ def sentence(variable, value):
     return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
 
 
+def records(action):
+    """Values, state and outputs of the model in memory that an action is of, where it has started."""
+    owner = getattr(action, "__self__", None)
+    if not (isinstance(owner, ModelInstance) and owner.started):
+        return []
+    return [bytes(part) for part in (owner.parameters, owner.inputs, owner.state, owner.outputs)]
+
+
 def refusal(action, *arguments, **values):
-    """The line that an action is refused with; "" where it is not."""
-    said = ""
+    """The line that an action is refused with; "" where it is not. A model that has started is as it was."""
+    said, before = "", records(action)
     try:
         action(*arguments, **values)
     except Refused as error:
         said = str(error)
+        assert records(action) == before, f"{said}: something has changed"
     assert "\n" not in said
     return said
 

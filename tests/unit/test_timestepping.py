@@ -148,6 +148,4 @@ def test_what_fixed_steps_cannot_do_is_refused(compiled):
     for name in ("housing_stiffness", "freewheel_stiffness"):
         assert_refused(sentence, started, compiled, fidelity=3, method=1, **{name: scenes.WIND_UP[name]})
     module = started(compiled, scenes.SCENES["bevel"], method=1, max_step=1e-7)
-    before = module.save()
     assert_refused("communication step = 100 s is abandoned", module.advance, 100.0)
-    assert module.save() == before
