@@ -7,7 +7,6 @@ from itertools import product
 
 import pytest
 import scenes
-from refused import assert_refused
 from scenes import advanced, motions, passed, started
 
 from inertia_module.contract.variables import BY_NAME
@@ -208,12 +207,6 @@ def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
 
     # a ten-thousandth of what the tolerance allows
     assert run(7)["omega_hub"] == pytest.approx(run(1)["omega_hub"], rel=1e-6, abs=1e-8)
-
-
-def test_meshes_that_jam_are_refused():
-    askew = {"a": 1.4, "b": 0.7, "satellite_mesh_efficiency": 0.1, "link2_inertia": 1e-6}
-    words = "the meshes jam .* satellite_mesh_efficiency must be higher, are 1 and 0.1"
-    assert_refused(words, started, "plain", scenes.SCENES["bevel"], askew)
 
 
 @pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from refused import REFUSED, refusal, sentence
-from scenes import ENGINE, advanced, started
+from scenes import ENGINE, PLAY, advanced, started
 
 from inertia_module.contract.variables import (
     BOOLEAN,
@@ -153,6 +153,8 @@ def test_combination_that_is_sound_runs(compiled):
         {"omega2_start": -1.0, "housing_freewheel": False},
         {"omega2_start": 2.0, "omega_out_start": 2.0, "output_freewheel": False},
         {"imbalance_mass": 0.0},
+        # what is not there engages nothing
+        {"fidelity": 0, **PLAY, "housing_freewheel": False, "output_freewheel": False},
     ):
         module = advanced(started(compiled, values, omega1=100.0, load_torque=1.0), 0.02, 0.02)
         assert abs(module["energy_residual"]) < 1e-5 * (1.0 + abs(module["energy_in"])), values
