@@ -167,11 +167,9 @@ def coupled(
     *given: Any,
     substeps: int = 1,
 ) -> Iterator[loops.EnginePlant]:
-    """Engine and module at their start by a scheme; without one by torque.
+    """Engine and module at their start by a scheme, or by torque; given is what Fmu takes besides.
 
-    Args:
-        inertia: of the interface, kg.m2, that the scheme reckons with. parameters: of the module.
-        given: what Fmu takes besides, inputs and tolerance. substeps: in each step.
+    The scheme reckons with an interface of this inertia, kg.m2.
     """
     values = parameters if scheme is not None else loops.torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, values, *given) as fmu:
@@ -310,13 +308,7 @@ def urban_run(
     stop_time: float | None = None,
     progress: Progress | None = None,
 ) -> UrbanRun:
-    """Drive the cycle.
-
-    Args:
-        scene: of urban_scene. fmu_path: of the module. name: in COUPLINGS.
-        substeps: in each step of the scene.
-        stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
-    """
+    """Drive the cycle of urban_scene by a coupling of this name, to its end or to another time, s."""
     parameters = {**scene.parameters(), "input_hold": 0.0}
     start = loops.initial_inputs(scene.surroundings)
     interface, speed = loops.interface_inertia(parameters), start["omega1"]
@@ -373,8 +365,7 @@ _NORM = BoundaryNorm(_BOUNDS, _COLOURS.N)
 def map_figure(rows: Sequence[Trial]) -> Figure:
     """Draw the worst errors: couplings from top to bottom, steps within inertia ratios from left to right.
 
-    Args:
-        rows: of the part map; what is unstable is black.
+    What is unstable is black.
     """
     cases = list(dict.fromkeys(row.case for row in rows))
     schemes = list(dict.fromkeys(row.scheme for row in rows))
@@ -404,11 +395,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
 
 
 def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, Path]:
-    """Write the rows of a part as CSV, whole or not at all, and the picture of the map.
-
-    Returns:
-        Paths by what they are.
-    """
+    """Write the rows of a part as CSV, whole or not at all, and the picture of the map; by what they are."""
     names = [heading(column, UNITS[name].get(column, "")) for column in rows[0]._fields]
     # six digits: further ones depend on the machine
     cells = ([f"{value:.6g}" if isinstance(value, float) else value for value in row] for row in rows)
