@@ -49,14 +49,13 @@ def test_lock_up_ends_where_the_load_is_more_than_friction_holds(compiled):
         assert (advanced(module, 1e-3)["omega2"] == 100.0) == sticks
 
 
-@pytest.mark.parametrize("layout", scenes.SCENES)
 @pytest.mark.parametrize("ratio", [0.5, 1.0, -0.3, 1.4])
 @pytest.mark.parametrize("losses", [*scenes.LOSSES, "windage", "all"])
-def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout, ratio, losses):
+def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, scene, ratio, losses):
     values = {"all": scenes.ALL_LOSSES, "windage": {"windage": 1e-3}, **scenes.LOSSES}[losses]
     module = started(
         compiled,
-        scenes.SCENES[layout],
+        scene,
         {"modules": 1, "satellites": 1, "imbalance_mass": 3.0},
         values,
         fidelity=0,
@@ -79,15 +78,14 @@ def test_prescribed_motion_pays_for_each_loss_and_nothing_else(compiled, layout,
         assert module[cause] > 0.0
 
 
-@pytest.mark.parametrize("layout", scenes.SCENES)
 @pytest.mark.parametrize("ratio", [0.4, 1.3, -0.3])
-def test_prescribed_motion_is_that_with_a_shaft_that_nothing_slows(compiled, layout, ratio):
+def test_prescribed_motion_is_that_with_a_shaft_that_nothing_slows(compiled, scene, ratio):
     """The rigid module, which the reference judges, behind an output of great inertia, without freewheels."""
     # what rubs on the shaft is the load's
     more = {"windage": 1e-4, "satellites": 1, "output_friction": 0.0, **scenes.FREEWHEELS["no freewheel"]}
     values, speed = (
-        scenes.SCENES[layout] | scenes.ALL_LOSSES | scenes.GEARS | more,
-        ratio * scenes.SCENES[layout]["omega1"],
+        scene | scenes.ALL_LOSSES | scenes.GEARS | more,
+        ratio * scene["omega1"],
     )
     prescribed = started(compiled, values, fidelity=0, kinematic_ratio=ratio)
     heavy = {"omega2_start": speed, "omega_out_start": speed, "output_inertia": 1e12}
