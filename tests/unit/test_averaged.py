@@ -5,7 +5,7 @@ import math
 
 import pytest
 from refused import assert_refused
-from scenes import DRIVEN, MECHANISMS, PLANAR, SCENES, advanced, passed, started
+from scenes import DRIVEN, FOUND, MECHANISMS, PLANAR, SCENES, advanced, mechanism, passed, started
 
 from inertia_module.memory import Module
 
@@ -275,17 +275,7 @@ def test_light_shaft_keeps_up_with_a_drive_that_changes_at_little_cost(compiled,
 
 
 def test_lock_up_makes_no_energy_where_the_output_was_faster_than_a_light_link_1(compiled):
-    mechanism = {
-        "satellites": 5,
-        "imbalance_mass": 80.0,
-        "z2": 33,
-        "z17": 40,
-        "z6": 50,
-        "a": 0.64293,
-        "c": 0.0,
-    }
-    values = {"wheel_radius": 0.2, "input_inertia": 2e-4, "output_inertia": 1e-3, "tolerance": 1e-9}
-    module = started(compiled, BY_TORQUE, mechanism, values, omega1=3.4835, load_torque=59.438)
+    module = started(compiled, BY_TORQUE, mechanism(FOUND["light_link_1"]), omega1=3.4835, load_torque=59.438)
     advanced(module, 0.38778)
     advanced(module, 0.042248, load_torque=2.1151, drive_torque=10.263)
     assert module["omega_out"] == pytest.approx(module["input_speed"], rel=1e-9)

@@ -10,7 +10,7 @@ from itertools import product
 
 import pytest
 from averaged_errors import REALISTIC, of_map, of_pulses
-from scenes import MECHANISMS, advanced, input_angle, started
+from scenes import FOUND, MECHANISMS, advanced, input_angle, mechanism, started
 
 from inertia_module.loops import interface_inertia
 from inertia_module.memory import Module, Refused
@@ -201,13 +201,7 @@ def test_each_module_has_the_map_of_its_losses_also_where_they_change_between_st
     assert averaged(compiled, scene)["output_torque"] == ideal
 
 
-# link 2 is heavy: thrown from rest it is not as fast as the output for long, in the end it never rests
-HEAVY = {
-    **{"z2": 40, "z16": 14, "z17": 41, "z6": 38, "wheel_radius": 0.1997, "a": 1.50165, "c": 1.48185},
-    **{"epsilon": 5.79858, "imbalance_mass": 0.45047, "satellites": 3, "drive_inertia": 0.130558},
-    **{"link2_inertia": 4.07448, "input_inertia": 4.98285, "satellite_inertia": 0.034055},
-    "satellite_transverse_inertia": 0.0589077,
-}
+HEAVY = mechanism(FOUND["heavy_link_2"])
 # neither rests nor drives, between what drags it on and back
 DRAGGED = {"link2_inertia": 0.5, "mesh_efficiency": 0.99, "housing_drag": 0.02, "output_drag": 0.01}
 CASES = (
