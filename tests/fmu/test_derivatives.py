@@ -92,7 +92,8 @@ def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value
 TUNABLE = {
     "rigid": dict.fromkeys(("windage", "housing_drag"), 0.0) | {"journal_friction": 1e-3},
     "elastic with losses, by torque": TUNED | {"windage": 1e-4, "freewheel_damping": 1.0},
-    "averaged": LOSSES["viscous"],
+    # each map with losses takes seconds
+    "averaged": {"link2_friction": 0.01, "output_friction": 0.01},
     "timestepping": LOSSES["viscous"],
     "kinematic": {"kinematic_ratio": 0.3},
 }

@@ -23,6 +23,7 @@ from scenes import (
     LOSSES,
     PLAY,
     SCENES,
+    TABLE,
     WIND_UP,
     advanced,
     drive_angle,
@@ -328,21 +329,8 @@ CHECKED = (
     *("contact_mode", "omega2", "omega_out", "input_torque", "mesh_torque", "output_torque"),
     *("housing_torque", "output_torque_mean", "imbalance_acceleration"),
 )
-# by time, s: these and the angle of the drive
-REFERENCE_VALUES = {
-    0.01: (
-        *(2, 0.969128517, 0.969128517, 163.43277665, 22.45225325, 22.32896361, 0, 58.4564258, 2931.116196),
-        0.995538603,
-    ),
-    0.1: (
-        *(0, 0, 3.447176379, -169.30697594, -95.49415258, 0, 95.49415258, 27.2358819, 5285.153822),
-        9.887230876,
-    ),
-    1.0: (
-        *(2, 17.968063040, 17.968063040, 15.48585376, 50.41231783, 50.01219587, 0, 18.98403152),
-        *(1063.437762, 93.434013810),
-    ),
-}
+# these and the angle of the drive
+REFERENCE_VALUES = {float(time): values for time, values in TABLE["check_values"].items()}
 
 
 @pytest.mark.parametrize("time", REFERENCE_VALUES)
