@@ -110,7 +110,7 @@ def draw(axes: Axes, panel: Panel, x: Any, abscissa: str = "") -> None:
 
 
 def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, told: str, **shared: Any) -> Figure:
-    """Draw rows of panels over one abscissa, x of shape (n,), with a caption; shared: as sharey of subplots."""
+    """Draw rows of panels over one abscissa, x of shape (n,); shared: as sharey of subplots."""
     figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), told)
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, squeeze=False, **shared)
     for row, cells in zip(grid, rows, strict=True):
