@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 import re
 import tomllib
 import zlib
@@ -418,23 +419,22 @@ OVER_TIME = {
 }
 
 
-def over_time(signal, time):
-    """Value of a signal just after a time, and its rate until the next point."""
-    times, values = signal["times"], signal["values"]
-    at = np.searchsorted(times, time, side="right")
-    if at in (0, len(times)):
-        return values[0 if at == 0 else -1], 0.0
-    rate = (values[at] - values[at - 1]) / (times[at] - times[at - 1])
-    return values[at - 1] + rate * (time - times[at - 1]), rate
+def over_time(time):
+    """Value of each input just after a time, and its rate until the next point."""
+    found = {}
+    for name, signal in OVER_TIME.items():
+        points = list(zip(signal["times"], signal["values"], strict=True))
+        before = max(n for n, point in enumerate(points) if point[0] <= time)
+        (begin, value), (end, last) = points[before], [*points, (math.inf, points[-1][1])][before + 1]
+        rate = (last - value) / (end - begin)
+        found[name] = value + rate * (time - begin), rate
+    return found
 
 
 def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
     given = {**options({}), "steps": 400}  # beyond the last point
     found = still.simulate({**given, "inputs": OVER_TIME})
-    expected = native(
-        built, given, lambda time: {name: over_time(signal, time) for name, signal in OVER_TIME.items()}
-    )
-    for name, values in expected.items():
+    for name, values in native(built, given, over_time).items():
         assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), name
 
 
@@ -480,19 +480,7 @@ def test_thousand_instances_take_the_memory_of_one(still):
 
 EXAMPLES = ROOT / "examples"
 ENGINE = EXAMPLES / "engine.toml"
-# the load follows the motion, and the drive turns about once from point to point
-COARSE = """
-[drive]
-kind = "constant"
-omega1 = 100.0
-[load]
-kind = "shaft"
-inertia = 1e4
-[run]
-stop_time = "6 s"
-communication_step = "60 ms"
-outputs = ["mesh_torque", "mesh_torque_mean"]
-"""
+COARSE = Path(__file__).with_name("coarse.toml")
 MOST_BYTES = 2_500_000
 
 
@@ -524,10 +512,8 @@ def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
 
 
 def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, fmu, tmp_path):
-    scene = tmp_path / "coarse.toml"
-    scene.write_text(COARSE)
-    page = opened(scene, reduced_motion="reduce")
-    mean = table_of(scene, fmu, tmp_path)["mesh_torque_mean"][50]
+    page = opened(COARSE, reduced_motion="reduce")
+    mean = table_of(COARSE, fmu, tmp_path)["mesh_torque_mean"][50]
     page.page.get_by_role("slider", name="time", exact=True).fill("5000")
     page.drawn()
     speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())
