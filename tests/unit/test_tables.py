@@ -1,6 +1,8 @@
 """Tables from CSV files as they come from rigs and spreadsheets: read right, or refused in a sentence."""
 
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,17 +15,7 @@ from inertia_module.harness.wires import WiringError
 from inertia_module.scene import SceneError, load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
-SAME = {
-    "commas": "time,omega1\n0,100\n0.5,101.5\n1,-2.5e-3\n",
-    "semicolons": "time;omega1\n0;100\n0.5;101.5\n1;-2.5e-3\n",
-    "decimal commas": "time;omega1\n0;100\n0,5;101,5\n1;-2,5e-3\n",
-    "tabs": "time\tomega1\n0\t100\n0,5\t101,5\n1\t-2,5e-3\n",
-    "decimal commas in quotes": 'time,omega1\n0,100\n"0,5","101,5"\n1,"-2,5e-3"\n',
-    "units in brackets": "time [s];omega1 [rad/s]\n0;100\n0,5;101,5\n1;-2,5e-3\n",
-    "units in round brackets": "time (s);omega1 (rad/s)\n0;100\n0,5;101,5\n1;-2,5e-3\n",
-    "time in ms": "time [ms],omega1\n0,100\n500,101.5\n1000,-2.5e-3\n",
-    "byte mark, blanks, empty lines": "\ufeff\n time , omega1 \r\n0,100\r\n\r\n0.5,101.5\r\n1,-2.5e-3",
-}
+SAME = tomllib.loads(Path(__file__).with_name("same_tables.toml").read_text(encoding="utf-8"))
 BAD = [(text.encode(), words) for text, words in REFUSED["tables"]]
 NO_UTF_8 = r"table\.csv must be a CSV file in UTF-8"
 BAD += [("time,winkel [°]\n0,1\n".encode(code), NO_UTF_8) for code in ("latin-1", "utf-16")]
