@@ -20,6 +20,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from inertia_module import loops
+from inertia_module.common.examples import example
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.results import heading, write_figure, write_rows
 from inertia_module.harness.simulate import Progress
@@ -53,15 +54,9 @@ RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
 SCENE = Path("examples") / "urban.toml"
-URBAN_MODULE = {
-    "layout": 1.0,
-    "sun_radius": 0.1,
-    "satellite_radius": 0.06,
-    "eccentricity": 0.04,
-    "imbalance_mass": 0.3,
-    "satellites": 3.0,
-    "link2_inertia": 0.01,
-}
+# the module of it, without its car
+_GIVEN = load_scene(example("urban")).parameters().items()
+URBAN_MODULE = {name: value for name, value in _GIVEN if name not in ("output_inertia", "input_hold")}
 # a small car's engine, kg.m2, with its flywheel; rad/s at which it idles
 ENGINE_INERTIA, IDLE_SPEED = 0.15, 80.0
 ENGINE_MAP = loops.EngineMap(

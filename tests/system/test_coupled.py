@@ -279,7 +279,6 @@ def test_error_falls_with_the_order_of_the_scheme_in_the_rows_of_the_page(name, 
 
 def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu):
     scene = study.urban_scene()
-    assert study.URBAN_MODULE.items() <= scene.parameters().items()
     found = study.urban_run(scene, fmu, TORQUE, 2, stop_time=20.0)
     assert abs(found.residual) < 1e-6
     assert found.outside == 0.0
