@@ -19,25 +19,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
+from inertia_module import loops
+from inertia_module.common.examples import example
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.harness.results import heading, write_figure, write_rows
 from inertia_module.harness.simulate import Progress
-from inertia_module.loops import (
-    SCHEMES,
-    ClosedLoop,
-    CoupledEngine,
-    Engine,
-    EngineMap,
-    EnginePlant,
-    Governor,
-    InterfaceInertia,
-    Ledger,
-    Scheme,
-    TorqueDrivenEngine,
-    initial_inputs,
-    interface_inertia,
-    torque_driven,
-)
 from inertia_module.scene import Scene, load_scene
 
 from .reference.cases import OMEGA1, THETA1
@@ -58,28 +44,22 @@ TOLERANCE = 1e-8
 # the governor closes its loop at this rate, rad/s, on engine and module together; its integral at a quarter
 _BANDWIDTH = 20.0
 # of the engine: least and greatest torque, N.m
-_LIMITS = EngineMap((0.0,), (200.0,), (20.0,))
+_LIMITS = loops.EngineMap((0.0,), (200.0,), (20.0,))
 # what is called unstable: the engine off its speed by this share, which no course here comes near to
 _OFF = 0.9
 TORQUE = "torque-driven"
 # by name; None: the module is driven by torque
-COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
+COUPLINGS: dict[str, loops.Scheme | None] = {TORQUE: None, **loops.SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
 SCENE = Path("examples") / "urban.toml"
-URBAN_MODULE = {
-    "layout": 1.0,
-    "sun_radius": 0.1,
-    "satellite_radius": 0.06,
-    "eccentricity": 0.04,
-    "imbalance_mass": 0.3,
-    "satellites": 3.0,
-    "link2_inertia": 0.01,
-}
+# the module of it, without its car
+_GIVEN = load_scene(example("urban")).parameters().items()
+URBAN_MODULE = {name: value for name, value in _GIVEN if name not in ("output_inertia", "input_hold")}
 # a small car's engine, kg.m2, with its flywheel; rad/s at which it idles
 ENGINE_INERTIA, IDLE_SPEED = 0.15, 80.0
-ENGINE_MAP = EngineMap(
+ENGINE_MAP = loops.EngineMap(
     (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
 )
 # of the urban cycle: by coupling the substeps of the scene's communication step
@@ -92,10 +72,10 @@ RUNS = {
 }
 
 
-def governor(inertia: float) -> Governor:
+def governor(inertia: float) -> loops.Governor:
     """Make a governor for what turns with the engine, its rotor included, kg.m2."""
     gain = _BANDWIDTH * inertia
-    return Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
+    return loops.Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
 
 
 @dataclass(frozen=True)
@@ -115,14 +95,14 @@ class CoupledCase:
     ratio: float
 
     @cached_property
-    def interface(self) -> InterfaceInertia:
+    def interface(self) -> loops.InterfaceInertia:
         """Interface inertia of the module, kg.m2."""
-        return interface_inertia(self.parameters)
+        return loops.interface_inertia(self.parameters)
 
-    def engine(self) -> Engine:
+    def engine(self) -> loops.Engine:
         """Make the engine at the start of the case."""
         inertia = self.interface.greatest / self.ratio
-        return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
+        return loops.Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 
 # by name and greatest interface inertia over that of the engine
@@ -148,14 +128,14 @@ class Course(NamedTuple):
     omega1: Array
     omega_out: Array
     work: float
-    ledger: Ledger
+    ledger: loops.Ledger
 
 
 def one_piece(case: CoupledCase) -> Course:
     """Engine and module in one piece by the independent reference, from sample to sample of the governor."""
     engine = case.engine()
     law = engine.governor
-    motion = Reference(torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
+    motion = Reference(loops.torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
     samples = round(WINDOW / law.sample_time)
     integral = work = 0.0
     omega1, omega_out = [], []
@@ -169,43 +149,41 @@ def one_piece(case: CoupledCase) -> Course:
             work += torque * (motion.state[THETA1] - angle)
         omega1.append((motion.state[THETA1] - began) / WINDOW)
         omega_out.append(motion.omega_out)
-    return Course(np.array(omega1), np.array(omega_out), work, Ledger())
+    return Course(np.array(omega1), np.array(omega_out), work, loops.Ledger())
 
 
 @contextmanager
 def coupled(
     fmu_path: Path,
-    scheme: Scheme | None,
-    engine: Engine,
+    scheme: loops.Scheme | None,
+    engine: loops.Engine,
     inertia: float,
     parameters: Mapping[str, float],
     *given: Any,
     substeps: int = 1,
-) -> Iterator[EnginePlant]:
-    """Engine and module at their start by a scheme; without one by torque.
+) -> Iterator[loops.EnginePlant]:
+    """Engine and module at their start by a scheme, or by torque; given is what Fmu takes besides.
 
-    Args:
-        inertia: of the interface, kg.m2, that the scheme reckons with. parameters: of the module.
-        given: what Fmu takes besides, inputs and tolerance. substeps: in each step.
+    The scheme reckons with an interface of this inertia, kg.m2.
     """
-    values = parameters if scheme is not None else torque_driven(parameters, engine.inertia)
+    values = parameters if scheme is not None else loops.torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, values, *given) as fmu:
         if scheme is None:
-            yield TorqueDrivenEngine(fmu, engine, substeps)
+            yield loops.TorqueDrivenEngine(fmu, engine, substeps)
         else:
-            yield CoupledEngine(fmu, engine, scheme, inertia, substeps)
+            yield loops.CoupledEngine(fmu, engine, scheme, inertia, substeps)
 
 
 def coupled_engine(
-    case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
-) -> AbstractContextManager[EnginePlant]:
+    case: CoupledCase, scheme: loops.Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
+) -> AbstractContextManager[loops.EnginePlant]:
     """Engine and module at the start of a case."""
     given = case.parameters, {"omega1": case.speed, "load_torque": case.load_torque}, tolerance
     return coupled(fmu_path, scheme, case.engine(), case.interface.middle, *given)
 
 
 def course(
-    case: CoupledCase, scheme: Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
+    case: CoupledCase, scheme: loops.Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> Course:
     """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
     omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
@@ -325,21 +303,15 @@ def urban_run(
     stop_time: float | None = None,
     progress: Progress | None = None,
 ) -> UrbanRun:
-    """Drive the cycle.
-
-    Args:
-        scene: of urban_scene. fmu_path: of the module. name: in COUPLINGS.
-        substeps: in each step of the scene.
-        stop_time: s, by default that of the scene. progress: told how much is done (0 to 1).
-    """
+    """Drive the cycle of urban_scene by a coupling of this name, to its end or to another time, s."""
     parameters = {**scene.parameters(), "input_hold": 0.0}
-    start = initial_inputs(scene.surroundings)
-    interface, speed = interface_inertia(parameters), start["omega1"]
-    engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
+    start = loops.initial_inputs(scene.surroundings)
+    interface, speed = loops.interface_inertia(parameters), start["omega1"]
+    engine = loops.Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
     given = interface.middle, parameters, start, scene.accuracy.tolerance
     with coupled(fmu_path, COUPLINGS[name], engine, *given, substeps=substeps) as plant:
         before = plant.energy_stored
-        loop = ClosedLoop(plant, scene.surroundings, ("omega_out",), scene.signal_units)
+        loop = loops.ClosedLoop(plant, scene.surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
         output, lost = plant.read(("energy_out", "energy_lost"))
         worked, stored = engine.state.work_in, plant.energy_stored - before
@@ -388,8 +360,7 @@ _NORM = BoundaryNorm(_BOUNDS, _COLOURS.N)
 def map_figure(rows: Sequence[Trial]) -> Figure:
     """Draw the worst errors: couplings from top to bottom, steps within inertia ratios from left to right.
 
-    Args:
-        rows: of the part map; what is unstable is black.
+    What is unstable is black.
     """
     cases = list(dict.fromkeys(row.case for row in rows))
     schemes = list(dict.fromkeys(row.scheme for row in rows))
@@ -419,11 +390,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
 
 
 def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, Path]:
-    """Write the rows of a part as CSV, whole or not at all, and the picture of the map.
-
-    Returns:
-        Paths by what they are.
-    """
+    """Write the rows of a part as CSV, whole or not at all, and the picture of the map; by what they are."""
     names = [heading(column, UNITS[name].get(column, "")) for column in rows[0]._fields]
     # six digits: further ones depend on the machine
     cells = ([f"{value:.6g}" if isinstance(value, float) else value for value in row] for row in rows)

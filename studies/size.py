@@ -10,6 +10,7 @@ import ast
 import csv
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated
 
@@ -77,6 +78,7 @@ class Room:
         return max(int((1.0 + MARGIN) * self.budget), OVER.get(self.name, 0))
 
 
+@cache
 def statements(text: str) -> int:
     """Number of statements of a Python file, docstrings left out."""
 

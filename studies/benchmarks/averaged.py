@@ -5,20 +5,18 @@ Run: python -m studies.benchmarks.averaged
 """
 
 import math
-from pathlib import Path
 
 import numpy as np
 
+from inertia_module.common.examples import example
 from inertia_module.fidelity.trials import kernel_time, run_in_process
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID
 from inertia_module.loops import interface_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene
-from studies.benchmarks.figures import PLANAR
 
-SCENE = Path(__file__).parents[2] / "examples" / "urban.toml"
 FIDELITIES = {"rigid": RIGID, "averaged": AVERAGED}
-LAYOUTS = {"bevel": {}, "planar": PLANAR}
+LAYOUTS = {"bevel": {}, "planar": load_scene(example("planar")).parameters()}
 SHARES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 50.0)  # J1 over the greatest inertia the module has at its input
 START = {
     "drive": DRIVE_TORQUE,
@@ -48,7 +46,7 @@ def kernel_times(scene, record):
 
 def figures_of_scene():
     """Kernel times, and the largest difference of the mean output speed over a second, of the largest omega1."""
-    scene = load_scene(SCENE)
+    scene = load_scene(example("urban"))
     records = {
         name: run_in_process(scene.replaced(mechanism={"fidelity": fidelity}))
         for name, fidelity in FIDELITIES.items()

@@ -9,10 +9,6 @@ DOCS = Path(__file__).parents[2] / "docs"
 TABLE = DOCS / "performance.csv"
 HEADINGS = ("part", "case", "quantity", "value", "unit")
 R1 = {"omega1": 100.0, "load_torque": 10.0}
-PLANAR = {
-    **{"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02},
-    **{"imbalance_mass": 0.8, "satellites": 3, "link2_inertia": 0.003, "output_inertia": 0.4},
-}
 
 
 def in_turns(ways, rounds):

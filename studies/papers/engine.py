@@ -84,8 +84,7 @@ def words(name: str) -> str:
 def tables(paper: str, functions: dict[str, Any]) -> tuple[list[Row], Formulas, Formulas]:
     """Read the rows of a paper, and compile its formulas as printed and the exact ones, by quantity.
 
-    Args:
-        paper: its name. functions: that formulas use besides those of numpy, by name.
+    They use functions, by name, besides those of numpy.
     """
     used = NAMES | functions
 

@@ -71,12 +71,7 @@ CURVES = tomllib.loads(words("figures.toml"))
 
 
 class Panel(NamedTuple):
-    """Panel of a figure.
-
-    Attributes:
-        ordinate: its label with the unit. curves: values over the abscissa by label, each of shape (n,).
-        title: at the left above it.
-    """
+    """Panel of a figure: ordinate with its unit, curves (n,) over the abscissa by label, title above it."""
 
     ordinate: str
     curves: Mapping[str, Any]
@@ -115,11 +110,7 @@ def draw(axes: Axes, panel: Panel, x: Any, abscissa: str = "") -> None:
 
 
 def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, told: str, **shared: Any) -> Figure:
-    """Draw rows of panels over one abscissa, x of shape (n,), with a caption.
-
-    Args:
-        rows: of panels. shared: scales, as sharey of Figure.subplots.
-    """
+    """Draw rows of panels over one abscissa, x of shape (n,); shared: as sharey of subplots."""
     figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), told)
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, squeeze=False, **shared)
     for row, cells in zip(grid, rows, strict=True):
@@ -272,11 +263,7 @@ AT, TURN = lysenko.exact(M, SHOWN, W), np.exp(1j * M.b * SHOWN)
 
 
 class Sketch:
-    """A drawing in the plane of complex numbers, mm.
-
-    Args:
-        axes: to draw in. plane: names of both coordinates. view: left, right, bottom, top, mm.
-    """
+    """A drawing in the plane of complex numbers, mm, of the two coordinates named, in a view of axis()."""
 
     def __init__(self, axes: Axes, plane: str, view: Any, title: str = "") -> None:
         self.axes, self.plane = axes, plane

@@ -290,11 +290,7 @@ def _by_cvode(problem: Problem, method: str, tolerance: float) -> Integrator:
 
 
 def _run(problem: Problem, times: Array, integrate: Integrator) -> list[Segment]:
-    """One run through the output times; the first of them is the beginning.
-
-    Raises:
-        RuntimeError: the integrator gives up, or events without end.
-    """
+    """One run through the output times; the first of them is the beginning."""
     time, state, found = float(times[0]), problem.start.copy(), list[Segment]()
     problem.choose(state)
     times = times[1:]
@@ -313,9 +309,8 @@ def simulate(case: Case, tolerance: float, method: str, stiffness: float | None 
     """Run a case with all samples, then, timed, to the end alone: what an integrator costs is its own steps.
 
     Args:
-        case: of the rigid module. tolerance: relative and absolute.
+        tolerance: relative and absolute. stiffness: see Problem.
         method: "Adams" or "BDF" of CVODE, as solve_ivp names it, or, with clutches, "odeint".
-        stiffness: of a clutch for each freewheel, N.m.s/rad, which has no events, or None.
 
     Raises:
         Unavailable: the case is not for it. NotInstalled: a library is not.

@@ -95,12 +95,11 @@ def _module(p: Parameters, module: int) -> str:
 def mechanism(
     p: Parameters, options: str = "", more: str = "", output_shaft: bool = False, flywheel: float = 0.0
 ) -> str:
-    """The MuJoCo model (MJCF) of the mechanism.
+    """The MuJoCo model (MJCF) of the mechanism, p being all parameters of the module by name.
 
     Args:
-        p: all parameters of the module by name.
         options: attributes of <option>. more: elements beside the worldbody.
-        output_shaft: whether the output shaft is there. flywheel: inertia on link 1 beyond J1, kg m^2.
+        flywheel: inertia on link 1 beyond J1, kg m^2.
     """
     # of the input inertia J1 the drives of the bevel layout already bring half of J16
     rest = p["input_inertia"] - (0.0 if p["layout"] else 0.5 * p["drive_inertia"]) + flywheel

@@ -51,11 +51,7 @@ def shaft_frequency(value: Callable[[str], float]) -> float:
 
 
 def swing_frequency(value: Callable[[str], float]) -> float:
-    """About the most at which link 2 swings on freewheels that wind up and on weights, rad/s; 0 without them.
-
-    Args:
-        value: of a parameter by name.
-    """
+    """About the most at which link 2 swings on freewheels that wind up and on weights, rad/s, or 0."""
     size = value("sun_radius") + value("satellite_radius") if value("layout") else value("wheel_radius")
     stiffness = value("housing_stiffness") + value("freewheel_stiffness")
     stiffness += value("imbalance_mass") * value("gravity") * size

@@ -264,11 +264,9 @@ class Run:
 
 
 def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:
-    """Run a module through a motion.
+    """Run a module through a motion, each long communication step split in so many short ones.
 
-    Args:
-        make: makes a module not started yet. split: short communication steps that replace each long one.
-        saved_at: segment from which on another module goes on from the saved state.
+    From the segment saved_at on another module goes on from the saved state.
     """
     found, module = Run(), make()
     try:

@@ -421,10 +421,6 @@ def run_random(
     """The outcomes of so many random motions, on all processors; the same for the same seed.
 
     Each is kept in the folder (see outcomes_file): a run that was stopped goes on behind the last one.
-
-    Args:
-        number: of motions. seed: of all of them. folder: to keep them. report: called with the share done.
-        losses: whether to draw losses by load, drag and gravity besides.
     """
     Module().load_kernel()  # compiled once, before there are many who would
     path = outcomes_file(folder, seed, losses)

@@ -89,11 +89,9 @@ def energy_bound(accuracy: float, turns: float = 0.0) -> float:
 
 
 def result_bound(accuracy: float, sensitivity: float) -> float:
-    """Distance allowed between two runs of one motion, relative.
+    """Distance allowed between two runs of one motion, relative, as the accuracy asked for.
 
-    Args:
-        accuracy: asked for, relative.
-        sensitivity: distance that a change of the problem by the tolerance makes.
+    The sensitivity is the distance that a change of the problem by the tolerance makes.
     """
     return min(LARGEST_ERROR, RESULT_ACCURACIES * (accuracy + sensitivity) + ROUNDING)
 
@@ -131,11 +129,7 @@ class Trial:
 
 
 def try_case(case: Case, make: Make = Module) -> Trial:
-    """All runs of a case. Never raises.
-
-    Args:
-        make: makes a module not started yet.
-    """
+    """All runs of a case. Never raises."""
     motion = case.motion
     try:
         if case.level.method == TIMESTEPPING and "max_step" not in motion.parameters:
@@ -282,10 +276,7 @@ def judge(trial: Trial) -> Verdict:
 
 
 def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
-    """Cases of all axes, or of one.
-
-    Args:
-        only: name of an axis. quick: leave out those that take long.
+    """Cases of all axes, or of one alone, without those that take long if it is to be quick.
 
     Raises:
         ValueError: there is none of this name.
@@ -367,11 +358,7 @@ def reasons(rows: Iterable[Row]) -> list[str]:
 
 
 def summary(rows: Sequence[Row]) -> Picture:
-    """Draw what came out of each axis, both layouts together: a bar for each level, parted by verdicts.
-
-    Args:
-        rows: of rows_of or read_rows.
-    """
+    """Draw what came out of each axis, both layouts together: a bar for each level, parted by verdicts."""
     names = dict.fromkeys(row.axis for row in rows)
     levels = HEADINGS[3:]
     picture = Picture(figsize=(8.5, 1.0 + 0.24 * len(names)), dpi=120, layout="constrained")

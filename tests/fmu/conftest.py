@@ -4,10 +4,11 @@ import functools
 from pathlib import Path
 
 import pytest
+import scenes
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
-from scenes import ALL_LOSSES, ELASTIC, REFERENCE, WIND_UP
+from scenes import ELASTIC, REFERENCE
 
 from inertia_module.fmu.builder import FMUS
 from inertia_module.harness.loading import Log, Slave, callbacks_of
@@ -16,19 +17,11 @@ from inertia_module.harness.loading import Log, Slave, callbacks_of
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
 R1 = REFERENCE
-FIXED = {"method": 1, "max_step": 1e-3}
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
 # each fidelity and method, by speed and, where that can make the motion, by torque
-LEVELS = {
-    "kinematic": {"fidelity": 0, "kinematic_ratio": 0.3},
-    "averaged": {"fidelity": 1},
-    "rigid": {"fidelity": 2},
-    "timestepping": {"fidelity": 2, **FIXED},
-    "elastic": ELASTIC,
-    "elastic, timestepping": {**ELASTIC, **FIXED},
-    "rigid with losses": {"fidelity": 2, **ALL_LOSSES},
-    "elastic with losses": {**ELASTIC, **ALL_LOSSES, **WIND_UP},
-}
+LEVELS = {name: {"fidelity": 2, **level} for name, level in scenes.LEVELS.items()}
+LEVELS["rigid with losses"] = {"fidelity": 2, **scenes.ALL_LOSSES}
+LEVELS["elastic with losses"] = {**ELASTIC, **scenes.ALL_LOSSES, **scenes.WIND_UP}
 LEVELS |= {f"{name}, by torque": {**LEVELS[name], **BY_TORQUE} for name in LEVELS if name != "kinematic"}
 
 

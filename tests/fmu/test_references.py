@@ -3,7 +3,9 @@
 import re
 import shutil
 import subprocess
+import tomllib
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,16 +27,16 @@ from studies.reference.experiments import CARRIED, files, package_folder
 FLAVOURS = ("InertiaModule", "InertiaModule3", "DrivenShaft3")
 
 
-def changed(path, folder, changes, gone="nothing"):
+def changed(path, folder, case):
     """A copy of an FMU whose carried files are changed by patterns and what replaces them, or gone."""
     copy = folder / path.name
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(copy, "w") as new:
         for name in old.namelist():
             content = old.read(name)
             if CARRIED in name:
-                for pattern, text in changes.items():
-                    content = re.sub(pattern, text, content)
-            if gone not in name:
+                for pattern, text in case.get("changes", {}).items():
+                    content = re.sub(pattern.encode(), text.encode(), content)
+            if case.get("gone", "nothing") not in name:
                 new.writestr(name, content)
     return copy
 
@@ -69,49 +71,14 @@ def test_what_is_carried_along_is_what_the_reference_gives_today(model, tmp_path
             assert content == (kept / name).read_bytes(), name
 
 
-FIDELITY = rb'(name="fidelity">\s*<ssv:)Integer value="3"'
-# what is changed or gone in an FMU, as others write it and drafts of the formats have it: problems told
-CARRIED_BY_OTHERS = {
-    "a result is off": (
-        {rb"\n1,17.968": b"\n1,17.978"},
-        "",
-        ["R1: omega2 deviates from its reference: 0.01 at 1 s"],
-    ),
-    "a parameter is another": ({FIDELITY: rb'\1Integer value="2"'}, "", ["elastic: omega2"]),
-    "choices by name": ({FIDELITY: rb'\1Enumeration value="elastic"'}, "", []),
-    "no tolerances": ({rb"(?s)<Annotations>.*?</Annotations>": b""}, "", []),
-    "times of the experiment": (
-        {rb'( tolerance="1e-06")>\s*<TransientSimulation (.*) />': rb"\1 \2>"},
-        *("", []),
-    ),
-    "results are missing": (
-        {},
-        "planar_ref.csv",
-        ["experiment planar fails: ", "planar_ref.csv must be a CSV file"],
-    ),
-    "experiments are missing": (
-        {},
-        "experiments.exp",
-        ["the experiments that it carries along cannot be read"],
-    ),
-    "a name that is not there": (
-        {rb'"omega_hub"': b'"omega_hubs"'},
-        "",
-        ["experiment elastic fails: omega_hubs must be a variable of InertiaModule.fmu (did you"],
-    ),
-    # where means are those of a hundredth of the time, and the scene is R1
-    "no experiments": (
-        {rb"experiment/validation": b"other"},
-        "",
-        ["R1_ref: input_torque_mean", "planar_ref: "],
-    ),
-}
+CARRIED_BY_OTHERS = tomllib.loads(Path(__file__).with_name("carried.toml").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("case", CARRIED_BY_OTHERS)
 def test_what_others_carry_along_is_read_and_what_deviates_told(built, tmp_path, case):
-    changes, gone, told = CARRIED_BY_OTHERS[case]
-    problems = check_fmu(changed(built / "InertiaModule.fmu", tmp_path, changes, gone or "nothing")).problems
+    told = CARRIED_BY_OTHERS[case].get("told", [])
+    path = changed(built / "InertiaModule.fmu", tmp_path, CARRIED_BY_OTHERS[case])
+    problems = check_fmu(path).problems
     assert bool(problems) == bool(told)
     for words in told:
         assert any(words in problem for problem in problems), problems

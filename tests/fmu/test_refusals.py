@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
-from refused import COMBINATIONS, assert_refused, sentence
+from refused import REFUSED, assert_refused, sentence
 
 from inertia_module.common.errors import Refused
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -143,7 +143,7 @@ def test_all_that_cannot_be_at_the_start_is_named_at_once(fmu_path, given, said)
 
 
 def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_model(instance):
-    for parameters, _ in COMBINATIONS:
+    for parameters, _ in REFUSED["combinations"]:
         with pytest.raises(Refused) as caught:
             Module("plain").start(**parameters)
         said = instance.refusal(lambda values=parameters: instance.start(**values))

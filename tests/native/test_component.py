@@ -12,7 +12,7 @@ from inertia_module.fmu.component import FOLDER, component
 
 from ..fmu.conftest import ELASTIC, R1, Instance
 from ..system.conftest import browser
-from .conftest import FMUS, OF_FMI_3, opened
+from .conftest import FMUS, OF_FMI_3, SOURCES, opened
 
 __all__ = ["browser", "opened"]
 MAKE = Path(__file__).parents[2] / "component" / "make.py"
@@ -228,40 +228,6 @@ def test_calls_leave_no_memory_behind(contents):
 
 # --- jco ---
 
-IN_CHROMIUM = """async ({ code, modules, runs }) => {
-  const url = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
-  const { instantiate } = await import(url);
-  const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const compile = (name) => WebAssembly.compile(bytes(modules[name]));
-  const found = await instantiate(compile, { "fmi:fmi3/callbacks": { logMessage() {} } });
-  const { CoSimulationInstance } = found.coSimulation;
-  return runs.map(({ token, set, events, step, steps, references }) => {
-    const make = CoSimulationInstance.instantiateCoSimulation;
-    const fmu = make("one", token, "", false, true, events, events, []);
-    const types = { float64: Float64Array, int32: Int32Array, int64: BigInt64Array, boolean: Array };
-    const calls = { float64: "setFloat64", int32: "setInt32", int64: "setInt64", boolean: "setBoolean" };
-    for (const [type, reference, value] of set) {
-      const own = type === "int64" ? BigInt(value) : type === "boolean" ? Boolean(value) : value;
-      fmu[calls[type]](new Uint32Array([reference]), types[type].from([own]));
-    }
-    fmu.enterInitializationMode(undefined, 0, undefined);
-    fmu.exitInitializationMode();
-    if (events) fmu.enterStepMode();
-    const rows = [];
-    for (let reached = 0; reached < steps * step - 1e-9; ) {
-      const done = fmu.doStep(reached, step * (Math.floor(reached / step + 1e-6) + 1) - reached, true);
-      reached = done.lastSuccessfulTime;
-      if (done.eventHandlingNeeded) {
-        fmu.enterEventMode();
-        fmu.updateDiscreteStates();
-        fmu.enterStepMode();
-      }
-      rows.push([reached, ...fmu.getFloat64(new Uint32Array(references))]);
-    }
-    return rows;
-  });
-}"""
-
 
 @pytest.fixture(scope="module")
 def make():
@@ -300,7 +266,7 @@ def test_chromium_computes_what_the_library_does(
         ],
     }
     page = browser.new_page()
-    rows = page.evaluate(IN_CHROMIUM, json.loads(json.dumps(given)))
+    rows = page.evaluate((SOURCES / "component.js").read_text(), json.loads(json.dumps(given)))
     page.close()
     for (values, events), there in zip(cases, rows, strict=True):
         found = deviation(by_library(fmu, opened, values, events), there)

@@ -1,4 +1,4 @@
-"""Lysenko's exact forms against a chain of turned bodies, and the module against them."""
+"""Lysenko's exact forms against a chain of turned bodies, and figures of claims by the module."""
 
 import cmath
 import math
@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 from geometry import derivatives, position, taylor, turn
-from scenes import advanced, drive_angle, started, vector
 
 from studies.papers import lysenko
 from studies.papers.engine import claims_of
@@ -42,8 +41,8 @@ def cross(one, two):
     return one.real * two.imag - one.imag * two.real
 
 
-def torque_scale(mechanism, omega=OMEGA):
-    return mechanism.m * mechanism.centre_distance * mechanism.arm * omega**2 * (1 + mechanism.b) ** 2
+def torque_scale(mechanism):
+    return mechanism.m * mechanism.centre_distance * mechanism.arm * OMEGA**2 * (1 + mechanism.b) ** 2
 
 
 @pytest.fixture(params=MECHANISMS)
@@ -138,45 +137,6 @@ def test_free_mechanism_accelerates_as_no_drive_asks(mechanism):
             fastest = exact(mechanism, 0.0)
             assert 1.0 <= free.real <= fastest.speed_ratio * (1 + 1e-12)
             assert fastest.free_speed == pytest.approx(fastest.speed_ratio, rel=1e-12)
-
-
-# --- the module ---
-
-CARRIER = 120.0
-
-
-# or by a load that is too large to be moved
-@pytest.mark.parametrize(
-    "held", [{"fidelity": 0}, {"load_torque": 1e6}], ids=["prescribed", "by its freewheel"]
-)
-@pytest.mark.parametrize(
-    "m", [*MECHANISMS.values()][:3] + [Mechanism(0.05, r, 0.013, 0.8) for r in (0.05, 0.11)]
-)
-def test_module_with_link_2_held_is_the_mechanism(compiled, m, held):
-    lengths = {"sun_radius": m.R0, "satellite_radius": m.r, "eccentricity": m.arm, "imbalance_mass": m.m}
-    inertias = {"input_inertia": m.J_carrier, "drive_inertia": m.J_wheel}
-    module = started(compiled, lengths, inertias, held, layout=1, omega1=CARRIER)
-    omega, passed = CARRIER / m.b, 0.0
-    start, scale = float(exact(m, 0.0, omega).kinetic_energy), m.m * m.R0 * m.arm * omega**2
-    for time in (1e-6, 0.004, 0.0171, 0.03, 0.2):
-        advanced(module, time - passed)
-        passed, alpha = time, drive_angle(module)
-        assert alpha == pytest.approx(omega * time, rel=1e-13)
-        e = exact(m, alpha, omega)
-        x, y = map(float, e.epicycloid)
-        assert vector(module, "imbalance") == pytest.approx([0.0, -y, x], abs=1e-13)
-        for found, right, bound in (
-            (module["input_torque"], e.drive_torque, torque_scale(m, omega)),
-            # of the inertia force about the satellite through the gear
-            (module["mesh_torque"], -e.M1 / m.b, m.b**2 * scale),
-            (module["input_torque"] - module["mesh_torque"], -e.M, scale),
-        ):
-            assert found == pytest.approx(float(right), rel=1e-11, abs=1e-11 * bound)
-        # the drive takes only the power that changes the energy
-        energy = float(e.kinetic_energy)
-        assert module["energy_stored"] == pytest.approx(energy, rel=1e-12)
-        assert module["energy_in"] == pytest.approx(energy - start, rel=1e-9, abs=1e-11 * energy)
-        assert module["energy_out"] == 0.0
 
 
 # --- figures of claims, by the module, against equations of their own ---

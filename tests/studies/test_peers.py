@@ -7,7 +7,6 @@ import pytest
 from scenes import DRIVEN, MECHANISMS, parameters, started
 
 from inertia_module.common.extras import NotInstalled
-from inertia_module.scene.satellite import Satellite
 from studies.peers import PEERS, integrators, mujoco_model
 from studies.reference.geometry import Unavailable, ratio
 from studies.trade import Case, converged
@@ -83,45 +82,6 @@ def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_
     assert max(off) < 2e-3
     if name in ("R1", "planar"):
         assert off[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
-
-
-def half_disc(radius, thickness, place, density, segments=720):
-    """A mesh and a geom of MuJoCo: a prism whose base is half of a regular polygon, to the side of x."""
-    angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, segments + 1)
-    rim = radius * np.array([np.cos(angles), np.sin(angles)]).T
-    points = [f"{x:.17g} {y:.17g} {side * thickness:.17g}" for side in (-0.5, 0.5) for x, y in rim.tolist()]
-    name = f"half {place:g}"
-    mesh = f'<mesh name="{name}" inertia="exact" vertex="{" ".join(points)}"/>'
-    return mesh, f'<geom type="mesh" mesh="{name}" pos="0 0 {place:.17g}" density="{density!r}"/>'
-
-
-@pytest.mark.parametrize("layout", ["planar", "bevel"])
-def test_a_satellite_by_its_sizes_has_the_inertia_that_mujoco_finds_of_its_shapes(layout):
-    mujoco = pytest.importorskip("mujoco")
-    pitch, width, radius, thickness = 0.03, 0.012, 0.025, 0.02
-    sizes = {"width": width, "weight_radius": radius, "weight_width": thickness}
-    satellite = Satellite(**sizes, material="aluminium", weight_material="brass")
-    given = {"layout": 1.0, "satellite_radius": pitch}
-    if layout == "bevel":
-        given = {"layout": 0.0, "wheel_radius": pitch * 1.7, "z17": 34.0, "z6": 20.0}
-    found = satellite.parameters(given)
-    places = [side * 0.5 * (width + 0.5 * thickness) for side in (-1.0, 1.0)]
-    halves = [half_disc(radius, 0.5 * thickness, place, 8500.0) for place in places]
-    gear = f'<geom type="cylinder" size="{pitch!r} {0.5 * width!r}" density="2700"/>'
-    model = mujoco.MjModel.from_xml_string(
-        f"""<mujoco><compiler inertiafromgeom="true"/><asset>{"".join(mesh for mesh, _ in halves)}</asset>
-        <worldbody><body>{gear}{"".join(geom for _, geom in halves)}</body></worldbody></mujoco>"""
-    )
-    turn = np.empty(9)
-    mujoco.mju_quat2Mat(turn, model.body_iquat[1])
-    inertia = np.diag(turn.reshape(3, 3) @ np.diag(model.body_inertia[1]) @ turn.reshape(3, 3).T)
-    offset = found["a"] * pitch if layout == "bevel" else found["eccentricity"]
-    # half a polygon of 1,440 sides is smaller than half a disc by 3e-6 of it
-    assert model.body_mass[1] == pytest.approx(found["imbalance_mass"], rel=1e-5)
-    assert model.body_ipos[1] == pytest.approx([offset, 0.0, 0.0], rel=1e-5, abs=1e-9)
-    assert inertia[2] == pytest.approx(found["satellite_inertia"], rel=1e-5)
-    if layout == "bevel":
-        assert np.mean(inertia[:2]) == pytest.approx(found["satellite_transverse_inertia"], rel=1e-5)
 
 
 def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled):

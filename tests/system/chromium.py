@@ -20,18 +20,7 @@ FLAGS = (
 # files of matplotlib, and how far apart their letters stand: text is as wide on every machine, and wider or
 # narrower than in the fonts that machines have
 FONTS = {"narrow": ("STIXGeneral.ttf", "-0.02em"), "wide": ("DejaVuSansMono.ttf", "0.04em")}
-SIMULATE = """options => {
-  try {
-    const found = window.inertiaModule.simulate(options);
-    return Object.fromEntries(Object.entries(found).map(([name, array]) => [name, [...array]]));
-  } catch (error) {
-    return error.message;
-  }
-}"""
-SHOWN = """name => {
-  const { run } = inertiaModule.state();
-  return [...(name === "time" ? run.time : run.columns[name])];
-}"""
+ASKED = Path(__file__).with_name("page.js").read_text()
 
 
 def set_font(page, name):
@@ -88,9 +77,13 @@ class Opened:
         """A part of the page's state."""
         return self.page.evaluate(f"inertiaModule.state().{name}")
 
+    def ask(self, name, *given):
+        """Value of a function of page.js."""
+        return self.page.evaluate(f"{ASKED}.{name}", *given)
+
     def shown(self, name):
         """Column of the run that is shown."""
-        return np.array(self.page.evaluate(SHOWN, name))
+        return np.array(self.ask("shown", name))
 
     def press(self, name):
         """Press a button."""
@@ -98,4 +91,4 @@ class Opened:
 
     def simulate(self, options):
         """Arrays by name from the page's own simulate, or the sentence it refuses with."""
-        return self.page.evaluate(SIMULATE, options)
+        return self.ask("simulate", options)

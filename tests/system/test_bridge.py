@@ -6,19 +6,11 @@ from pathlib import Path
 import control as ct
 import numpy as np
 import pytest
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 from scenes import ELASTIC
 
 from inertia_module import bridge
-from inertia_module.contract.variables import (
-    BY_NAME,
-    DRIVE_ANGLE,
-    LINK1_ANGLE,
-    LOCAL,
-    OUTPUT,
-    SINCE_START,
-    with_causality,
-)
+from inertia_module.contract import variables
 from inertia_module.harness.fmu import Fmu
 from studies.coupling import URBAN_MODULE
 
@@ -181,7 +173,7 @@ def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, e
 def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
     """A restart from the motion has all but sums since the start and what turns with link 1."""
     inputs = {"omega1": 100.0, "load_torque": 10.0}
-    names = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
+    names = [variable.name for variable in variables.with_causality(variables.OUTPUT, variables.LOCAL)]
     with Fmu(fmu, {}, inputs, 1e-11) as module:
         for _ in range(123):
             module.advance(STEP)
@@ -192,12 +184,12 @@ def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
         module.advance(STEP)
         found = dict(zip(names, module.read(names), strict=False))
     differ = {name for name in names if found[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
-    follows = {name: BY_NAME[name].follows for name in names}
-    changed = {name for name in names if follows[name] in (SINCE_START, LINK1_ANGLE)}
+    follows = {name: variables.BY_NAME[name].follows for name in names}
+    changed = {name for name in names if follows[name] in (variables.SINCE_START, variables.LINK1_ANGLE)}
     # no energy is lost here, and the audit stays at rounding
-    nothing = {name for name in BY_NAME if name.startswith("energy_lost")} | {"energy_residual"}
+    nothing = {name for name in variables.BY_NAME if name.startswith("energy_lost")} | {"energy_residual"}
     assert differ == changed - nothing
-    assert {name for name, of in follows.items() if of == DRIVE_ANGLE} == {
+    assert {name for name, of in follows.items() if of == variables.DRIVE_ANGLE} == {
         "drive_angle",
         "imbalance_x",
         "imbalance_velocity_x",
@@ -215,30 +207,12 @@ def measured(path, **change):
     return bridge.measured_response(path, **{**START, **good, **change})
 
 
-NO_SYSTEM = [
-    ({"step": 0}, "step must be a positive number of seconds, is 0"),
-    ({"state": "all"}, "state must be 'motion' or 'whole', is 'all'"),
-    ({"parameters": ELASTIC}, "with state = 'motion' fidelity must be one of .*, is elastic"),
-    ({"parameters": {"input_hold": "linear"}}, "'motion' input_hold must be constant, is linear"),
-    ({"outputs": ["energy_in"]}, "energy_in state must be 'whole', is 'motion': it is a sum since"),
-    ({"outputs": ["imbalance_acceleration_y"]}, "depends on the angle of link 1"),
-    ({"parameters": {"fidelity": "averaged"}, "outputs": ["imbalance_acceleration"]}, "angle of the drive"),
-    ({"outputs": ["omega5"]}, "omega5 must be a variable of InertiaModule.fmu .did you mean omega"),
-    ({"inputs": ["omega2"]}, r"input omega2 must be one of the FMU .did you mean"),
-    ({"parameters": BY_TORQUE}, "with drive = torque an input must be drive_torque, is omega1"),
-    ({"inputs": TORQUES}, "with drive = speed an input must be omega1, is drive_torque"),
-]
-NO_MEASUREMENT = [
-    ({"excited": "omega2"}, "excited must be omega1 or load_torque, is 'omega2'"),
-    ({"step": 0.5}, r"frequency must be above 0 and at most .*, is 1$"),
-    ({"parameters": BY_TORQUE}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
-    ({"amplitude": 0.0}, "amplitude must be a positive number, is 0"),
-]
-
-
 @pytest.mark.parametrize(
     "make, given, message",
-    [*((bridge.fmu_system, *case) for case in NO_SYSTEM), *((measured, *case) for case in NO_MEASUREMENT)],
+    [
+        *((bridge.fmu_system, *case) for case in REFUSED["systems"]),
+        *((measured, *case) for case in REFUSED["responses"]),
+    ],
 )
 def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make, given, message):
     with pytest.raises(ValueError, match=message):

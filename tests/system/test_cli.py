@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from refused import REFUSED
 from typer.main import get_command
 from typer.testing import CliRunner
 
@@ -158,18 +159,6 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
 
 # --- what is refused; sentences about scenes are those of test_scene ---
 
-CHOOSING = ("run", "--fidelity", "auto")
-REFUSED = [
-    (("run", "--set", "drive.kind=konstant"), ("drive.kind must be one of", "is 'konstant'")),
-    (CHOOSING, ("accuracy.error must be given",)),
-    (("run", "--error", "1 %"), ("--error = 1 % must come with fidelity auto",)),
-    ((*CHOOSING, "--error", "much"), ("--error must be a number above 0", "is 'much'")),
-    (("run", "--fidelity", "exact"), ("mechanism.fidelity must be 0 (kin", "or auto, is 'exact'")),
-    ((*CHOOSING, "--error", "1e-15"), ("error = 1e-15", "met by no level of fidelity")),
-    (("tradeoff", "--recommend", "0"), ("--recommend must be a number above 0", "is '0'")),
-    (("tradeoff", "--wanted", "speed"), ("run.outputs", "'speed'")),
-]
-
 
 def is_one_line(done, *words):
     assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
@@ -177,7 +166,7 @@ def is_one_line(done, *words):
     assert all(word in done.stderr for word in words), done.stderr
 
 
-@pytest.mark.parametrize("arguments, words", REFUSED)
+@pytest.mark.parametrize("arguments, words", REFUSED["options"])
 def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, tmp_path, arguments, words):
     name, *options = arguments
     is_one_line(command(name, *SHORT, *options, "-o", tmp_path / "out", folder=workshop), *words)

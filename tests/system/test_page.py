@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 import re
 import tomllib
 import zlib
@@ -20,9 +21,7 @@ from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, s
 from tests.system.programs import command, left
 from tests.unit import scenes
 
-LEGEND = "[...document.querySelectorAll('.panel:first-child .legend output')].map(cell => cell.textContent)"
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")
-SCENES = "[...document.querySelectorAll('select[aria-label=Scene] option')].map(one => one.value)"
 SENTENCE = "#sentence"
 
 
@@ -118,7 +117,7 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
 
 
 def test_every_scene_of_the_page_is_accepted(page):
-    names = page.page.evaluate(SCENES)
+    names = page.ask("scenes")
     assert len(names) >= 8
     for name in names:
         page.page.get_by_label("Scene", exact=True).select_option(name)
@@ -150,7 +149,7 @@ def test_clock_curves_and_switches_agree(page):
     assert time == pytest.approx(0.4321, rel=1e-3)
     row = np.searchsorted(page.shown("time"), time, side="right") - 1
     values = [page.shown(name)[row] for name in ("input_speed", "omega2", "omega_out")]
-    told = [float(text.replace("−", "-").split()[0]) for text in page.page.evaluate(LEGEND)]
+    told = [float(text.replace("−", "-").split()[0]) for text in page.ask("legend")]
     assert told == pytest.approx(values, abs=0.01)
     # the cursor of the curves stands there, and a press on them goes there
     curves = page.page.locator(".panel:first-child .u-over")
@@ -284,13 +283,6 @@ def test_converter_chart_is_that_of_the_package(page):
 # --- on a phone and a desk, in light and dark, for a screen reader; and how quick it is ---
 
 AXE = ROOT / "page" / "node_modules" / "axe-core" / "axe.min.js"
-# boxes narrower than what is in them, all settings unfolded
-TOO_NARROW = """() => {
-  document.querySelectorAll('details').forEach(group => { group.open = true; });
-  return [...document.querySelectorAll('body *:not(svg *)')].filter(
-    box => getComputedStyle(box).display !== 'inline' && box.scrollWidth > box.clientWidth + 1
-  ).map(box => `${box.tagName} ${box.className}: ${box.textContent.slice(0, 60)}`);
-}"""
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
@@ -310,7 +302,7 @@ def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
         sized.drawn()
         width = sized.page.viewport_size["width"]
         assert sized.page.evaluate("document.documentElement.scrollWidth") <= width, font
-        assert sized.page.evaluate(TOO_NARROW) == [], font
+        assert sized.ask("tooNarrow") == [], font
 
 
 def test_axe_finds_no_serious_fault(sized):
@@ -420,16 +412,6 @@ def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
         assert still.simulate(given) == str(refused.value), case
 
 
-INTEGRATE = """request => new Promise(done => {
-  let calls = 0;
-  window.inertiaModule.integrate(request, run => {
-    calls++;
-    if (run.complete || run.refusal !== null) {
-      const columns = Object.entries(run.columns).map(([name, array]) => [name, [...array]]);
-      done({ ...run, columns: Object.fromEntries(columns), time: [...run.time], calls });
-    }
-  });
-})"""
 # up to speed and, by a jump, to another load
 OVER_TIME = {
     "omega1": {"times": [0.0, 0.05, 0.2], "values": [0.0, 20.0, 120.0]},
@@ -437,29 +419,28 @@ OVER_TIME = {
 }
 
 
-def over_time(signal, time):
-    """Value of a signal just after a time, and its rate until the next point."""
-    times, values = signal["times"], signal["values"]
-    at = np.searchsorted(times, time, side="right")
-    if at in (0, len(times)):
-        return values[0 if at == 0 else -1], 0.0
-    rate = (values[at] - values[at - 1]) / (times[at] - times[at - 1])
-    return values[at - 1] + rate * (time - times[at - 1]), rate
+def over_time(time):
+    """Value of each input just after a time, and its rate until the next point."""
+    found = {}
+    for name, signal in OVER_TIME.items():
+        points = list(zip(signal["times"], signal["values"], strict=True))
+        before = max(n for n, point in enumerate(points) if point[0] <= time)
+        (begin, value), (end, last) = points[before], [*points, (math.inf, points[-1][1])][before + 1]
+        rate = (last - value) / (end - begin)
+        found[name] = value + rate * (time - begin), rate
+    return found
 
 
 def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
     given = {**options({}), "steps": 400}  # beyond the last point
     found = still.simulate({**given, "inputs": OVER_TIME})
-    expected = native(
-        built, given, lambda time: {name: over_time(signal, time) for name, signal in OVER_TIME.items()}
-    )
-    for name, values in expected.items():
+    for name, values in native(built, given, over_time).items():
         assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), name
 
 
 def test_integrate_is_simulate_in_slices_with_angles_whole(still):
     given = options({**scenes.PLANAR, "tolerance": 1e-12})  # which takes some slices
-    run = still.page.evaluate(INTEGRATE, {**given, "duration": 2.0})
+    run = still.ask("integrate", {**given, "duration": 2.0})
     at_once = still.simulate({**given, "steps": 2000})
     assert run["complete"]
     assert run["calls"] > 1
@@ -472,7 +453,7 @@ def test_integrate_is_simulate_in_slices_with_angles_whole(still):
 def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
     given = options({"load_torque": 10.0})
     given["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
-    run = still.page.evaluate(INTEGRATE, {**given, "duration": 1.0})
+    run = still.ask("integrate", {**given, "duration": 1.0})
     assert not run["complete"]
     assert len(run["time"]) == len(run["columns"]["omega2"]) == 12
     assert run["refusal"] == still.simulate(given)
@@ -481,7 +462,7 @@ def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
 
 def test_warnings_are_those_of_the_native_fmu(still, built):
     given = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
-    run = still.page.evaluate(INTEGRATE, {**given, "duration": 0.01})
+    run = still.ask("integrate", {**given, "duration": 0.01})
     with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"]) as fmu:
         assert run["warnings"] == fmu.warnings
     assert len(run["warnings"]) == 2
@@ -489,17 +470,9 @@ def test_warnings_are_those_of_the_native_fmu(still, built):
 
 def test_thousand_instances_take_the_memory_of_one(still):
     """Instances are given back, also those that are refused."""
-    used = """([good, bad]) => {
-      const { simulate } = window.inertiaModule;
-      for (let n = 0; n < 1000; n++) {
-        simulate(good);
-        try { simulate(bad); } catch { /* refused */ }
-      }
-      return simulate(good).omega_out.at(-1);
-    }"""
     good = {**options({"omega1": 100.0}), "steps": 2, "outputs": ["omega_out"]}
     bad = {**good, "parameters": {"tolerance": 7.0}}
-    assert still.page.evaluate(used, [good, bad]) == still.simulate(good)["omega_out"][-1]
+    assert still.ask("thousand", [good, bad]) == still.simulate(good)["omega_out"][-1]
 
 
 # --- the command view, and run --view: a page whole or not at all ---
@@ -507,25 +480,8 @@ def test_thousand_instances_take_the_memory_of_one(still):
 
 EXAMPLES = ROOT / "examples"
 ENGINE = EXAMPLES / "engine.toml"
-# the load follows the motion, and the drive turns about once from point to point
-COARSE = """
-[drive]
-kind = "constant"
-omega1 = 100.0
-[load]
-kind = "shaft"
-inertia = 1e4
-[run]
-stop_time = "6 s"
-communication_step = "60 ms"
-outputs = ["mesh_torque", "mesh_torque_mean"]
-"""
+COARSE = Path(__file__).with_name("coarse.toml")
 MOST_BYTES = 2_500_000
-PLAYED = """async () => {
-  const { start, playable } = window.inertiaModule;
-  const { time, columns } = await playable(start.run, start.scene.parameters);
-  return { time: [...time], omega_out: [...columns.omega_out], q: [...columns.q] };
-}"""
 
 
 def check_page(page):
@@ -545,7 +501,7 @@ def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
     """The load of this scene follows the motion: the page cannot run it, so it holds the run."""
     page, table = opened(ENGINE), table_of(ENGINE, fmu, tmp_path)
     check_page(page)
-    start, played = page.page.evaluate("window.inertiaModule.start"), page.page.evaluate(PLAYED)
+    start, played = page.page.evaluate("window.inertiaModule.start"), page.ask("played")
     every = start["run"]["every"]
     assert not start["scene"]["exact"]
     assert start["scene"]["inputs"]["load_torque"] == pytest.approx(table["load_torque"].mean(), rel=1e-3)
@@ -556,10 +512,8 @@ def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
 
 
 def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, fmu, tmp_path):
-    scene = tmp_path / "coarse.toml"
-    scene.write_text(COARSE)
-    page = opened(scene, reduced_motion="reduce")
-    mean = table_of(scene, fmu, tmp_path)["mesh_torque_mean"][50]
+    page = opened(COARSE, reduced_motion="reduce")
+    mean = table_of(COARSE, fmu, tmp_path)["mesh_torque_mean"][50]
     page.page.get_by_role("slider", name="time", exact=True).fill("5000")
     page.drawn()
     speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())

@@ -16,41 +16,7 @@ from tests.system.programs import process
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "out" / "site"
 WIDTHS = {"desktop": 1440, "phone": 360}
-# what goes beyond the column (a table may up to its edge) and does not scroll within it; tables that scroll
-HANGING_OVER = """() => [...document.querySelectorAll('article *:not(math *, svg *)')].filter(box => {
-  const article = box.closest('article');
-  let outer = box.parentElement;
-  while (outer !== article && getComputedStyle(outer).overflowX !== 'auto') outer = outer.parentElement;
-  return outer === article && box.getBoundingClientRect().right > article.getBoundingClientRect().right + 17;
-}).map(box => `${box.tagName}: ${box.textContent.slice(0, 80)}`)"""
-SCROLLING = """() => [...document.querySelectorAll('.md-typeset__scrollwrap')].filter(
-  box => box.scrollWidth > box.clientWidth + 1
-).map(box => box.innerText.slice(0, 80))"""
-# words and names in tables that go on in the next line
-BROKEN = """() => [...document.querySelectorAll('article :is(td, th)')].flatMap(cell => {
-  const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT), broken = [];
-  while (texts.nextNode()) {
-    const text = texts.currentNode;
-    if (text.parentElement.closest('math')) continue;
-    for (const { 0: word, index } of text.data.matchAll(/[\\p{L}\\p{N}_]+/gu)) {
-      const range = document.createRange();
-      range.setStart(text, index);
-      range.setEnd(text, index + word.length);
-      if (new Set([...range.getClientRects()].map(box => Math.round(box.top))).size > 1) broken.push(word);
-    }
-  }
-  return broken;
-})"""
-# formulas that were not typeset or are not seen, pictures that are not there
-RAW_FORMULAS = """() => {
-  const text = document.querySelector('article').cloneNode(true);
-  text.querySelectorAll('pre, code, math').forEach(part => part.remove());
-  return text.textContent.match(/\\$|\\\\\\(|\\\\\\[|\\\\frac/g) ?? [];
-}"""
-UNSEEN_FORMULAS = """() => [...document.querySelectorAll('math')].filter(
-  formula => formula.querySelector('merror') || formula.getBoundingClientRect().height < 2
-).map(formula => formula.textContent)"""
-UNLOADED = "() => [...document.images].filter(image => !image.naturalWidth).map(image => image.src)"
+LOOKS = Path(__file__).with_name("site.js").read_text()
 # of the first results of a search
 FOUND = "links => links.map(link => new URL(link.href).pathname.slice(1)).filter(page => page)"
 TABLES = {"variables.html", "api.html", "papers.html", "performance.html", "stability.html"}
@@ -104,12 +70,12 @@ def test_every_page_is_whole_at_this_width_in_any_font_and_asks_the_network_for_
         page.goto(address + path.name, wait_until="load")
         if width == "desktop":
             assert page.locator("nav.md-nav--primary a[href='machine.html']").is_visible(), path.name
-        for look in (RAW_FORMULAS, UNSEEN_FORMULAS, UNLOADED):
-            assert page.evaluate(look) == [], path.name
+        for look in ("rawFormulas", "unseenFormulas", "unloaded"):
+            assert page.evaluate(f"{LOOKS}.{look}") == [], (path.name, look)
         for font in FONTS:
             set_font(page, font)
-            for look in (HANGING_OVER, BROKEN, *([SCROLLING] if width == "desktop" else [])):
-                assert page.evaluate(look) == [], (path.name, font)
+            for look in ("hangingOver", "broken", *(["scrolling"] if width == "desktop" else [])):
+                assert page.evaluate(f"{LOOKS}.{look}") == [], (path.name, font, look)
             assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], (path.name, font)
         formulas += page.locator("math").count()
         if "INERTIA_MODULE_PICTURES" in os.environ:  # half a minute, for people to look at

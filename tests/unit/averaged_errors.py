@@ -3,22 +3,12 @@
 Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
 """
 
-from scenes import MECHANISMS
+from scenes import MECHANISMS, PARTS
 
 from inertia_module.harness.chart import SteadyMachine
 from inertia_module.memory import Module
 
-REALISTIC = {
-    "mesh_efficiency": 0.98,
-    "satellite_mesh_efficiency": 0.98,
-    "journal_friction": 1e-3,
-    "input_friction": 0.01,
-    "drive_friction": 0.01,
-    "link2_friction": 0.01,
-    "output_friction": 0.01,
-    "housing_drag": 0.3,
-    "output_drag": 0.3,
-}
+REALISTIC = PARTS["realistic"]
 
 
 def of_pulses(_kernel, values, omega1, ratio):

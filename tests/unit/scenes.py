@@ -1,7 +1,9 @@
 """Scenes the tests share, and what they read off a module."""
 
 import math
+import tomllib
 from itertools import product
+from pathlib import Path
 
 import pytest
 
@@ -9,65 +11,25 @@ from inertia_module.contract.variables import PARAMETER, with_causality
 from inertia_module.memory import Module
 from studies.reference.motion import Reference
 
-REFERENCE = {"omega1": 100.0, "load_torque": 10.0}  # R1: everything else is at its default
-PLANAR = {
-    "layout": 1,
-    "sun_radius": 0.05,
-    "satellite_radius": 0.03,
-    "eccentricity": 0.02,
-    "imbalance_mass": 0.8,
-    "satellites": 3,
-    "link2_inertia": 0.003,
-    "output_inertia": 0.4,
-    "omega1": 120.0,
-    "load_torque": 8.0,
-}
-SCENES = {"bevel": REFERENCE, "planar": PLANAR}
+# the table of scenes beside this file
+TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+SCENES, LAYOUTS, FREEWHEELS = TABLE["scenes"], TABLE["layouts"], TABLE["freewheels"]
+REFERENCE, PLANAR = SCENES["bevel"], SCENES["planar"]
+LOSSES, PARTS, FOUND = TABLE["losses"], TABLE["parts"], TABLE["found"]
+ELASTIC, ENGINE, FIXED, GEARS = (PARTS[name] for name in ("elastic", "engine", "fixed_steps", "gears"))
+FRICTION, SHAFT, WIND_UP, PLAY = (PARTS[name] for name in ("friction", "shaft", "wind_up", "play"))
 # what is built, without what is given to it
 MECHANISMS = {
     layout: {name: value for name, value in scene.items() if name not in ("omega1", "load_torque")}
     for layout, scene in SCENES.items()
 }
-# an elastic output of the bevel one, as in the design
-ELASTIC = {
-    "fidelity": 3,
-    "output_inertia": 0.02,
-    "driven_inertia": 0.5,
-    "shaft_stiffness": 400.0,
-    "shaft_damping": 0.05,
-}
-# the same two with an engine of this inertia that gives a torque
-ENGINE = {"drive": 1, "input_inertia": 0.2}
+# the same two with an engine
 DRIVEN = {
     "bevel": {**REFERENCE, **ENGINE, "drive_torque": 15.0},
     "planar": {**PLANAR, **ENGINE, "drive_torque": 12.0},
 }
-# mechanisms for the equations of motion alone
-LAYOUTS = {
-    "bevel": {"layout": 0},
-    "bevel, askew": {
-        "layout": 0,
-        "z2": 24,
-        "z16": 18,
-        "z17": 26,
-        "shaft_angle": 1.1,
-        "a": 0.7,
-        "b": 1.4,
-        "c": 0.5,
-        "epsilon": 0.4,
-        "gamma": -1.3,
-    },
-    "planar": {"layout": 1},
-}
-FREEWHEELS = {
-    "both freewheels": {},
-    "no housing freewheel": {"housing_freewheel": False},
-    "no output freewheel": {"output_freewheel": False},
-    "no freewheel": {"housing_freewheel": False, "output_freewheel": False},
-}
 TWO_PI = 2.0 * math.pi
 DRIVES = {"speed": SCENES, "torque": DRIVEN}
-FIXED = {"method": 1, "max_step": 1e-4}
 LEVELS = {
     "kinematic": {"fidelity": 0, "kinematic_ratio": 0.4},
     "averaged": {"fidelity": 1},
@@ -76,29 +38,9 @@ LEVELS = {
     "timestepping": FIXED,
     "elastic-timestepping": {**ELASTIC, **FIXED},
 }
-# the satellite gears' own
-GEARS = {"satellite_inertia": 4e-3, "satellite_transverse_inertia": 3e-3}
-LOSSES = {
-    "mesh": {"mesh_efficiency": 0.97},
-    "satellite_mesh": {"satellite_mesh_efficiency": 0.97},
-    "journal": {"journal_friction": 1e-3},
-    "housing_drag": {"housing_drag": 0.5, "housing_drag_viscous": 0.01},
-    "output_drag": {"output_drag": 0.5, "output_drag_viscous": 0.01},
-    "viscous": dict.fromkeys(("input_friction", "drive_friction", "link2_friction", "output_friction"), 0.01),
-    "gravity": {"gravity": 9.81},
-}
 ALL_LOSSES = {name: value for one in LOSSES.values() for name, value in one.items()}
-FRICTION = {"input_friction": 0.02, "drive_friction": 0.01, "link2_friction": 0.05, "output_friction": 0.2}
 # parameters that change between steps
-SHAFT = {"shaft_damping": 0.4, "driven_friction": 0.1, "balancer": 0.5}
 TUNED = {**FRICTION, **SHAFT, "kinematic_ratio": 0.7}
-WIND_UP = {
-    "housing_stiffness": 2e4,
-    "housing_damping": 2.0,
-    "freewheel_stiffness": 1e4,
-    "freewheel_damping": 1.0,
-}
-PLAY = {"housing_engagement_angle": 0.0175, "output_engagement_angle": 0.03}
 ACCOUNTS = [
     f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel", "windage")
 ]

@@ -5,7 +5,7 @@ import math
 
 import pytest
 from refused import assert_refused
-from scenes import DRIVEN, MECHANISMS, PLANAR, SCENES, advanced, passed, started
+from scenes import DRIVEN, FOUND, MECHANISMS, PLANAR, SCENES, advanced, mechanism, passed, started
 
 from inertia_module.memory import Module
 
@@ -21,8 +21,8 @@ LIGHT = {
 }
 
 
-def averaged(kernel, layout, **values):
-    return started(kernel, SCENES[layout], AVERAGED, values)
+def averaged(kernel, scene, **values):
+    return started(kernel, scene, AVERAGED, values)
 
 
 def audit(module, bound=1e-5):
@@ -30,11 +30,10 @@ def audit(module, bound=1e-5):
     assert all(math.isfinite(value) for value in module.snapshot().values())
 
 
-@pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("omega1", [100.0, -100.0])
-def test_mean_speed_stays_within_half_a_percent_of_omega1_of_the_rigid_module(compiled, layout, omega1):
+def test_mean_speed_stays_within_half_a_percent_of_omega1_of_the_rigid_module(compiled, scene, omega1):
     heavy = {"omega1": omega1, "load_torque": 8.0, "output_inertia": 20.0}
-    mean, rigid = (started(compiled, SCENES[layout], heavy, fidelity=fidelity) for fidelity in (1, 2))
+    mean, rigid = (started(compiled, scene, heavy, fidelity=fidelity) for fidelity in (1, 2))
     for _ in range(20):
         advanced(mean, 4.0)
         advanced(rigid, 4.0)
@@ -42,8 +41,7 @@ def test_mean_speed_stays_within_half_a_percent_of_omega1_of_the_rigid_module(co
     audit(mean)
 
 
-@pytest.mark.parametrize("layout", SCENES)
-def test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module(compiled, layout):
+def test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module(compiled, scene):
     heavy = {
         "omega1": 60.0,
         "load_torque": 4.0,
@@ -51,7 +49,7 @@ def test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module
         "input_hold": 1,
         "input_inertia": 0.05,
     }
-    mean, rigid = (started(compiled, SCENES[layout], heavy, fidelity=fidelity) for fidelity in (1, 2))
+    mean, rigid = (started(compiled, scene, heavy, fidelity=fidelity) for fidelity in (1, 2))
     start = rigid["energy_stored"] - mean["energy_stored"]  # the rigid one starts at one angle
     for n in range(1, 401):
         for module in (mean, rigid):
@@ -67,11 +65,10 @@ def test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module
     audit(mean)
 
 
-@pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("load", [0.0, 3.0, -5.0, 20.0])
 @pytest.mark.parametrize("ramp", [0.0, -60.0], ids=["constant", "through zero"])
-def test_one_long_step_equals_many_short_ones(compiled, layout, load, ramp):
-    long, short = (averaged(compiled, layout, load_torque=load, tolerance=1e-8) for _ in range(2))
+def test_one_long_step_equals_many_short_ones(compiled, scene, load, ramp):
+    long, short = (averaged(compiled, scene, load_torque=load, tolerance=1e-8) for _ in range(2))
     start = long["omega1"]
     for module, steps in ((long, 1), (short, 250)):
         for n in range(steps):
@@ -86,7 +83,7 @@ def test_one_long_step_equals_many_short_ones(compiled, layout, load, ramp):
 @pytest.fixture(params=[0, 1], ids=["held", "extrapolated"])
 def locked(request, compiled):
     """The planar machine after its shaft has come up to link 1, its input held or extrapolated."""
-    return advanced(averaged(compiled, "planar", load_torque=2.0, input_hold=request.param), 60.0)
+    return advanced(averaged(compiled, SCENES["planar"], load_torque=2.0, input_hold=request.param), 60.0)
 
 
 def test_shaft_that_has_come_up_to_link_1_is_locked_to_it(locked):
@@ -120,10 +117,9 @@ def test_overrunning_shaft_leaves_the_input_behind_and_comes_back(locked):
     audit(locked)
 
 
-@pytest.mark.parametrize("layout", SCENES)
-def test_load_above_the_stall_torque_keeps_the_shaft_at_rest_and_brakes_it_to_rest(compiled, layout):
-    stall = averaged(compiled, layout, load_torque=0.0)["output_torque"]
-    module = averaged(compiled, layout, load_torque=1.001 * stall)
+def test_load_above_the_stall_torque_keeps_the_shaft_at_rest_and_brakes_it_to_rest(compiled, scene):
+    stall = averaged(compiled, scene, load_torque=0.0)["output_torque"]
+    module = averaged(compiled, scene, load_torque=1.001 * stall)
     stored = module["energy_stored"]
     advanced(module, 10.0)
     assert module["omega_out"] == 0.0
@@ -132,53 +128,50 @@ def test_load_above_the_stall_torque_keeps_the_shaft_at_rest_and_brakes_it_to_re
     assert module["mesh_torque"] == 0.0
     advanced(module, 1.0, load_torque=0.999 * stall)
     assert module["omega_out"] > 0.0
-    advanced(module, 2.0, load_torque=SCENES[layout]["load_torque"])
+    advanced(module, 2.0, load_torque=scene["load_torque"])
     advanced(module, 5.0, load_torque=200.0)
     assert module["omega_out"] == 0.0
     assert module["energy_stored"] == pytest.approx(stored, rel=1e-12)
     audit(module)
 
 
-@pytest.mark.parametrize("layout", SCENES)
-def test_light_shaft_settles_where_the_mean_torque_is_the_load_at_little_cost(compiled, layout):
-    load = 0.5 * averaged(compiled, layout)["output_torque"]
-    light = averaged(compiled, layout, output_inertia=1e-9, load_torque=load)
+def test_light_shaft_settles_where_the_mean_torque_is_the_load_at_little_cost(compiled, scene):
+    load = 0.5 * averaged(compiled, scene)["output_torque"]
+    light = averaged(compiled, scene, output_inertia=1e-9, load_torque=load)
     advanced(light, 0.01)
     assert light["output_torque"] == pytest.approx(load, rel=1e-5)
     assert light["rhs_evaluations"] < 800
     before = light["rhs_evaluations"]
     for n in range(100):
-        advanced(light, 0.01, omega1=SCENES[layout]["omega1"] * (1.0 + 0.001 * n))
+        advanced(light, 0.01, omega1=scene["omega1"] * (1.0 + 0.001 * n))
         assert light["output_torque"] == pytest.approx(load, rel=1e-4)
     assert light["rhs_evaluations"] - before < 100 * 200
     audit(light, 1e-4)
 
 
-@pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("input_hold", [0, 1])
-def test_input_passes_through_zero_and_back(compiled, layout, input_hold):
-    module = averaged(compiled, layout, input_hold=input_hold, output_inertia=2.0, load_torque=1.0)
+def test_input_passes_through_zero_and_back(compiled, scene, input_hold):
+    module = averaged(compiled, scene, input_hold=input_hold, output_inertia=2.0, load_torque=1.0)
     for n in range(1, 41):
-        advanced(module, 0.1, omega1=SCENES[layout]["omega1"] * math.cos(0.1 * math.pi * n))
+        advanced(module, 0.1, omega1=scene["omega1"] * math.cos(0.1 * math.pi * n))
         audit(module)
     assert module["omega_out"] > 0.0
 
 
 def test_very_long_steps_cost_little(compiled):
-    module = advanced(averaged(compiled, "bevel", load_torque=2.0), 1000.0, 1000.0)
+    module = advanced(averaged(compiled, SCENES["bevel"], load_torque=2.0), 1000.0, 1000.0)
     assert module["rhs_evaluations"] < 2000
     assert module["output_torque"] == pytest.approx(2.0, rel=1e-6)
 
 
 def test_method_is_ignored_for_there_is_no_switching_to_locate(compiled):
-    event, timestepping = (advanced(averaged(compiled, "planar", method=n), 1.0) for n in (0, 1))
+    event, timestepping = (advanced(averaged(compiled, SCENES["planar"], method=n), 1.0) for n in (0, 1))
     assert event["omega_out"] == timestepping["omega_out"]
 
 
-@pytest.mark.parametrize("layout", SCENES)
-def test_checking_parameters_builds_no_map(layout):
+def test_checking_parameters_builds_no_map(scene):
     module = Module("plain")
-    module.check(**SCENES[layout], fidelity=1)
+    module.check(**scene, fidelity=1)
     assert module.derived.map_ready == module.derived.forward.count == 0.0
     assert not module.started
     assert_refused("fidelity = 1", module.check, housing_freewheel=False)
@@ -282,17 +275,7 @@ def test_light_shaft_keeps_up_with_a_drive_that_changes_at_little_cost(compiled,
 
 
 def test_lock_up_makes_no_energy_where_the_output_was_faster_than_a_light_link_1(compiled):
-    mechanism = {
-        "satellites": 5,
-        "imbalance_mass": 80.0,
-        "z2": 33,
-        "z17": 40,
-        "z6": 50,
-        "a": 0.64293,
-        "c": 0.0,
-    }
-    values = {"wheel_radius": 0.2, "input_inertia": 2e-4, "output_inertia": 1e-3, "tolerance": 1e-9}
-    module = started(compiled, BY_TORQUE, mechanism, values, omega1=3.4835, load_torque=59.438)
+    module = started(compiled, BY_TORQUE, mechanism(FOUND["light_link_1"]), omega1=3.4835, load_torque=59.438)
     advanced(module, 0.38778)
     advanced(module, 0.042248, load_torque=2.1151, drive_torque=10.263)
     assert module["omega_out"] == pytest.approx(module["input_speed"], rel=1e-9)

@@ -6,30 +6,21 @@ The means are those of the steady motion, also where link 2 never rests in it.
 import math
 import random
 import re
+import tomllib
 from itertools import product
+from pathlib import Path
 
 import pytest
 from averaged_errors import REALISTIC, of_map, of_pulses
-from scenes import MECHANISMS, advanced, input_angle, started
+from scenes import FOUND, MECHANISMS, advanced, input_angle, mechanism, started
 
 from inertia_module.loops import interface_inertia
 from inertia_module.memory import Module, Refused
 
 PLANAR = MECHANISMS["planar"]
-# each loss alone, large, and its cause
-ALONE = {
-    "mesh_efficiency": (0.95, "mesh"),
-    "satellite_mesh_efficiency": (0.9, "mesh"),
-    "journal_friction": (2e-3, "journal"),
-    "drive_friction": (0.03, "viscous"),
-    "link2_friction": (0.03, "viscous"),
-    "housing_drag": (1.0, "freewheel"),
-    "housing_drag_viscous": (0.03, "freewheel"),
-    "output_drag": (1.0, "freewheel"),
-    "output_drag_viscous": (0.03, "freewheel"),
-    "input_friction": (0.03, "viscous"),
-    "output_friction": (0.03, "viscous"),
-}
+TABLES = tomllib.loads(Path(__file__).with_name("averaged_losses.toml").read_text(encoding="utf-8"))
+ALONE, SLOW = TABLES["alone"], TABLES["slow"]
+HEAVY = mechanism(FOUND["heavy_link_2"])
 
 
 def alone(name):
@@ -201,37 +192,6 @@ def test_each_module_has_the_map_of_its_losses_also_where_they_change_between_st
     assert averaged(compiled, scene)["output_torque"] == ideal
 
 
-# link 2 is heavy: thrown from rest it is not as fast as the output for long, in the end it never rests
-HEAVY = {
-    **{"z2": 40, "z16": 14, "z17": 41, "z6": 38, "wheel_radius": 0.1997, "a": 1.50165, "c": 1.48185},
-    **{"epsilon": 5.79858, "imbalance_mass": 0.45047, "satellites": 3, "drive_inertia": 0.130558},
-    **{"link2_inertia": 4.07448, "input_inertia": 4.98285, "satellite_inertia": 0.034055},
-    "satellite_transverse_inertia": 0.0589077,
-}
-# neither rests nor drives, between what drags it on and back
-DRAGGED = {"link2_inertia": 0.5, "mesh_efficiency": 0.99, "housing_drag": 0.02, "output_drag": 0.01}
-CASES = (
-    (HEAVY, {"mesh_efficiency": 0.938}, 21.977, 0.2),
-    (HEAVY, {"mesh_efficiency": 0.938}, 21.977, 0.5),
-    (HEAVY, {"satellite_mesh_efficiency": 0.96}, 21.977, 0.5),
-    (HEAVY, {"journal_friction": 0.00378}, 21.977, 0.5),
-    (HEAVY, {"journal_friction": 0.00378}, 21.977, 0.9),
-    (HEAVY, {"drive_friction": 0.01, "housing_drag": 0.05}, 21.977, 0.4),
-    (HEAVY, {"mesh_efficiency": 0.938}, -21.977, 0.3),
-    (HEAVY, {"output_drag": 0.4, "housing_drag": 0.1}, -21.977, 0.3),
-    ({}, DRAGGED, 100.0, 0.8),
-    ({}, DRAGGED, -100.0, 0.8),
-    ({"link2_inertia": 0.2}, {"mesh_efficiency": 0.97}, 100.0, 0.7),
-    (MECHANISMS["planar"], {"link2_inertia": 0.3, "mesh_efficiency": 0.97}, 100.0, 0.6),
-    (MECHANISMS["planar"], {"link2_inertia": 0.3, "journal_friction": 1e-3}, 100.0, 0.9),
-)
-SLOW = {
-    "viscous": {"link2_friction": 0.01, "housing_drag_viscous": 0.01, "output_drag_viscous": 0.003},
-    "drag": {"housing_drag": 0.3, "output_drag": 0.3, "mesh_efficiency": 0.98},
-    "pulled along": {"drive_friction": 0.001, "link2_friction": 0.01, "output_drag_viscous": 0.01},
-}
-
-
 def stall_torque(values, omega1):
     """Of the machine without losses, N m."""
     rubs = re.compile(".*(efficiency|friction|drag).*")
@@ -251,9 +211,9 @@ def errors(values, omega1, ratio):
 
 
 @pytest.mark.usefixtures("compiled")
-@pytest.mark.parametrize(("shape", "losses", "omega1", "ratio"), CASES)
+@pytest.mark.parametrize("shape, losses, omega1, ratio", TABLES["never_rests"]["rows"])
 def test_the_mean_is_that_of_the_steady_motion(shape, losses, omega1, ratio):
-    torque, taken, efficiency = errors({**shape, **losses}, omega1, ratio)
+    torque, taken, efficiency = errors({**{**MECHANISMS, "heavy": HEAVY}[shape], **losses}, omega1, ratio)
     assert max(torque, taken) < 0.02
     assert efficiency < 0.01
 

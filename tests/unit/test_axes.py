@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
@@ -133,41 +133,9 @@ def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_
     assert even.at(0.5) == pytest.approx(1.0)
 
 
-# keys given, parted by commas and blanks
-VARIED = [
-    ("", r"at least one key must be varied, such as imbalance_mass=0.5:2:7, none is"),
-    ("imbalance_mass", r"NAME=FROM:TO:COUNT"),
-    ("imbalance_mass=1:2:x", r"imbalance_mass must be given as FROM:TO:COUNT"),
-    ("imbalance_mas=1:2:3", r"did you mean imbalance_mass\?"),
-    ("drive.omega=1:2:3", r"drive.omega = '1': there is no such key \(did you mean omega1\?\)"),
-    ("imbalance_mass=2:1:3", r"from a lower to a higher value, goes from 2 to 1"),
-    ("imbalance_mass=-1:1:3", r"imbalance_mass must be between 0 and .* kg, is '-1'"),
-    ("imbalance_mass=1 s:2:3", r"s is not a unit for kg"),
-    ("imbalance_mass=log:0:2:3", r"above 0"),
-    ("imbalance_mass=1:2:1", r"at least 2 points"),
-    ("imbalance_mass=1:2:3, mechanism.imbalance_mass=1,2", r"varied once, is given 2 times"),
-    ("layout=bevel,conical", r"layout must be 0 .bevel. or 1 .planar., is 'conical'"),
-    ("z17=30.5,31", r"z17 must be a whole number"),
-]
-# what a range is refused for is refused of a free key as well: both are read as axes
-FREE = [
-    ("", r"at least one key must be free, such as imbalance_mass=0.5:2, none is"),
-    ("imbalance_mass=1,2", r"must be free within LOW:HIGH or VALUE \+- DEVIATION, is given '1,2'"),
-    ("imbalance_mass=1 +- -1", r"must be known to a deviation of at least 0, is given '1 \+- -1'"),
-    ("imbalance_mass=1 +- 1 m", r"imbalance_mass: '1 m' must be a number in kg: m is not a unit for kg"),
-    ("mesh_efficiency=2 +- 1", r"mesh_efficiency must be between 0.1 and 1, is '2'"),
-    ("imbalance_mass=1:2:3", r"within LOW:HIGH, without a number of points, is given '1:2:3'"),
-    ("imbalance_mas", r"imbalance_mas = 1.0: there is no such key .did you mean imbalance_mass"),
-    ("load.mas", r"load.mas = 1.0: there is no such key .did you mean mass"),
-    ("satellites", r"satellites must be a number that changes by small steps to be free"),
-    ("load.kind", r"load.kind must be a number that changes by small steps to be free"),
-    ("output_friction", r"output_friction must have a range, .*: the scene has no value to begin at"),
-    ("imbalance_mass, mechanism.imbalance_mass", r"imbalance_mass must be free once, is given 2 times"),
-]
-
-
 @pytest.mark.parametrize(
-    "read, keys, words", [(axes_of, *one) for one in VARIED] + [(free_keys, *one) for one in FREE]
+    "read, keys, words",
+    [(axes_of, *one) for one in REFUSED["varied"]] + [(free_keys, *one) for one in REFUSED["free"]],
 )
 def test_keys_that_cannot_be_varied_or_free_are_one_sentence(scene, read, keys, words):
     assert_refused(words, read, keys.split(", ") if keys else [], scene)
@@ -198,18 +166,6 @@ def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
     assert data.counted.tolist() == [[False], [True], [True]]
 
 
-@pytest.mark.parametrize(
-    "columns, words",
-    [
-        ({"speed": [1, 2, 3]}, "column speed must be computed by the scene .did you mean .*vehicle_speed"),
-        ({"torque_ripple": [1, 2, 3]}, "column torque_ripple must be computed by the scene"),
-        ({"omega1": [1, 2, 3]}, "columns must include one that the scene computes, are time, omega1"),
-        ({"omega2": [1, 2, 3], "omega_noise": [1, 1, 1]}, "omega_noise must belong to a column omega,"),
-        ({"omega2": [1, 2, 3], "omega2_noise": [1, 0, 1]}, "omega2_noise must be above 0, is 0"),
-        ({"omega2": [1, 2, 3], "time": [0.1, 0.2, 0.2]}, "time must grow from row to row, is 0.2 s in row 2"),
-        ({"omega2": [1, 2, 3], "time": [0.1, 0.2, 1.2]}, "within the run .* 0 to 1 s, is 0.1 to 1.2 s"),
-        ({"omega2": [1, 2, 3], "time": [-0.1, 0.2, 0.3]}, "within the run .* 0 to 1 s, is -0.1 to 0.3"),
-    ],
-)
+@pytest.mark.parametrize("columns, words", REFUSED["columns"])
 def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
     assert_refused(words, measurement, table(**columns), scene)

@@ -4,6 +4,7 @@ import control as ct
 import numpy as np
 import pytest
 from averaged_errors import REALISTIC
+from refused import REFUSED
 from scenes import MECHANISMS, started
 
 from inertia_module import bridge
@@ -69,15 +70,7 @@ def test_transient_inertia_adds_to_that_of_the_output(compiled):
     assert heavier.dynamics(*at) == pytest.approx(0.5 * plain.dynamics(*at))
 
 
-@pytest.mark.parametrize(
-    "arguments, message",
-    [
-        ({"outputs": ("omega4",)}, r"output omega4 must be of this system \(did you mean omega2\?\)"),
-        ({"inputs": ("omega1",)}, "inputs must contain omega1 and load_torque, are omega1"),
-        ({"parameters": {"housing_freewheel": 0.0}}, "freewheel"),
-        ({"parameters": {"drive": 1.0, "input_inertia": 0.3}}, r"drive must be 0 \(speed\), is 1 \(torque\)"),
-    ],
-)
+@pytest.mark.parametrize("arguments, message", REFUSED["averaged_systems"])
 def test_what_has_no_averaged_system_is_refused(compiled, arguments, message):
     with pytest.raises(ValueError, match=message):
         bridge.averaged_system(**arguments, kernel=compiled)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from refused import REFUSED
 
 from inertia_module.memory import DrivenShaft, Module
 from studies.papers.karetin import Geometry
@@ -85,31 +86,7 @@ def test_what_can_be_built_is_not_warned_of(values):
     assert DrivenShaft("plain").start().warnings() == []
 
 
-@pytest.mark.parametrize(
-    "values, sentence",
-    [
-        (
-            {**PLANAR, "satellites": 12},
-            "the 12 satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites) must"
-            " be at least satellite_radius = 0.03 m, with sun_radius = 0.05 m",
-        ),
-        (
-            {"satellites": 6},
-            "the 6 satellites of a module overlap: sin(pi/satellites) sqrt(1 + 2 s cos(shaft_angle) + s^2)"
-            " must be at least 1, with s = z17/z6 = 34/20 and shaft_angle = 1.570796326794897 rad",
-        ),
-        (
-            {**PLANAR, "eccentricity": 0.04},
-            "the imbalance is outside its satellite: eccentricity must be at most satellite_radius = 0.03 m,"
-            " is 0.04 m",
-        ),
-        (
-            {"a": 1.5},
-            "the imbalance is outside the pitch cone of its satellite: a must be at most 1 and at most b = 1,"
-            " is 1.5",
-        ),
-    ],
-)
+@pytest.mark.parametrize("values, sentence", REFUSED["clearance"])
 def test_warning_names_the_values_and_what_they_must_be(compiled, values, sentence):
     module = Module(compiled).start(**values)
     assert module.warnings() == [sentence]

@@ -6,7 +6,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import SCENES, advanced, mechanism, started
+from scenes import FOUND, SCENES, advanced, mechanism, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
@@ -68,11 +68,7 @@ def test_step_that_leaves_the_range_of_doubles_has_no_small_error(size):
     assert not step_error(module.derived, module.state, w, 1.0) <= 1.0
 
 
-# no imbalance moves against link 1 (a = 0): no pulses, only what load and rounding do
-STILL = mechanism(
-    "z2=12 z16=30 z17=36 z6=31 wheel_radius=0.2983 a=0.0 b=0.6817 gamma=3.507 imbalance_mass=1.9275 "
-    "satellites=4 link2_inertia=0.1351 output_inertia=0.01932 drive_angle_start=-9.046"
-)
+STILL, DIP, THREE_ZEROS = (mechanism(FOUND[name]) for name in ("still", "dip", "three_zeros"))
 
 
 @pytest.mark.parametrize("load", [0.0, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6])
@@ -107,29 +103,12 @@ def test_load_at_rounding_level_on_an_elastic_shaft_at_rest_is_no_trouble(compil
         assert abs(module["omega_out"]) < 20.0 * abs(load)
 
 
-# link 2 leaves the shaft at its own speed, so its slope over the shaft starts at zero, and dips to rest
-DIP = mechanism(
-    "omega1=11.410121749714413 z17=36 z6=48 shaft_angle=1.4167520990887148 a=1.0 b=0.40330594364089606 "
-    "gamma=-1.261574699342242 imbalance_mass=0.8225726448583082 satellites=2 "
-    "link2_inertia=0.00017444423393536806 output_inertia=1.1993859597651855"
-)
-
-
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
 def test_dip_with_zero_slope_at_its_beginning_is_found(compiled, tolerance):
     long_steps = advanced(started(compiled, DIP, tolerance=tolerance), 1.75)
     short_steps = advanced(started(compiled, DIP, tolerance=tolerance, max_step=1e-4), 1.75)
     assert long_steps["contact_switches"] == short_steps["contact_switches"]
     assert long_steps["omega_out"] == pytest.approx(short_steps["omega_out"], abs=20 * tolerance)
-
-
-# held, the torque that would release link 2 falls through zero three times within a radian of its phase
-THREE_ZEROS = mechanism(
-    "z2=19 z16=31 z17=22 z6=22 wheel_radius=0.27916 b=0.48044 c=1.02694 epsilon=-4.81607 "
-    "gamma=-3.69265 imbalance_mass=1.11706 satellites=3 link2_inertia=0.000115186 "
-    "output_inertia=0.0193366 omega_out_start=5.713833 drive_angle_start=6.491726 omega1=-51.10686 "
-    "load_torque=0.0"
-)
 
 
 def test_release_among_close_zeros_is_found_as_by_short_steps(compiled):

@@ -1,6 +1,7 @@
 """The module at the extremes: every bound holds but for the limits named here, and the map tells the same."""
 
 import re
+import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,7 +9,7 @@ import pytest
 
 from studies.stability.verdicts import Cell, chosen_cases, read_rows, rows_of, run_study
 
-TABLE = Path(__file__).parents[2] / "docs" / "stability.csv"
+MAP = Path(__file__).parents[2] / "docs" / "stability.csv"
 
 
 class Limit(NamedTuple):
@@ -26,48 +27,12 @@ class Limit(NamedTuple):
         return all(re.fullmatch(pattern, text) for pattern, text in zip(self, found, strict=False))
 
 
-EVENT, FIXED, ANY = ".*event", ".*timestepping", ".*"
-ERRORS = ("error", "error, short steps")
-DISTANCES = ("long against short steps", *ERRORS)
-ENERGIES = ("energy residual", "energy residual, short steps")
-CUSP = "the inertia behind link 2 vanishes"
-NO_MEAN = "without both freewheels"
-WORK_WITHOUT_END = "more than 5e7 evaluations"
-WIND_UP = "only the event method winds freewheels up"
-WORK = ("work", "work, short steps")
-
-LIMITS = [
-    # what is refused, and must be
-    Limit("freewheels", ANY, ANY, "averaged", refused=NO_MEAN),
-    Limit("no inertia of link 2", "no output freewheel", ANY, "averaged", refused=NO_MEAN),
-    Limit("no inertia of link 2", r"a = 1, b = 1 \+ (0|1e-09|1e-07|1e-06)", "bevel", "[^k].*", refused=CUSP),
-    Limit("no inertia of link 2", r"a = b = 0\.7|l = 0 m", ANY, "[^k].*", refused=CUSP),
-    Limit("turns", "1e.09 turns of the drive", ANY, "[^a].*", refused=WORK_WITHOUT_END),
-    Limit("shaft", "balancer 10", ANY, ANY, refused="leaves the range of doubles"),
-    Limit("wind up", ANY, ANY, FIXED, refused=WIND_UP),
-    # followed while links 1 and 2 are stuck: fixed steps, the angle of the drive, a shaft at rest
-    Limit("stick", ".*, 1e.06 rad", ANY, FIXED, refused=WORK_WITHOUT_END),
-    Limit("stick", ".*, 1e.09 rad", ANY, f"kinematic|{FIXED}", refused=WORK_WITHOUT_END),
-    # by events: drag that ends a motion far faster than a pulse; bodies that come to rest where they may turn
-    # either way
-    Limit("drag", "(housing|output) 1000 N.m.s/rad", "planar", EVENT, WORK),
-    Limit("satellite bodies", r"Jt (1000|1e\+06)", "bevel", ANY, DISTANCES),
-    # a shaft that swings from the start under a drive that hardly turns: its phase cannot be told
-    Limit("input speed under load", "-?(2e-150|1e-200|1e-313) rad/s", ANY, "elastic, event", ERRORS),
-    # timestepping: motions that multiply errors, steps too long for the motion or the shaft
-    Limit("communication step", "1000 s", "bevel", FIXED, ERRORS),
-    Limit("fixed step", "10?0? rad", ANY, FIXED, DISTANCES + ENERGIES),
-    Limit(
-        "input speed under load", "-?([02].*|1|1e-.*) rad/s", ANY, "elastic, timestepping", ERRORS + ENERGIES
-    ),
-    Limit("mass", "(1000|1e.0[69]) kg.*", ANY, FIXED, ERRORS),
-    Limit("reversal", "jumps .* to -100000 rad/s", ANY, FIXED, DISTANCES),
-    Limit("satellites", "64( in 1000 modules)?", ANY, FIXED, ERRORS),
-    Limit("teeth", "(z17/z6|z2/z16) 200/1", "bevel", FIXED, ERRORS),
-    Limit("teeth", "z2/z16 1/200|R0/r 0.005", ANY, "elastic, timestepping", DISTANCES),
-    Limit("freewheels", "no housing, 1000 N.m", "bevel", FIXED, ERRORS),
-    Limit("viscous friction", "drive 1000 N.m.s/rad", "planar", "rigid, timestepping", ERRORS),
-    Limit("gravity", "1000 m/s2 at (1|0.001) rad/s.*", "bevel", FIXED, ERRORS),
+# known limits: what is refused, and must be, and what may be missed
+TABLE = tomllib.loads(Path(__file__).with_name("extremes.toml").read_text(encoding="utf-8"))
+LIMITS = [Limit(*where, refused=words) for *where, words in TABLE["cases"]["refused"]]
+LIMITS += [
+    Limit(*where, missed=tuple(name for group in groups.split() for name in TABLE["groups"][group]))
+    for *where, groups in TABLE["cases"]["missed"]
 ]
 
 
@@ -80,7 +45,7 @@ def place(row):
 EXTREMES = {}
 for case in chosen_cases():
     EXTREMES.setdefault(place(case), []).append(case)
-DOCUMENTED = {place(row): row.cells for row in read_rows(TABLE)}
+DOCUMENTED = {place(row): row.cells for row in read_rows(MAP)}
 # what every eighth extreme shows the others show too, and these take seconds each: left to `make test-long`
 DEAR = re.compile(
     "gravity, 1000 .*|shaft, c 1e.(09|12), no damping.*|wind up, .* 1e.0[789] .*|drag, output .*"

@@ -52,9 +52,8 @@ def test_peak_on_the_bearing_of_a_mean_motion_is_that_of_its_last_instant(compil
     assert module["satellite_force_peak"] == module["satellite_force"]
 
 
-@pytest.mark.parametrize("layout", SCENES)
-def test_nothing_is_known_of_a_step_before_the_first(compiled, layout):
-    module = started(compiled, SCENES[layout])
+def test_nothing_is_known_of_a_step_before_the_first(compiled, scene):
+    module = started(compiled, scene)
     for name in (*STEP_MEANS, "loss_power_mean", "output_angle", "output_turns"):
         assert module[name] == 0.0
     assert module["satellite_force_peak"] == module["satellite_force"] > 0.0
@@ -111,8 +110,7 @@ def test_peak_of_a_pulse_is_not_that_of_the_step_beyond_its_end(compiled):
         assert 0.95 * peak <= one["torque_peak"] <= 1.05 * peak
 
 
-@pytest.mark.parametrize("layout", SCENES)
-def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(compiled, layout):
-    module = advanced(started(compiled, SCENES[layout], input_hold=1, omega1=90.0), 0.02)
+def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(compiled, scene):
+    module = advanced(started(compiled, scene, input_hold=1, omega1=90.0), 0.02)
     advanced(module, 0.01, omega1=93.0)
     assert module["input_speed"] == pytest.approx(93.0 + 3.0 * 0.01 / 0.02, rel=1e-14)

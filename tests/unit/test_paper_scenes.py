@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 from typer.testing import CliRunner
 
 from inertia_module.cli import app
@@ -19,7 +19,6 @@ from studies.papers.stelmashchuk import Criteria, response
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = PAPERS / "stelmashchuk_stepping.toml"
-TABLE = {"kind": "table", "time": [0, 1], "hub_speed": [0, "60 rpm"]}
 
 
 # --- the papers ---
@@ -75,7 +74,8 @@ def test_stelmashchuks_scene_gives_his_motion(built):
 
 
 def test_hub_by_table_with_a_load(built):
-    keys = {"drive": TABLE, "load": {"kind": "torque", "torque": "2 N.m"}}
+    turned = {"kind": "table", "time": [0, 1], "hub_speed": [0, "60 rpm"]}
+    keys = {"drive": turned, "load": {"kind": "torque", "torque": "2 N.m"}}
     keys["shaft"] = {"driven_inertia": 0.2, "shaft_damping": 5, "input_hold": "linear"}
     keys["run"] = {"stop_time": 1, "communication_step": 0.01, "outputs": ["twist"]}
     result = run_shaft_scene(load_any_scene(SHAFT, keys), built / "DrivenShaft.fmu")
@@ -87,18 +87,7 @@ def test_hub_by_table_with_a_load(built):
     assert result.summary["energy_residual_relative"] < 1e-12
 
 
-@pytest.mark.parametrize(
-    "key, value, line",
-    [
-        ("shaft.shaft_stiffness", 3, "one of shaft.nu and shaft.shaft_stiffness must be given, both are"),
-        ("drive", TABLE, "with shaft.nu drive.kind must be 'stepping', is 'table'"),
-        ("shaft.nu", 0, "shaft.nu must be a number above 0, is 0"),
-        ("shaft.imbalance_mass", 1, "shaft.imbalance_mass = 1: there is no such key"),
-        ("shaft", {"shaft_stiffness": -1}, "shaft.shaft_stiffness must be between 1e-06 .*, is -1"),
-        ("drive", {"kind": "ramp"}, "drive.kind must be one of 'stepping', 'table', is 'ramp'"),
-        ("run.outputs", ["omega2"], "run.outputs .*, has 'omega2' .did you mean omega_out"),
-    ],
-)
+@pytest.mark.parametrize("key, value, line", REFUSED["shaft_scenes"])
 def test_one_line_says_what_is_wrong(key, value, line):
     assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 

@@ -7,7 +7,6 @@ import pytest
 from scenes import DRIVEN, ELASTIC, LOSSES, PLANAR, PLAY, SCENES, advanced, motions, started
 
 from inertia_module.kernel import codes
-from inertia_module.memory import Refused
 
 FREE, DRIVING = 1, 2
 COASTING = {"imbalance_mass": 1e-9, "omega2_start": 10.0, "omega_out_start": 12.0}
@@ -138,14 +137,3 @@ def test_an_engagement_is_an_event_and_a_turn_within_the_play_is_none(compiled):
         assert module.call(codes.SWITCH, 0.0) == codes.OK
         assert module["contact_switches"] == number + 1
     assert module["housing_engagements"] > 10
-
-
-def test_prescribed_motion_refuses_it_in_a_sentence(compiled):
-    sentence = (
-        "with fidelity = 0 .kinematic. housing_engagement_angle and output_engagement_angle must be 0, are"
-    )
-    for name in PLAY:
-        with pytest.raises(Refused, match=sentence):
-            started(compiled, {name: 0.01}, fidelity=0)
-    # what is not there engages nothing
-    assert started(compiled, PLAY, fidelity=0, housing_freewheel=False, output_freewheel=False).started

@@ -5,6 +5,7 @@ import hashlib
 import itertools
 import json
 import math
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -23,22 +24,6 @@ EACH, WITH_REFERENCE = 8, 3
 RIGID_EVENT = next(level for level in LEVELS if (level.fidelity, level.method) == (RIGID, EVENT))
 
 
-# random motions in which something went wrong: (seed, number), without losses, with them, with play besides
-BY_NUMBER = {
-    # a swing of a light driven mass that a stiff step let go, work of a balancer
-    "ideal": ((1, 16921), (1, 18933)),
-    # a locked freewheel had a play of rounding
-    "play": ((1, 117), (1, 193), (1, 701), (1, 986)),
-    "losses": (
-        # `averaged` did not keep its energies or never came to the end
-        *((7, 707), (7, 991), (7, 1557), (1, 487), (1, 613), (1, 624), (1, 857), (1, 1064), (1, 1300)),
-        *((1, 3915), (1, 4881), (1, 4974)),
-        # no first step from rest, no end of coming to rest; a freewheel that pulled; a torque with a kink
-        *((1, 3185), (1, 4306), (1, 4900), (1, 2565), (1, 2851), (1, 3957)),
-    ),
-}
-
-
 def motions(level, count, losses=False):
     """The first motions of a seed at this level."""
     drawn = (draw_motion(SEED, number, losses) for number in itertools.count())
@@ -47,13 +32,14 @@ def motions(level, count, losses=False):
 
 def found():
     """Motions that campaigns have found, with most switches, by what went wrong, or by seed and number."""
-    with Path(__file__).with_name("found.csv").open(encoding="utf-8", newline="") as file:
+    place = Path(__file__).with_name("found.csv")
+    with place.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             parts = [[float(number) for number in one.split()] for one in row["segments"].split(";")]
             # duration, omega1, load, slope, drive, steps
             segments = tuple(Segment(*part[:5], *map(int, part[5:])) for part in parts)
             yield pytest.param(Motion(mechanism(row["parameters"]), segments), 100, id=row["what"])
-    for more, numbers in BY_NUMBER.items():
+    for more, numbers in tomllib.loads(place.with_suffix(".toml").read_text(encoding="utf-8")).items():
         for seed, number in numbers:
             motion = draw_motion(seed, number, more != "ideal")
             if more != "play":

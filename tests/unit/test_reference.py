@@ -17,11 +17,13 @@ from scenes import (
     DRIVEN,
     DRIVES,
     ELASTIC,
+    FOUND,
     FREEWHEELS,
     GEARS,
     LOSSES,
     PLAY,
     SCENES,
+    TABLE,
     WIND_UP,
     advanced,
     drive_angle,
@@ -242,27 +244,9 @@ def test_losses_of_several_satellites_follow_the_tolerance(compiled, tolerance):
     assert held_to(found, exact, 10.0 * tolerance) == {}
 
 
-# random machines whose speeds were right, and accounts off by thousands of tolerances
-KINKED = {
-    "four satellites": (
-        (350.48, -7.1436, -27.659, 1.6578),
-        "satellites=4 modules=2 imbalance_mass=1.5513 link2_inertia=0.0057 z2=24 z16=166 z17=12 z6=38 "
-        "a=1.2661 b=0.27447 c=0.74435 epsilon=2.8946 gamma=1.9844 wheel_radius=0.12129 "
-        "shaft_angle=2.4363 output_friction=7.6301 output_inertia=0.015833 drive_friction=0.12388 "
-        "satellite_mesh_efficiency=0.97",
-    ),
-    "two signs in one step": (
-        (0.35439, 16.174, 0.0, 0.096761),
-        "satellites=3 modules=5 imbalance_mass=0.68162 drive_inertia=0.11511 z2=56 z16=55 z17=73 "
-        "b=0.075542 c=0.34855 z6=40 wheel_radius=0.3607 link2_inertia=0.0015831 output_inertia=27.693 "
-        "mesh_efficiency=0.5 input_friction=6.9719 output_freewheel=0 satellite_mesh_efficiency=0.97",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", KINKED)
+@pytest.mark.parametrize("name", FOUND["kinked"])
 def test_accounts_are_held_to_the_tolerance_whatever_the_steps(compiled, name):
-    (load, omega1, slope, duration), text = KINKED[name]
+    load, omega1, slope, duration, text = FOUND["kinked"][name]
     values = mechanism(text)
     exact = reference({**values, "load_torque": load, "omega1": omega1})
     exact.turn(omega1, slope)
@@ -345,21 +329,8 @@ CHECKED = (
     *("contact_mode", "omega2", "omega_out", "input_torque", "mesh_torque", "output_torque"),
     *("housing_torque", "output_torque_mean", "imbalance_acceleration"),
 )
-# by time, s: these and the angle of the drive
-REFERENCE_VALUES = {
-    0.01: (
-        *(2, 0.969128517, 0.969128517, 163.43277665, 22.45225325, 22.32896361, 0, 58.4564258, 2931.116196),
-        0.995538603,
-    ),
-    0.1: (
-        *(0, 0, 3.447176379, -169.30697594, -95.49415258, 0, 95.49415258, 27.2358819, 5285.153822),
-        9.887230876,
-    ),
-    1.0: (
-        *(2, 17.968063040, 17.968063040, 15.48585376, 50.41231783, 50.01219587, 0, 18.98403152),
-        *(1063.437762, 93.434013810),
-    ),
-}
+# these and the angle of the drive
+REFERENCE_VALUES = {float(time): values for time, values in TABLE["check_values"].items()}
 
 
 @pytest.mark.parametrize("time", REFERENCE_VALUES)

@@ -2,6 +2,7 @@
 
 import math
 import re
+import tomllib
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,38 +18,11 @@ from inertia_module.scene.run import scene_plan, start_of
 from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-DRIVE = 'kind = "constant"\nomega1 = 100'
-OPEN = f"""
-[drive]
-{DRIVE}
-[load]
-kind = "torque"
-torque = 10
-[run]
-stop_time = 1
-communication_step = 0.01
-"""
+# scenes of which tests change a part
+BASES = {file.stem: file.read_text() for file in Path(__file__).with_name("bases").iterdir()}
+OPEN, CLOSED, TORQUE = (BASES[name] for name in ("open", "closed", "torque"))
 VEHICLE = 'kind = "vehicle"\nmass = 900\nwheel_radius = 0.3\nfinal_drive = 3'
-CLOSED = f"""
-[drive]
-kind = "controlled"
-[load]
-{VEHICLE}
-[controller]
-kind = "pi"
-proportional_gain = 100
-reference = {{ kind = "constant", speed = "36 km/h" }}
-[run]
-stop_time = 1
-communication_step = 0.01
-"""
-TORQUE = OPEN.replace(DRIVE, 'kind = "torque"\ndrive_torque = "12 Nm"\nomega1 = "600 rpm"')
-TORQUE += "[mechanism]\ninput_inertia = 0.2"
-COMMANDED = CLOSED.replace('"controlled"', '"controlled_torque"\nomega1 = 80').replace(
-    '"pi"', '"pi_torque"\nminimum = "-10 N.m"\nmaximum = "20 N.m"'
-)
 ENGINE = (EXAMPLES / "engine_launch.toml").read_text()
-AUTO = OPEN + '[accuracy]\nerror = "2 %"\nwindow = "0.1 s"\n[mechanism]\nfidelity = "auto"'
 
 
 def read(text, folder=None):
@@ -65,26 +39,10 @@ def changed(text, old, new):
 # --- units ---
 
 
-@pytest.mark.parametrize(
-    ("value", "unit", "expected"),
-    [
-        (3, "rad/s", 3.0),
-        ("90 deg", "rad", math.pi / 2),
-        ("3000 rpm", "rad/s", 100.0 * math.pi),
-        ("2 rev/s", "rad/s", 4.0 * math.pi),
-        ("5 ms", "s", 0.005),
-        ("50 km/h", "m/s", 50.0 / 3.6),
-        ("1.5e2 mm", "m", 0.15),
-        ("20 kg m^2", "kg.m2", 20.0),
-        ("2 kNm", "N.m", 2000.0),
-        ("3 N*m*s/rad", "N.m.s/rad", 3.0),
-        ("5 %", "1", 0.05),
-        ("7 1/s", "1/s", 7.0),
-        ("60 Hz", "1/s", 60.0),
-        ("-.5", "N.m", -0.5),
-        ("4 kg/s", "N.s/m", 4.0),
-    ],
-)
+QUANTITIES = tomllib.loads(Path(__file__).with_name("quantities.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("value, unit, expected", QUANTITIES["rows"])
 def test_quantities_in_si(value, unit, expected):
     assert to_si(value, unit) == pytest.approx(expected, rel=1e-15)
 
@@ -245,14 +203,9 @@ def test_a_map_from_files_with_other_speeds_is_the_same_map(tmp_path):
 
 # --- bad scenes ---
 
-BASES = {
+BASES |= {
     "empty": "",
-    "open": OPEN,
-    "closed": CLOSED,
-    "torque": TORQUE,
-    "commanded": COMMANDED,
     "engine": ENGINE,
-    "auto": AUTO,
     "still": changed(changed(CLOSED, VEHICLE, 'kind = "torque"\ntorque = 1'), '"36 km/h"', "3"),
 }
 # a scene of these with something changed or, before its end, added; how the line about it begins and goes on

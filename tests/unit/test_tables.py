@@ -1,9 +1,12 @@
 """Tables from CSV files as they come from rigs and spreadsheets: read right, or refused in a sentence."""
 
 import math
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import REFUSED
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
@@ -12,44 +15,10 @@ from inertia_module.harness.wires import WiringError
 from inertia_module.scene import SceneError, load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
-SAME = {
-    "commas": "time,omega1\n0,100\n0.5,101.5\n1,-2.5e-3\n",
-    "semicolons": "time;omega1\n0;100\n0.5;101.5\n1;-2.5e-3\n",
-    "decimal commas": "time;omega1\n0;100\n0,5;101,5\n1;-2,5e-3\n",
-    "tabs": "time\tomega1\n0\t100\n0,5\t101,5\n1\t-2,5e-3\n",
-    "decimal commas in quotes": 'time,omega1\n0,100\n"0,5","101,5"\n1,"-2,5e-3"\n',
-    "units in brackets": "time [s];omega1 [rad/s]\n0;100\n0,5;101,5\n1;-2,5e-3\n",
-    "units in round brackets": "time (s);omega1 (rad/s)\n0;100\n0,5;101,5\n1;-2,5e-3\n",
-    "time in ms": "time [ms],omega1\n0,100\n500,101.5\n1000,-2.5e-3\n",
-    "byte mark, blanks, empty lines": "\ufeff\n time , omega1 \r\n0,100\r\n\r\n0.5,101.5\r\n1,-2.5e-3",
-}
-BAD = {
-    "both signs": ("time;omega1\n0;1.5\n1;1,5\n", "must have decimal points or decimal commas, has both"),
-    "thousands": ("time;omega1\n0;1.234,5\n", "must have decimal points or decimal commas, has both"),
-    "decimal commas that part columns": (
-        "time,omega1\n0,100\n0,5,101,5\n",
-        "line 3 must have 2 cells, .* has 4",
-    ),
-    "a name twice": ("time,omega1,omega1\n0,1,2\n", "column 3 must have a name of its own, is 'omega1'"),
-    "no name": ("time;omega1;\n0;1;\n", "column 3 must have a name of its own, is ''"),
-    "no number": ("time,omega1\n\n0,fast\n", "line 3: omega1 must be a finite number, is 'fast'"),
-    "an empty cell": ("time,omega1\n0,\n", "line 2: omega1 must be a finite number, is ''"),
-    "no number at all": (
-        "time,omega1\n0,1\n\n1,nan\n",
-        r"table\.csv line 4: omega1 must be a finite .*, is 'nan'",
-    ),
-    "no end": ("time;omega1\n0;-inf\n", r"table\.csv line 2: omega1 must be a finite number, is '-inf'"),
-    "time in metres": ("time [m],omega1\n0,1\n", r"time \[m\] must be in s or in a unit of the same kind"),
-    "time in a unit nobody knows": ("time [blink],omega1\n0,1\n", "blink is an unknown unit"),
-    "time that goes back": (
-        "time [ms],omega1\n2,1\n1,1\n",
-        r"table\.csv: time must not go back, is 0.001 in row 1",
-    ),
-    "a heading only": ("time,omega1\n", "at least one row of numbers"),
-    "no time": ("t,omega1\n0,1\n", "columns must include time .there are t, omega1"),
-    "Latin letters": ("time,winkel [°]\n0,1\n".encode("latin-1"), r"table\.csv must be a CSV file in UTF-8"),
-    "two bytes a letter": ("time,x\n0,1\n".encode("utf-16"), r"table\.csv must be a CSV file in UTF-8"),
-}
+SAME = tomllib.loads(Path(__file__).with_name("same_tables.toml").read_text(encoding="utf-8"))
+BAD = [(text.encode(), words) for text, words in REFUSED["tables"]]
+NO_UTF_8 = r"table\.csv must be a CSV file in UTF-8"
+BAD += [("time,winkel [°]\n0,1\n".encode(code), NO_UTF_8) for code in ("latin-1", "utf-16")]
 
 
 def read(folder, content):
@@ -65,9 +34,9 @@ def test_the_same_table_comes_out_of_every_way_to_write_it(tmp_path):
 
 
 def test_a_table_that_could_be_misread_is_refused(tmp_path):
-    for text, words in BAD.values():
+    for content, words in BAD:
         with pytest.raises(TableError, match=words) as refused:
-            read(tmp_path, text if isinstance(text, bytes) else text.encode())
+            read(tmp_path, content)
         assert "\n" not in str(refused.value)
 
 

@@ -1,8 +1,10 @@
 """Bad wiring is refused before anything runs, naming the signals and what is allowed."""
 
+import re
+
 import pytest
 from fmpy import read_model_description
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.fmu.description import model_description
@@ -52,31 +54,10 @@ def test_module_and_shaft_wired_as_they_are_meant_to_be_are_accepted(both, drive
         check(both, [*BOTH, idle], {**GIVEN, "module": ["drive_torque"]}, drive=drive)
 
 
-NOTHING, NAN = "must be driven by a wire or a given value, nothing", float("nan")
-# what is asked for in place of the good wires, values and step, and words of the sentence
-BAD = [
-    (
-        {"wires": [SPEED._replace(output="output_torque_mean"), TORQUE]},
-        "module.output_torque_mean -> shaft.hub_speed: both ends must be in one unit, are in N.m and rad/s",
-    ),
-    ({"wires": [SPEED]}, f"module.load_torque {NOTHING}"),
-    ({"given": {"shaft": ["load_torque"]}}, f"module.omega1 {NOTHING}"),
-    ({"wires": [*BOTH, SPEED]}, "shaft.hub_speed must be driven by one of them, is driven by"),
-    ({"wires": [*BOTH, TORQUE._replace(input="drive_torque")]}, "drive_torque has no effect"),
-    ({"wires": [SPEED, TORQUE._replace(source="axle")]}, "axle must be an FMU of the system (there"),
-    ({"wires": [SPEED._replace(output="omega_3"), TORQUE]}, "omega_3 must be an output of module (did you"),
-    ({"wires": [SPEED._replace(input="omega1"), TORQUE]}, "omega1 must be an input of shaft (there"),
-    ({"wires": [SPEED._replace(output="omega1"), TORQUE]}, "omega1 must be an output of module ("),
-    ({"given": {**GIVEN, "shaft": ["torque"]}}, "torque must be an input of shaft ("),
-    *(
-        ({"step": step}, f"step must be a positive number of seconds, is {step:g}")
-        for step in (0.0, -1.0, NAN)
-    ),
-]
-
-
-@pytest.mark.parametrize("asked, words", BAD)
+@pytest.mark.parametrize("asked, words", REFUSED["wiring"])
 def test_wires_that_cannot_work_are_named(both, asked, words):
+    if "wires" in asked:
+        asked = {"wires": [Wire(*re.split("[. ]", ends)) for ends in asked["wires"]]}
     with pytest.raises(WiringError) as caught:
         check(both, **asked)
     assert words in str(caught.value)
