@@ -52,7 +52,7 @@ SELECTION = {
     "averaged/": """
         test_averaged_map.py::test_mean_power_of_link_1_goes_to_the_output_or_into_its_energy_or_is_lost
         test_averaged_map.py::test_accelerations_of_the_mean_motion_are_the_rates_of_its_speeds
-        test_averaged_map.py::test_a_stiff_step_of_the_mean_motion_is_of_its_order
+        test_averaged_map.py::test_a_step_of_the_mean_motion_is_of_its_order
         test_averaged_map.py::test_slopes_of_the_table_are_those_of_scipy
         test_averaged_map.py::test_table_of_two_knots_is_a_straight_line
         test_averaged_map.py::test_momentum_while_link_2_is_held_changes_by_what_holds_it
