@@ -24,7 +24,7 @@ from inertia_module.kernel.averaged.rates import (
     write_mean_rates,
 )
 from inertia_module.kernel.averaged.run import input_inertia, mean_accelerations
-from inertia_module.kernel.averaged.steady import hold_output, momentum, settle, speed_of_sums, thrown
+from inertia_module.kernel.averaged.steady import find_steady, hold_output, momentum, speed_of_sums, thrown
 from inertia_module.kernel.averaged.step import differentiate, take_step
 from inertia_module.kernel.averaged.table import INPUT, OMEGA2, TORQUE, inner_slope, set_slopes
 from inertia_module.kernel.links import inertia_at_input
@@ -121,7 +121,7 @@ def test_steady_motion_under_a_torque_ends_a_period_as_it_began(compiled, direct
     side = d.forward if direction > 0.0 else d.backward
     hold_output(d, w, 1e-4)
     w.drive, w.begin_energy, w.begin_omega2 = 0.0, 1.0, 0.0
-    assert settle(p, w, side, ratio, 0.0)
+    assert find_steady(p, w, side, ratio, 0.0)
     assert direction * w.drive > 0.0
     assert w.held.map_evaluations < most
     x = w.part

@@ -1,9 +1,9 @@
 """Embedded Runge-Kutta pairs as tables: Dormand and Prince 8(5,3), for short steps 5(4).
 
 Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5, DOP853 and
-table 5.2. Row n of a pair weighs the rates of the stages before stage n; its last stage is the end of the step, so
-that this row is the result. Pair 8(5,3) has three stages more, for the inside of the step, and four rows for the
-interpolant's coefficients, of order 7.
+table 5.2. Row n of a pair weighs the rates of the stages before stage n; its last stage is the end of the
+step, so that this row is the result. Pair 8(5,3) has three stages more, for the inside of the step, and four
+rows for the interpolant's coefficients, of order 7.
 """
 
 STAGES = 16

@@ -38,17 +38,12 @@ AT_REST = 1e-11
 APART = 1e-7
 
 
-def turns_with_link1(d, side, x, v):
-    """Tell whether the shaft turns with link 1, the drive at rest in it."""
+def stays_locked(d, side, x, v):
+    """Tell whether the shaft turns with link 1, the drive at rest in it, and lock-up holds more than that."""
     together = lock_ratio(d, side) * v
     # (without losses the mean motion may never come up to link 1)
     comes = side.locks != 0.0 or (d.lossy != 0.0 and d.by_torque == 0.0) or x.omega2 == x.omega3
-    return v > 0.0 and comes and abs(x.omega3 - together) <= ARRIVED * together
-
-
-def stays_locked(d, side, x, v):
-    """Tell whether the shaft turns with link 1 from now on: at most just below what lock-up holds."""
-    if not turns_with_link1(d, side, x, v):
+    if v <= 0.0 or not comes or abs(x.omega3 - together) > ARRIVED * together:
         return False
     write_mean_rates(d, side, x, LOCKED, v, x.omega3, d.mean)
     return -d.output_drag <= d.mean.output <= most_locked_torque(d, side, x, v) * (1.0 - ARRIVED)
@@ -203,7 +198,7 @@ def takes_up_jump(d, x, jump, h):
     """Let a shaft locked to link 1 follow a jump of omega1 as a ramp of the step. Returns whether it can."""
     before = x.alpha1
     x.alpha1 += jump / h
-    if x.omega1 > 0.0 and stays_locked(d, d.forward, x, x.omega1):
+    if stays_locked(d, d.forward, x, x.omega1):
         return True
     x.alpha1 = before
     return False

@@ -1,9 +1,9 @@
 """Internal steps of the averaged motion, in any leg: speed v of the input and omega3, with all sums.
 
 They are of Ros4, an L-stable Rosenbrock method of four stages, of orders 4(3) (Hairer and Wanner, Solving
-Ordinary Differential Equations II, section IV.7), in the form of events.rosenbrock. One more stage makes its
-error L-stable too. Derivatives are differences: a light shaft follows the mean torque at once, and a transient
-costs no small steps.
+Ordinary Differential Equations II, section IV.7), in the form of events.rosenbrock; one more stage makes its
+error L-stable too. Derivatives are differences. So a light shaft follows the mean torque at once, and a
+transient costs no small steps.
 """
 
 from ..accumulate import clear, total
