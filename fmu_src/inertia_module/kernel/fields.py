@@ -82,14 +82,15 @@ STATE = (
     ("now", NOW),
 )
 
-# averaged: a knot of the map over the speed ratio: curves of mean torque, mean speed of link 2 and the mean
-# energy or, under its torque, speed of link 1 (see averaged.table); while the map is built the error of the
-# interval that follows, the torque of link 1, and how the motion begins. Torques, speeds of link 2 and powers
-# lost by cause stand there for so many motions: the ideal one and with losses those of averaged.table
+# averaged: a knot of the map over the speed ratio: curves of mean torque, mean speed of link 2, the mean
+# energy or, under its torque, speed of link 1, ripple and peak (see averaged.table); while the map is built
+# the error of the interval that follows, the torque of link 1, and how the motion begins. Torques, speeds of
+# link 2 and powers lost by cause stand there for so many motions: the ideal one and with losses those of
+# averaged.table
 MOTIONS = 9
-CURVES = 2 * MOTIONS + 1
+CURVES = 2 * MOTIONS + 3
 KNOT = (
-    *("ratio", ("value", CURVES), ("slope", CURVES), "ripple", "peak", "error"),
+    *("ratio", ("value", CURVES), ("slope", CURVES), "error"),
     *("drive", "begin_energy", "begin_omega2", ("lost", MOTIONS * CAUSES)),
 )
 # one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; where

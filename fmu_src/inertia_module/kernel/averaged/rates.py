@@ -7,7 +7,7 @@ legs: it rests, is locked to link 1, coasts beyond the end of the map, or slips 
 
 from ..accumulate import total
 from ..equations.losses import FREEWHEEL, VISCOUS
-from .table import INPUT, MOTIONS, OMEGA2, SLOWNESS, TORQUE, interpolate
+from .table import INPUT, MOTIONS, OMEGA2, PEAK, RIPPLE, SLOWNESS, TORQUE, interpolate
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
 # to find the ratio of the accelerations from rest
@@ -34,11 +34,6 @@ def find_knot(side, x, sigma):
         n += 1
     x.map_knot = n
     return n
-
-
-def last_knot(side):
-    """The knot where the map ends."""
-    return side.knots[int(side.count) - 1]
 
 
 def shares(side, speed):
@@ -153,12 +148,11 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     s = ratio(omega3, speed)
     if speed == 0.0 and omega3 == 0.0 and (leg == SLIPPING or leg == COASTING):
         s = ratio_from_rest(d, side, x)
-    torque, part = look_up(side, x, speed, max(s, side.end) if leg == COASTING else s)
-    share, share1 = look_up_input(side, x, s)
+    within = max(s, side.end) if leg == LOCKED or leg == COASTING else s
+    torque, part = look_up(side, x, speed, within)
+    share, share1 = look_up_input(side, x, within)
     if leg != SLIPPING:
         share1 = 0.0
-    if leg == LOCKED or leg == COASTING:
-        share = last_knot(side).value[INPUT]
     resisting = 0.0
     if d.lossy != 0.0:
         resisting = write_losses(side, x, speed, s, rates.lost)
@@ -231,9 +225,5 @@ def ripple_at(side, x, v):
     if s >= side.end:
         return 0.0, 0.0
     n = find_knot(side, x, s)
-    knot = side.knots[n]
-    after = side.knots[n + 1]
-    t = (s - knot.ratio) / (after.ratio - knot.ratio)
-    ripple = knot.ripple + t * (after.ripple - knot.ripple)
-    peak = knot.peak + t * (after.peak - knot.peak)
-    return v * v * ripple, v * v * peak
+    square = v * v
+    return square * curve_at(side, n, s, RIPPLE)[0], square * curve_at(side, n, s, PEAK)[0]

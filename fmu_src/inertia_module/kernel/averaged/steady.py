@@ -327,7 +327,7 @@ def add_period(d, x, w, side, ratio, begin):
     return through
 
 
-def find_steady(d, x, w, side, ratio):
+def find_steady(p, w, side, ratio, slowness):
     """Set the sums in w to those of the steady motion: omega2 is at the end of a period what it began with.
 
     What it ends with never falls with what it begins with, and between 0 and the speed of the output there is
@@ -335,9 +335,16 @@ def find_steady(d, x, w, side, ratio):
     with the speed of the output does. Under the torque of link 1 this torque and the energy at the beginning
     are found as well, w.drive and w.begin_energy over that of v = 1: so that the energy is kept, and v is 1.
 
+    Args:
+        w: workspace; w.held has the constants (see hold_output), w.part is the state that is followed.
+        ratio: of the speeds. slowness: friction and drag are as at the speed 1 / slowness.
+
     Returns:
         Whether it is found.
     """
+    d, x = w.held, w.part
+    set_losses(p, d, slowness)
+    w.load = 0.0
     low = gain = loss = 0.0
     begin = min(w.begin_omega2, ratio) if d.by_torque != 0.0 else 0.0
     high = ratio
@@ -422,17 +429,3 @@ def speed_of_sums(d, w):
     if d.by_torque == 0.0:
         return 1.0
     return math.sqrt(2.0 * w.sum_energy / (w.sum_time * d.map_inertia))
-
-
-def settle(p, w, side, ratio, slowness):
-    """Sums in w over the steady motion at this speed ratio, friction as at the speed 1 / slowness.
-
-    Args:
-        w: workspace; w.held has the constants (see hold_output), w.part is the state that is followed.
-
-    Returns:
-        Whether there is one.
-    """
-    set_losses(p, w.held, slowness)
-    w.load = 0.0
-    return find_steady(w.held, w.part, w, side, ratio)

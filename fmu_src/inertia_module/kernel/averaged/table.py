@@ -9,8 +9,10 @@ PchipInterpolator: between knots no value leaves the range of its neighbours.
 SLOWNESS = (0.0, 0.1, 0.25, 0.4, 0.5, 0.75, 0.9, 0.99, 1.0)
 MOTIONS = len(SLOWNESS)
 SLOWER = 4
-# places of their first curves: torques, speeds of link 2, input; powers lost stand by cause
+# places of their first curves: torques, speeds of link 2; of the ideal motion alone input, ripple and peak;
+# powers lost stand by cause
 TORQUE, OMEGA2, INPUT = 0, MOTIONS, 2 * MOTIONS
+RIPPLE, PEAK = INPUT + 1, INPUT + 2
 # error of an interval that has not been looked at
 UNKNOWN_ERROR = 1e300
 # what the input has and the speed of link 2 matter less than the torque
@@ -55,7 +57,7 @@ def set_slopes(side, n):
     far = b.ratio - here.ratio if inner else b.ratio - a.ratio
     for curve in range(len(here.value)):
         # (without losses there is one motion)
-        if side.slow == 0.0 and curve % MOTIONS != 0:
+        if side.slow == 0.0 and curve < INPUT and curve % MOTIONS != 0:
             continue
         before, value, after = a.value[curve], here.value[curve], b.value[curve]
         if inner:

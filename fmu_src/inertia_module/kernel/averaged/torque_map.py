@@ -17,7 +17,7 @@ Tc (1 - sigma).
 
 import math
 
-from ..accumulate import clear, copy, total
+from ..accumulate import clear, copy
 from ..codes import NOT_STEADY, OK
 from ..equations.losses import FREEWHEEL, MESH, VISCOUS
 from ..links import inertia_at_input
@@ -30,15 +30,17 @@ from .steady import (
     NEAREST,
     THROWN,
     find_largest,
+    find_steady,
     hold_output,
     set_losses,
-    settle,
     speed_of_sums,
 )
 from .table import (
     INPUT,
     MOTIONS,
     OMEGA2,
+    PEAK,
+    RIPPLE,
     SLOWNESS,
     TORQUE,
     UNKNOWN_ERROR,
@@ -116,21 +118,18 @@ def crawl(p, d, side, knot, m):
     set_losses(p, d, 1.0 / side.slow)
     ratio = knot.ratio
     pulling = pulled(d)
-    driving = side.direction * pulling - (pulling + d.b2 + d.housing_drag_viscous) * ratio
-    overrun = side.direction * pulling + d.output_drag_viscous * ratio
+    resisting = pulling + d.b2 + d.housing_drag_viscous
     ahead = d.output_drag - d.housing_drag
-    omega2 = viscous = drag = 0.0
+    omega2 = ratio if ahead > 0.0 else 0.0
+    if ahead == 0.0:
+        # neither drag decides: it drives, rests, or turns between
+        overrun = side.direction * pulling + d.output_drag_viscous * ratio
+        omega2 = min(max(overrun, 0.0) / (resisting + d.output_drag_viscous + 1e-300), ratio)
+    viscous, drag = -d.output_drag_viscous * (ratio - omega2), d.output_drag
     if ratio == 0.0:
-        viscous = max(overrun, 0.0)
-    elif ahead > 0.0 or (ahead == 0.0 and driving >= 0.0):
-        omega2 = ratio
-        viscous = driving
-        drag = d.housing_drag
-    else:
-        if ahead == 0.0 and overrun > 0.0:
-            omega2 = overrun / (pulling + d.b2 + d.housing_drag_viscous + d.output_drag_viscous)
-        viscous = -d.output_drag_viscous * (ratio - omega2)
-        drag = d.output_drag
+        viscous, drag = max(side.direction * pulling, 0.0), 0.0
+    elif omega2 == ratio:
+        viscous, drag = side.direction * pulling - resisting * ratio, d.housing_drag
     z = SLOWNESS[m]
     knot.value[TORQUE + m] = z * ((1.0 - z) * viscous - z * drag)
     knot.value[OMEGA2 + m] = omega2
@@ -164,7 +163,7 @@ def add_knot(p, d, w, side, n, ratio):
     count = int(side.count)
     knot = w.knot
     foresee(w, side, n, held)
-    found = settle(p, w, side, held, 0.0)
+    found = find_steady(p, w, side, held, 0.0)
     if found:
         # very nearly this one
         knot.ratio = ratio / write_steady(d, w, knot)
@@ -213,9 +212,9 @@ def write_steady(d, w, knot):
     if d.by_torque != 0.0:
         knot.value[INPUT] = abs(w.sum_omega1) / (time * v)
     variance = w.sum_square / (time * v**4) - knot.value[TORQUE] * knot.value[TORQUE]
-    knot.ripple = math.sqrt(max(variance, 0.0))
+    knot.value[RIPPLE] = math.sqrt(max(variance, 0.0))
     knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
-    knot.peak = w.sum_peak / (v * v)
+    knot.value[PEAK] = w.sum_peak / (v * v)
     return v
 
 
@@ -228,7 +227,7 @@ def add_slower(p, d, w, side, knot, held):
         slow = SLOWNESS[m] / (1.0 - SLOWNESS[m])
         given = w.drive
         w.drive += growth * (slow - before)
-        if not settle(p, w, side, held, slow / side.slow):
+        if not find_steady(p, w, side, held, slow / side.slow):
             return False
         growth = (w.drive - given) / (slow - before)
         before = slow
@@ -266,7 +265,7 @@ def end_map(p, d, w, side, end):
         knot = w.knot
         copy(knot.numbers, last.numbers)
         knot.ratio = max(end, last.ratio * (1.0 + RAMP))
-        knot.value[TORQUE] = knot.ripple = knot.peak = 0.0
+        knot.value[TORQUE] = knot.value[RIPPLE] = knot.value[PEAK] = 0.0
         if side.slow != 0.0:
             for m in range(CRAWLING, MOTIONS):
                 crawl(p, d, side, knot, m)
@@ -275,9 +274,7 @@ def end_map(p, d, w, side, end):
                 knot.value[TORQUE + m] = min(knot.value[TORQUE + m], 0.0)
         insert_knot(side, count, knot, 0.0)
     elif d.lossy == 0.0:
-        last.value[TORQUE] = 0.0
-        last.ripple = 0.0
-        last.peak = 0.0
+        last.value[TORQUE] = last.value[RIPPLE] = last.value[PEAK] = 0.0
     elif side.direction < 0.0:
         for m in range(MOTIONS):
             last.value[TORQUE + m] = min(last.value[TORQUE + m], 0.0)
@@ -319,12 +316,6 @@ def extend(p, d, w, side):
         n += 1
 
 
-def power_at_speed(p, w, side):
-    """Torque of link 1, N m, that its losses take where the output rests and its speed, 1, is given."""
-    settle(p, w, side, 0.0, 0.0)
-    return side.direction * total(w.sum_lost) / w.sum_time if w.sum_time > 0.0 else 0.0
-
-
 def build_side(p, d, w, side, allowed):
     """Find knots for one sign of omega1, refined where the table is worst.
 
@@ -338,16 +329,13 @@ def build_side(p, d, w, side, allowed):
     # link 2 surely rests where its momentum is largest, if any torque is passed
     start, side.thrown = find_largest(d, side, MOMENTUM)
     side.start = start - side.direction * HEAD_START / d.harmonic
-    by_torque = d.by_torque
-    d.by_torque = 0.0
-    w.drive = power_at_speed(p, w, side) if by_torque != 0.0 else 0.0
-    d.by_torque = by_torque
+    w.drive = 0.0
     w.begin_energy = 1.0
     w.begin_omega2 = 0.0
     if d.map_inertia == 0.0:
         # that with which v is the mean of omega1 where the output rests; any energy shows it
         d.map_inertia = inertia_at_input(d, side.start)
-        settle(p, w, side, 0.0, 0.0)
+        find_steady(p, w, side, 0.0, 0.0)
         d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
     last_ratio, end = find_end(d, side)
     if not add_first_knots(p, d, w, side, last_ratio):
