@@ -243,7 +243,8 @@ class Scene(Strict):
         anew = {name.partition(".")[0] for name in keys}
         # units of a controller depend on the load
         anew |= {"controller"} if "load" in anew else set()
-        given = self.model_fields_set
+        # a specification gives more than a scene
+        given = self.model_fields_set & Scene.model_fields.keys()
         data = {name: self.tables.get(name) if name in anew else getattr(self, name) for name in given}
         for name, value in keys.items():
             data = changed(data, name.split("."), value)

@@ -35,7 +35,7 @@ ROUNDS = 60
 # v below this share of the speeds is zero where its leg ends
 AT_REST = 1e-11
 # share of the speeds by which they change for a difference
-APART = 1e-7
+APART = 1e-5
 
 
 def stays_locked(d, side, x, v):
@@ -125,7 +125,7 @@ def run_averaged(d, x, w, h):
 
 
 def mean_accelerations(d, side, x, leg, v):
-    """Mean accelerations of links 1 and 2, rad/s^2, by a difference from the motion in d.mean on."""
+    """Mean accelerations of links 1 and 2, rad/s^2, by a parabola from the motion in d.mean on."""
     m = d.mean
     rate, rate3, omega1, omega2 = m.omega1, m.omega3, m.theta1, m.omega2
     if rate == 0.0 and rate3 == 0.0:
@@ -133,7 +133,10 @@ def mean_accelerations(d, side, x, leg, v):
     speeds = abs(v) + x.omega3
     time = APART * (speeds / (abs(rate) + abs(rate3)) if speeds > 0.0 else 1.0)
     write_mean_rates(d, side, x, leg, v + rate * time, x.omega3 + rate3 * time, m)
-    return (m.theta1 - omega1) / time, (m.omega2 - omega2) / time
+    change1, change2 = m.theta1 - omega1, m.omega2 - omega2
+    write_mean_rates(d, side, x, leg, v + 2.0 * rate * time, x.omega3 + 2.0 * rate3 * time, m)
+    change1, change2 = 4.0 * change1 - (m.theta1 - omega1), 4.0 * change2 - (m.omega2 - omega2)
+    return 0.5 * change1 / time, 0.5 * change2 / time
 
 
 def end_step(d, x):
