@@ -26,7 +26,7 @@ def damping(stiffness, share, hub=0.02, driven=0.5):
 def test_slowest_rate_is_that_of_the_slowest_eigenvalue(share):
     d, compliance = started("plain", ELASTIC, shaft_damping=damping(400.0, share)).derived, 1.0 / 0.02
     mobility = compliance + 1.0 / ELASTIC["driven_inertia"]
-    slowest = min(abs(np.roots([1.0, d.damping * mobility, d.stiffness * mobility])))
+    slowest = min(abs(np.roots([1.0, d.shaft_damping * mobility, d.shaft_stiffness * mobility])))
     assert slowest_rate(d, compliance) == pytest.approx(slowest, rel=1e-9)
 
 

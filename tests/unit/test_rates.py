@@ -131,8 +131,8 @@ def test_rates_of_the_outputs(values, scene, output):
     passed, inertia, pushed = clutch - module["load_torque"], module["output_inertia"], 0.0
     if output:
         d, x = module.derived, module.state
-        shaft = d.stiffness * x.twist + d.damping * x.relative
-        passed, inertia = shaft - d.friction * module["omega_out"] - module["load_torque"], d.J4
+        shaft = d.shaft_stiffness * x.twist + d.shaft_damping * x.relative
+        passed, inertia = shaft - d.driven_friction * module["omega_out"] - module["load_torque"], d.J4
         pushed = d.balancer * (clutch - shaft) / d.J3
     expected = {
         "omega2": (mesh - clutch + housing) / module["link2_inertia"],

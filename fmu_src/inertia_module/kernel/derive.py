@@ -91,7 +91,6 @@ def derive_general(d):
     """Derive what freewheels, losses and weights add to the equations of motion (kernel.equations)."""
     d.mesh_loss = 1.0 - d.mesh_efficiency
     d.satellite_loss = 0.0 if d.planar != 0.0 else 1.0 - d.satellite_mesh_efficiency
-    d.number = d.satellites
     # of modules that stand evenly about the axis the weights balance
     d.weight = d.mass * d.gravity if d.modules == 1.0 else 0.0
     d.turn_across = -d.s * math.sin(d.shaft_angle)
@@ -144,11 +143,11 @@ def add_bodies(d):
         spin = d.s + cosine
         d.J1 += across
         # the sum of cos^2 A in I is half their number for three or more, that of cos A in B 0 for two or more
-        if d.paired != 0.0:
+        if d.satellites <= 2.0:
             d.body_i = (own - across) * sine * sine
         else:
             d.J1 += 0.5 * (own - across) * sine * sine
-        if d.single != 0.0:
+        if d.satellites == 1.0:
             d.body_b = sine * (across * cosine - own * spin)
         own = own * spin * spin + across * sine * sine
     d.J16 += own
@@ -202,8 +201,6 @@ def derive(p, d):
         derive_planar(d)
     else:
         derive_bevel(d)
-    d.single = 1.0 if d.satellites == 1.0 else 0.0
-    d.paired = 1.0 if d.satellites <= 2.0 else 0.0
     d.mass = d.imbalance_mass * d.modules * d.satellites
     d.J1 = d.input_inertia
     d.J2 = d.link2_inertia
@@ -212,14 +209,10 @@ def derive(p, d):
     d.by_torque = 1.0 if d.drive == codes.DRIVE_TORQUE else 0.0
     d.elastic = 1.0 if d.fidelity == codes.ELASTIC else 0.0
     d.J4 = d.driven_inertia
-    d.stiffness = d.shaft_stiffness
-    d.damping = d.shaft_damping
-    d.friction = d.driven_friction
     d.b1 = d.input_friction
     d.bq = d.drive_friction
     d.b2 = d.link2_friction
     d.b3 = d.output_friction if d.fidelity != codes.KINEMATIC else 0.0
-    d.ratio = d.kinematic_ratio
     d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
     d.housing = d.housing_freewheel
     d.output = d.output_freewheel

@@ -120,7 +120,7 @@ FOLLOWED = (
 )
 
 CONSTANTS = (
-    *("k", "s", "mass", "planar", "single", "paired", "phase_a", "phase_b"),
+    *("k", "s", "mass", "planar", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
     *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
     # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1; then the
@@ -129,13 +129,11 @@ CONSTANTS = (
     # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic"),
-    *("stiffness", "damping", "friction", "b1", "bq", "b2", "b3", "viscous"),
-    # what fidelity kinematic prescribes
-    "ratio",
+    *("b1", "bq", "b2", "b3", "viscous"),
     # whether it is fidelity averaged, with losses
     *("averaged", "lossy"),
     # what only the general equations of motion know, and whether any of it is there (kernel.equations)
-    *("losses", "mesh_loss", "satellite_loss", "weight", "number"),
+    *("losses", "mesh_loss", "satellite_loss", "weight"),
     # whether freewheels have play, and whether angles of theirs are followed: play, wind-up
     *("plays", "turning"),
     *("turn_across", "turn_along"),

@@ -104,7 +104,7 @@ def jump_input(d, x, jump, stiff):
     shaft = shaft_inertia(d, stiff)
     fraction = 1.0
     if geared:
-        end2 = end3 = d.ratio * target
+        end2 = end3 = d.kinematic_ratio * target
         change = end2 - omega2
     else:
         carried = shaft if d.output == 0.0 else 0.0

@@ -30,7 +30,7 @@ def reduced_inertia(d, q):
     half = 0.5 * (s * q + d.phase_b)
     sin_a = 0.0
     cos_a = 0.0
-    if d.paired == 0.0:
+    if d.satellites > 2.0:
         sin_half, cos_half = sine_cosine(half)
     else:
         sin_half, sin_a, cos_half, cos_a = sines_cosines(half, q + d.phase_a)
@@ -49,7 +49,7 @@ def reduced_inertia(d, q):
     tangential = -arm * sin_b
     radial1 = s * d.radial_cos * sin_b
     tangential1 = -s * arm * cos_b
-    if d.paired == 0.0:
+    if d.satellites > 2.0:
         i = mass * (0.5 * (radial * radial + tangential * tangential) + z * z)
         i1 = mass * (radial * radial1 + tangential * tangential1 + 2.0 * z * z1)
         return i, i1, 0.0, 0.0, g, g1
@@ -60,7 +60,7 @@ def reduced_inertia(d, q):
     if d.bodies != 0.0:
         i += d.body_i * cos_a * cos_a
         i1 -= 2.0 * d.body_i * cos_a * sin_a
-    if d.single == 0.0:
+    if d.satellites > 1.0:
         return i, i1, 0.0, 0.0, g, g1
     z2 = s * s * d.axial_cos * cos_b
     radial2 = s * s * d.radial_cos * cos_b

@@ -110,7 +110,7 @@ def kinetic_energy(d, q, omega1, omega2, omega3):
 def stored_in_shaft(d, x):
     """Energy of the driven mass and the twist, J."""
     omega4 = x.omega3 - x.relative
-    return 0.5 * d.J4 * omega4 * omega4 + 0.5 * d.stiffness * x.twist * x.twist
+    return 0.5 * d.J4 * omega4 * omega4 + 0.5 * d.shaft_stiffness * x.twist * x.twist
 
 
 def shaft_frequency(d, compliance):
@@ -119,7 +119,7 @@ def shaft_frequency(d, compliance):
     Args:
         compliance: 1/J of what the shaft torque accelerates besides the driven mass.
     """
-    return math.sqrt(d.stiffness * (compliance + 1.0 / d.J4))
+    return math.sqrt(d.shaft_stiffness * (compliance + 1.0 / d.J4))
 
 
 def fastest_own_rate(d, x):
@@ -128,8 +128,8 @@ def fastest_own_rate(d, x):
     hub = 1.0 / (d.J3 + d.J2 if x.output_state == LOCKED else d.J3)
     if x.housing_state == LOCKED and x.output_state == LOCKED:
         hub = 0.0
-    rate = max(shaft_frequency(d, hub), d.damping * (hub + 1.0 / d.J4))
-    rate = max(rate, d.friction / d.J4, d.b3 / d.J3, (d.b2 + d.k * d.k * d.bq) / link2)
+    rate = max(shaft_frequency(d, hub), d.shaft_damping * (hub + 1.0 / d.J4))
+    rate = max(rate, d.driven_friction / d.J4, d.b3 / d.J3, (d.b2 + d.k * d.k * d.bq) / link2)
     if x.housing_state == WOUND:
         rate = max(rate, math.sqrt(d.housing_stiffness / link2), d.housing_damping / link2)
     if x.output_state == WOUND:
@@ -141,8 +141,8 @@ def fastest_own_rate(d, x):
 def slowest_rate(d, compliance):
     """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
     mobility = compliance + 1.0 / d.J4
-    half = 0.5 * d.damping * mobility
-    square = d.stiffness * mobility
+    half = 0.5 * d.shaft_damping * mobility
+    square = d.shaft_stiffness * mobility
     if half * half <= square:
         return math.sqrt(square)
     return square / (half + math.sqrt(half * half - square))

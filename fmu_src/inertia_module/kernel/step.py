@@ -199,7 +199,7 @@ def run(d, u, x, w, h):
     switch_now(d, x)
     jump = begin(d, u, x, h)
     input_jump = output_jump = 0.0
-    if jump != 0.0 or (d.fidelity == KINEMATIC and x.omega2 != d.ratio * x.omega1):
+    if jump != 0.0 or (d.fidelity == KINEMATIC and x.omega2 != d.kinematic_ratio * x.omega1):
         input_jump, output_jump = apply_jump(d, u, x, h, jump)
     start1 = x.omega1
     if d.fidelity == AVERAGED:

@@ -98,7 +98,7 @@ def set_losses(p, d, slowness):
 def period_of_map(d):
     """Angle of the drive in which everything comes back, rad."""
     # with three or more satellites the drive's own turn leaves nothing in the reduced inertia
-    return TWO_PI / d.s if d.paired == 0.0 and d.planar == 0.0 else d.period
+    return TWO_PI / d.s if d.satellites > 2.0 and d.planar == 0.0 else d.period
 
 
 def parts_of_period(d, cycles):

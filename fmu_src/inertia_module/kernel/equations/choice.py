@@ -125,7 +125,7 @@ def step_ahead(d, x):
     accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3) + abs(m.rate_relative)
     fastest = d.harmonic * d.k * (abs(m.omega1) + abs(m.omega2) + abs(m.omega3) + math.sqrt(accelerated))
     if d.elastic != 0.0:
-        fastest += math.sqrt(d.stiffness / d.J3)
+        fastest += math.sqrt(d.shaft_stiffness / d.J3)
     if not 0.0 < fastest < 1e300:
         return
     time = AHEAD / fastest

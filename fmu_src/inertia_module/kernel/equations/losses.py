@@ -62,7 +62,7 @@ def windage_torques(d, q, omega1, rate_q):
     On each satellite -windage |w| w, with w = omega1 x + q' (z + s e) its absolute angular velocity and e its
     axis (docs/mechanics.md, "Losses"); in the planar layout it is omega1 + q' about the central axis.
     """
-    number = 1.0 if d.planar != 0.0 else d.number
+    number = 1.0 if d.planar != 0.0 else d.satellites
     share = windage_in_all(d) / number
     along = across = 1.0
     by_theta1 = by_q = power = 0.0
@@ -100,7 +100,7 @@ def write_powers_lost(d, x, m, rates, lossy):
     """Write the powers that the causes of losses take of the motion in m, after evaluate, into rates, W."""
     if d.elastic != 0.0:
         omega4 = m.omega3 - m.relative
-        shaft = d.damping * m.relative * m.relative + d.friction * omega4 * omega4
+        shaft = d.shaft_damping * m.relative * m.relative + d.driven_friction * omega4 * omega4
         # (less what the balancer would do at the speed of the hub, whose integral advance.commit knows)
         rates.lost[SHAFT] = shaft + d.balancer * d.J4 * m.alpha3 * m.relative
     if d.viscous != 0.0:

@@ -77,9 +77,9 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     geared = x.output_state == GEARED
     alpha2 = m.alpha2 if geared else 0.0
     flow = x.flow_sign if fixed else abs(sign)
-    signs = x.spin_signs if fixed and d.number <= MANY else AS_THEY_ARE
+    signs = x.spin_signs if fixed and d.satellites <= MANY else AS_THEY_ARE
     # of one satellite the sum says all
-    apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.number > 1.0)
+    apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.satellites > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
     if lossy and d.journal_friction + d.satellite_loss > 0.0:
         journals, mesh, by_alpha1, by_rate2 = spin_torques(
@@ -201,7 +201,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
     satellites_loaded = lossy and d.journal_friction + d.satellite_loss + d.weight > 0.0
     if satellites_loaded:
         place = imbalance(d, m.q, 0.0)
-    if satellites_loaded and d.single != 0.0 and d.planar + d.bodies == 0.0:
+    if satellites_loaded and d.satellites == 1.0 and d.planar + d.bodies == 0.0:
         inertia = inertia_at(d, place)
     else:
         inertia = reduced_inertia(d, m.q)
@@ -210,7 +210,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
     freewheel_torques(d, x, m, lossy)
     shaft = load
     if d.elastic != 0.0:
-        shaft = d.stiffness * m.twist + d.damping * m.relative
+        shaft = d.shaft_stiffness * m.twist + d.shaft_damping * m.relative
     against3 = shaft + d.b3 * m.omega3
     locked = x.output_state == LOCKED
     carried = d.J3 if locked else 0.0
@@ -231,7 +231,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
         m.housing = m.output - m.mesh
     m.rate_relative = 0.0
     if d.elastic != 0.0:
-        driven = shaft - d.friction * (m.omega3 - m.relative) - load
+        driven = shaft - d.driven_friction * (m.omega3 - m.relative) - load
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
 
 

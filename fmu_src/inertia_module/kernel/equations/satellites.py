@@ -54,7 +54,7 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     told = signs
     found = 0.0
     bit = 1.0
-    number = 1.0 if d.planar != 0.0 else d.number
+    number = 1.0 if d.planar != 0.0 else d.satellites
     mass = d.mass / number
     share = mass * d.satellite_loss
     for n in range(int(number)):
@@ -102,7 +102,7 @@ def weight_torques(d, place, theta1):
         place: of the first imbalance (layout.imbalance). theta1: angle of link 1, rad.
     """
     _, y, z, _, y1, z1, _, _, _ = place
-    if d.single == 0.0:
+    if d.satellites > 1.0:
         # of several satellites what turns with the drives balances; in the planar layout all of it does
         y = y1 = 0.0
         if d.planar != 0.0:

@@ -28,9 +28,9 @@ def how_many_guards(d):
     """How many guards there are: the torques of the meshes 17-6 are the last ones."""
     if d.losses == 0.0:
         return SLIP
-    if d.satellite_loss == 0.0 or d.number > MANY:
+    if d.satellite_loss == 0.0 or d.satellites > MANY:
         return SPIN
-    return SPIN + int(d.number)
+    return SPIN + int(d.satellites)
 
 
 def is_watched(d, x, which):

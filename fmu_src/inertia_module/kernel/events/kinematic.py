@@ -35,7 +35,7 @@ def follow_ratio(x, omega1, omega2):
 
 def keep_ratio(d, x):
     """Give link 2 and the output the speed that is prescribed."""
-    x.omega2 = x.omega3 = d.ratio * x.omega1
+    x.omega2 = x.omega3 = d.kinematic_ratio * x.omega1
     x.omega2_low = x.omega3_low = 0.0
     follow_ratio(x, x.omega1, x.omega2)
 
@@ -44,11 +44,11 @@ def prescribe(d, x, t):
     """Motion the time t from now on and its torques, into d.machine."""
     m = d.machine
     turned1 = t * (x.omega1 + 0.5 * x.alpha1 * t)
-    m.q = x.q + d.k * (1.0 - d.ratio) * turned1
+    m.q = x.q + d.k * (1.0 - d.kinematic_ratio) * turned1
     m.theta1 = x.theta1 + turned1
     m.omega1 = x.omega1 + x.alpha1 * t
-    m.omega2 = m.omega3 = d.ratio * m.omega1
-    m.alpha2 = d.ratio * x.alpha1
+    m.omega2 = m.omega3 = d.kinematic_ratio * m.omega1
+    m.alpha2 = d.kinematic_ratio * x.alpha1
     follow_ratio(x, m.omega1, m.omega2)
     evaluate(d, x, x.alpha1, 0.0, False)
 
@@ -85,7 +85,7 @@ def smooth_part(d, x, h):
 
 def advance_kinematic(d, x, w, remaining):
     """Advance by one interval. Returns the time passed."""
-    rate = d.k * (1.0 - d.ratio)
+    rate = d.k * (1.0 - d.kinematic_ratio)
     h = min(remaining, d.max_step)
     scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
     fastest = scale * max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
@@ -107,9 +107,9 @@ def advance_kinematic(d, x, w, remaining):
     set_changes(d, x, w, w.change, h, GAUSS, FEWEST)
     # the motion, without the rounding of a sum
     w.change.q = rate * w.change.theta1
-    w.change.turned3 = d.ratio * w.change.theta1
+    w.change.turned3 = d.kinematic_ratio * w.change.theta1
     w.load = 0.0  # the energy ends at the output
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, out)
-    sample_load(d, x, x.q, x.omega1, d.ratio * x.omega1, x.alpha1, d.ratio * x.alpha1)
+    sample_load(d, x, x.q, x.omega1, d.kinematic_ratio * x.omega1, x.alpha1, d.kinematic_ratio * x.alpha1)
     commit(d, x, w)
     return h

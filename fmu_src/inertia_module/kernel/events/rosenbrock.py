@@ -91,7 +91,7 @@ def differentiate_by(d, x, w, n, apart):
     # where friction pins the driven mass a difference of squares is far too coarse
     shaft, rates = w.slopes[n], w.rates[0]
     by_driven = shaft.turned3
-    lost = 2.0 * (d.damping * rates.twist * shaft.twist + d.friction * rates.turned3 * by_driven)
+    lost = 2.0 * (d.shaft_damping * rates.twist * shaft.twist + d.driven_friction * rates.turned3 * by_driven)
     lost += d.balancer * d.J4 * (rates.omega3 * shaft.twist + shaft.omega3 * rates.twist)
     shaft.lost[SHAFT] = lost
 
@@ -104,7 +104,7 @@ def differentiate(d, x, w):
     start = w.rates[0]
     speed = APART * max(abs(x.omega1), abs(x.omega2), abs(x.omega3))
     torque = abs(start.drive) + abs(start.output) + abs(start.housing) + abs(w.load)
-    torque = APART * (torque + abs(d.stiffness * x.twist) + abs(d.damping * x.relative))
+    torque = APART * (torque + abs(d.shaft_stiffness * x.twist) + abs(d.shaft_damping * x.relative))
     if speed == 0.0:
         speed = APART
     if torque == 0.0:
@@ -117,10 +117,10 @@ def differentiate(d, x, w):
         differentiate_by(d, x, w, MOVE_2, speed)
     if x.output_state != LOCKED:
         differentiate_by(d, x, w, MOVE_3, speed)
-    differentiate_by(d, x, w, MOVE_TWIST, torque / d.stiffness)
+    differentiate_by(d, x, w, MOVE_TWIST, torque / d.shaft_stiffness)
     # (of the driven mass alone at first, where the hub hardly moves)
     swing = max(speed, APART * abs(x.relative))
-    slow = min(swing, torque / d.damping) if d.damping > 0.0 else swing
+    slow = min(swing, torque / d.shaft_damping) if d.shaft_damping > 0.0 else swing
     differentiate_by(d, x, w, MOVE_RELATIVE, slow)
     if x.housing_state == WOUND:
         differentiate_by(d, x, w, MOVE_HOUSING, torque / d.housing_stiffness)

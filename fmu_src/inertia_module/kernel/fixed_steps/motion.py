@@ -279,7 +279,7 @@ def load_hub(d, x, w, joined, h):
     theta = 0.5 if gain < 2.0 * d.J3 else 1.0
     if d.elastic == 0.0:
         return load, gain, theta
-    damping = d.damping + d.stiffness * h
+    damping = d.shaft_damping + d.shaft_stiffness * h
     pull = damping * h
     together = d.J3 + inertia_of_link2(d, x.here.i, x.here.b, x.here.g)
     if pull * (together + d.J4) > RESOLVED * together * d.J4:
@@ -287,11 +287,11 @@ def load_hub(d, x, w, joined, h):
     elif not joined and pull * (d.J3 + d.J4) > RESOLVED * d.J3 * d.J4:
         theta = 1.0
     else:
-        damping -= 0.5 * d.stiffness * h
+        damping -= 0.5 * d.shaft_stiffness * h
     free = 2.0 * d.J4 * (1.0 - d.balancer)
-    share = 1.0 / (2.0 * d.J4 + h * (d.friction + damping))
-    spring = h * d.stiffness * x.twist
-    w.relative_gain = share * (free + h * d.friction)
+    share = 1.0 / (2.0 * d.J4 + h * (d.driven_friction + damping))
+    spring = h * d.shaft_stiffness * x.twist
+    w.relative_gain = share * (free + h * d.driven_friction)
     w.relative_load = share * (2.0 * d.J4 * x.relative - free * x.omega3 + load - spring)
     return spring + h * damping * w.relative_load, gain + h * damping * w.relative_gain, theta
 
@@ -320,7 +320,7 @@ def drive_mass(d, x, w, h):
     w.mean_relative = w.relative_load + w.relative_gain * w.mean3
     w.seen3 = 2.0 * w.mean3 - x.omega3
     w.omega4 = w.seen3 - 2.0 * w.mean_relative + x.relative
-    if d.friction * h > RESOLVED * d.J4:
+    if d.driven_friction * h > RESOLVED * d.J4:
         mean4 = abs(w.mean3 - w.mean_relative)
         w.omega4 = max(-mean4, min(mean4, w.omega4))
 
@@ -333,7 +333,7 @@ def turn_shaft(d, x, w, end3, h):
         add_loss(x, VISCOUS, lost)
     if d.elastic != 0.0:
         mean4 -= w.mean_relative
-        lost = h * (d.damping * w.mean_relative * w.mean_relative + d.friction * mean4 * mean4)
+        lost = h * (d.shaft_damping * w.mean_relative * w.mean_relative + d.driven_friction * mean4 * mean4)
         lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
         add_loss(x, SHAFT, lost)
         x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
