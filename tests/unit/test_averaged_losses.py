@@ -69,7 +69,7 @@ def test_locked_to_link_1_friction_and_drag_alone_are_lost(compiled):
 @pytest.mark.parametrize("omega1", [0.0, 40.0])
 def test_a_coasting_shaft_slows_by_friction_and_drag(compiled, step, omega1):
     slow = {"output_friction": 0.02, "output_drag": 0.3, "output_drag_viscous": 0.01}
-    module = averaged(compiled, slow, omega1=omega1, omega_out_start=80.0, tolerance=1e-8)
+    module = averaged(compiled, slow, omega1=omega1, omega_out_start=80.0)
     advanced(module, *[step] * round(3.0 / step))
     end = (0.01 * omega1 - 0.3) / 0.03
     left = (80.0 - end) * math.exp(-0.03 * 3.0 / PLANAR["output_inertia"]) + end

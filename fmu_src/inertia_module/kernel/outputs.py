@@ -13,8 +13,8 @@ from .loads import write_loads
 
 
 def is_audited(d):
-    """Tell whether steps are: fixed ones make no energy and may lose it."""
-    return d.fidelity == AVERAGED or (d.fidelity >= RIGID and d.method == EVENT)
+    """Tell whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
+    return d.fidelity >= RIGID and d.method == EVENT
 
 
 def stored_energy(d, x):

@@ -190,6 +190,7 @@ def apply_jump(d, u, x, h, jump):
         x.torques_continue = 0.0
         return jump_input(d, x, jump, d.fidelity == ELASTIC and is_stiff(d, x, u.omega1))
     if takes_up_jump(d, x, jump, h):
+        x.alpha1 += jump / h
         return 0.0, 0.0
     return jump_averaged(d, x, jump), 0.0
 

@@ -1,9 +1,9 @@
-"""Embedded Runge-Kutta pairs as tables: Dormand and Prince 8(5,3), for short steps 5(4).
+"""Embedded Runge-Kutta pairs as tables: Dormand and Prince 8(5,3), for short steps 5(4), 3(2) of Bogacki.
 
 Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.5, DOP853 and
-table 5.2. Row n of a pair weighs the rates of the stages before stage n; its last stage is the end of the
-step, so that this row is the result. Pair 8(5,3) has three stages more, for the inside of the step, and four
-rows for the interpolant's coefficients, of order 7.
+table 5.2; Bogacki and Shampine (1989), Appl. Math. Lett. 2, 321. Row n of a pair weighs the rates of the
+stages before stage n; its last stage is the end of the step, so that this row is the result. Pair 8(5,3) has
+three stages more, for the inside of the step, and four rows for the interpolant's coefficients, of order 7.
 """
 
 STAGES = 16
@@ -13,6 +13,8 @@ LONG, SHORT = 0, 16
 # nodes of the parts at which the inside of a stiff step is looked at (events.rosenbrock), and how many
 THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
+# the pair of order 3 of gentle steps: its rows, last stage, and row of errors
+GENTLE, GENTLE_END, GENTLE_ERROR = 30, 3, 34
 # the five-point Gauss rule on [0, 1], for what is known at any instant
 GAUSS = 5
 GAUSS_NODES = (
@@ -82,6 +84,11 @@ ROWS = (
     (-25.69393346270375, 0.0, 0.0, 0.0, 0.0, -154.18974869023643, -231.5293791760455, 357.6391179106141,
      93.40532418362432, -37.45832313645163, 104.0996495089623, 29.8402934266605, -43.53345659001114,
      96.32455395918828, -39.17726167561544, -149.72683625798564),
+    (),
+    (1 / 2,),
+    (0.0, 3 / 4),
+    (2 / 9, 1 / 3, 4 / 9),
+    (-5 / 72, 1 / 12, 1 / 9, -1 / 8),
 )
 # fmt: on
 # all rows one after the other, each as long as there are stages

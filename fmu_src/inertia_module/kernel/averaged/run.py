@@ -36,29 +36,50 @@ ROUNDS = 60
 AT_REST = 1e-11
 # share of the speeds by which they change for a difference
 APART = 1e-5
+# a jump up to this fraction of omega1 changes next to nothing in the inertia on its way
+SMALL_JUMP = 1e-3
+
+
+def turns_with_link1(d, side, x, v):
+    """Tell whether the shaft turns with link 1, the drive at rest in it."""
+    if v <= 0.0:
+        return False
+    if d.by_torque != 0.0:
+        return side.locks != 0.0 and abs(x.omega3 - side.end * v) <= ARRIVED * x.omega3
+    # (without losses the mean motion may never come up to link 1)
+    return x.omega3 == v and (side.end == 1.0 or x.omega2 == v)
+
+
+def holds_torque(d, side, x, v, torque):
+    """Tell whether the drive, at rest in link 1, can hold the torque of a shaft that turns with it."""
+    return -d.output_drag <= torque <= most_locked_torque(d, side, x, v) * (1.0 + ARRIVED)
 
 
 def stays_locked(d, side, x, v):
-    """Tell whether the shaft turns with link 1, the drive at rest in it, and lock-up holds more than that."""
-    together = lock_ratio(d, side) * v
-    # (without losses the mean motion may never come up to link 1)
-    comes = side.locks != 0.0 or (d.lossy != 0.0 and d.by_torque == 0.0) or x.omega2 == x.omega3
-    if v <= 0.0 or not comes or abs(x.omega3 - together) > ARRIVED * together:
+    """Tell whether the shaft turns with link 1 from now on."""
+    if not turns_with_link1(d, side, x, v):
         return False
     write_mean_rates(d, side, x, LOCKED, v, x.omega3, d.mean)
-    return -d.output_drag <= d.mean.output <= most_locked_torque(d, side, x, v) * (1.0 - ARRIVED)
+    torque = d.mean.output
+    if d.mean.omega1 < 0.0 and torque >= most_locked_torque(d, side, x, v) * (1.0 - ARRIVED):
+        return False  # it is just being lost
+    return holds_torque(d, side, x, v, torque)
 
 
 def choose_leg(d, side, x, v):
     """Choose what the output shaft does from now on."""
+    load = x.load_torque
     speed = abs(v)
     if stays_locked(d, side, x, v):
         return LOCKED
     past = beyond_rest(d, side, x, speed)
-    if x.omega3 == 0.0 and past <= ARRIVED:
-        write_mean_rates(d, side, x, RESTING, v, 0.0, d.mean)
-        if past < -ARRIVED or side.direction * d.mean.omega1 <= 0.0:
+    if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
+        if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
             return RESTING  # ... also while link 1 turns
+        write_mean_rates(d, side, x, RESTING, v, 0.0, d.mean)
+        if past <= ARRIVED and side.direction * d.mean.omega1 <= 0.0:
+            return RESTING
+        return SLIPPING
     gap = x.omega3 - side.end * speed
     if gap == 0.0:
         write_mean_rates(d, side, x, COASTING, v, x.omega3, d.mean)
@@ -79,12 +100,11 @@ def show_mode(x, leg):
         x.step_switches += 1.0
 
 
-def meet_limits(d, side, x, leg, change):
+def meet_limits(d, side, x, leg, ends, change):
     """Set speeds that have met where their leg ends, and those that turn together, there exactly."""
-    near = AT_REST * max(abs(x.omega1 - change.omega1), abs(x.omega1), x.omega3 - change.omega3, x.omega3)
-    if side.direction * x.omega1 <= near and side.direction * change.omega1 < 0.0:
-        x.omega1 = x.omega1_low = 0.0
     end = side.end * abs(x.omega1)
+    near = abs(x.omega1) + abs(change.omega1) + x.omega3 + abs(change.omega3)
+    near = AT_REST * near if ends else 0.0
     if leg == LOCKED:
         x.omega3 = lock_ratio(d, side) * x.omega1
     elif x.omega3 <= near and change.omega3 <= 0.0:
@@ -109,15 +129,23 @@ def run_averaged(d, x, w, h):
         leg = choose_leg(d, side, x, x.omega1)
         show_mode(x, leg)
         remaining = h - time
-        if not advance_leg(d, side, x, w, leg, remaining):
+        # a leg ends where v passes zero: the map is another there
+        cut = d.by_torque == 0.0 and -x.omega1 * x.alpha1 > 0.0 and -x.omega1 / x.alpha1 < remaining
+        if cut:
+            remaining = -x.omega1 / x.alpha1
+        found, ends = advance_leg(d, side, x, w, leg, remaining)
+        if not found:
             return STEP_TOO_SMALL
         commit(d, x, w)
-        done = w.step >= remaining
+        arrived = w.step >= remaining
+        done = arrived and not cut
         time = h if done else time + w.step
         if d.by_torque == 0.0:
-            x.omega1 = start + x.alpha1 * time
+            x.omega1 = 0.0 if cut and arrived else start + x.alpha1 * time
             x.omega1_low = 0.0
-        meet_limits(d, side, x, leg, w.change)
+        elif ends and side.direction * x.omega1 <= AT_REST * max(abs(x.omega1 - w.change.omega1), x.omega3):
+            x.omega1 = x.omega1_low = 0.0
+        meet_limits(d, side, x, leg, ends, w.change)
         if done:
             end_step(d, x)
             return OK
@@ -198,20 +226,32 @@ def write_averaged(d, x, y):
 
 
 def takes_up_jump(d, x, jump, h):
-    """Let a shaft locked to link 1 follow a jump of omega1 as a ramp of the step. Returns whether it can."""
-    before = x.alpha1
-    x.alpha1 += jump / h
-    if stays_locked(d, d.forward, x, x.omega1):
-        return True
-    x.alpha1 = before
-    return False
+    """Tell whether a shaft locked to link 1 can follow a jump of omega1 within the step as a ramp."""
+    omega1, load = x.omega1, x.load_torque
+    ramp = x.alpha1 + jump / h
+    lowest = min(omega1, omega1 + ramp * h)
+    if not lowest > 0.0 or not turns_with_link1(d, d.forward, x, omega1):
+        return False
+    if not holds_torque(d, d.forward, x, omega1, max(load, 0.0) + d.b3 * omega1):
+        return False
+    return holds_torque(d, d.forward, x, lowest, load + d.J3 * ramp + d.b3 * lowest)
 
 
-def input_inertia(d, x, omega1, trend):
-    """dP1/domega1 at constant omega3: epsilon - sigma epsilon' / 2, kg m^2; trend: where omega1 goes."""
+def input_inertia(d, side, x, omega1):
+    """dP1/domega1 at constant omega3: epsilon - sigma epsilon' / 2, kg m^2."""
     s = ratio(x.omega3, abs(omega1))
-    share, slope = look_up_input(side_at(d, omega1, trend), x, s)
+    share, slope = look_up_input(side, x, s)
     return d.J1 + share - 0.5 * s * slope
+
+
+def part_of_jump(d, side, x, start, jump):
+    """Impulse of the input torque through a jump that keeps the sign of omega1, omega3 as it is."""
+    if abs(jump) <= SMALL_JUMP * abs(start):
+        return jump * input_inertia(d, side, x, start + 0.5 * jump)
+    impulse = 0.0
+    for n in range(GAUSS):
+        impulse += GAUSS_WEIGHTS[n] * jump * input_inertia(d, side, x, start + GAUSS_NODES[n] * jump)
+    return impulse
 
 
 def jump_averaged(d, x, jump):
@@ -221,9 +261,11 @@ def jump_averaged(d, x, jump):
         Impulse of the input torque, N m s.
     """
     start = x.omega1
-    before, impulse = averaged_energy(d, x), 0.0
-    for n in range(GAUSS):
-        impulse += GAUSS_WEIGHTS[n] * jump * input_inertia(d, x, start + GAUSS_NODES[n] * jump, jump)
-    x.omega1 = start + jump
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, averaged_energy(d, x) - before)
-    return impulse
+    end = start + jump
+    before, after = side_at(d, start, jump), side_at(d, end, -jump)
+    gained = energy_at(d, after, x, end) - energy_at(d, before, x, start)
+    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, gained)
+    x.omega1 = end
+    if before.direction == after.direction:
+        return part_of_jump(d, before, x, start, jump)
+    return part_of_jump(d, before, x, start, -start) + part_of_jump(d, after, x, 0.0, end)

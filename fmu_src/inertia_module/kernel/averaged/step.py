@@ -1,17 +1,18 @@
 """Internal steps of the averaged motion, in any leg: speed v of the input and omega3, with all sums.
 
-They are of Ros4, an L-stable Rosenbrock method of four stages, of orders 4(3) (Hairer and Wanner, Solving
-Ordinary Differential Equations II, section IV.7), in the form of events.rosenbrock; one more stage makes its
-error L-stable too. Derivatives are differences. So a light shaft follows the mean torque at once, and a
-transient costs no small steps.
+Gentle ones are of order 3, explicit. Others are by Rosenbrock's method of events.rosenbrock, with derivatives
+by differences: a light shaft follows the mean torque at once, and a transient must cost no small steps.
 """
 
 from ..accumulate import clear, total
 from ..equations.losses import FREEWHEEL, VISCOUS
-from ..events.stages import LOST, OMEGA3, Q, weigh, weighed_four
+from ..events.advance import SHORT_GROWTH
+from ..events.rosenbrock import GAMMA, STAGES, A, C
+from ..events.stages import LOST, OMEGA3, Q, weigh, weighed_four, weighed_rate
 from ..events.stages import OMEGA1 as V
 from ..events.step_size import SHORT_SAFETY, carry_size, first_size, next_factor
 from ..fields import CAUSES
+from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR
 from .rates import (
     COASTING,
     LOCKED,
@@ -24,65 +25,61 @@ from .rates import (
 )
 from .table import TORQUE
 
-STAGES = 5
-GAMMA = 0.57282
-# rows of stages: the points they are at (the fourth is at that of the third); what is added, of the last the
-# weights of the error
-A = (
-    *(0.0, 0.0, 0.0, 0.0),
-    *(2.0, 0.0, 0.0, 0.0),
-    *(1.867943637803922, 0.2344449711399156, 0.0, 0.0),
-)
-C = (
-    *(0.0, 0.0, 0.0, 0.0),
-    *(-7.137615036412310, 0.0, 0.0, 0.0),
-    *(2.580708087951457, 0.6515950076447975, 0.0, 0.0),
-    *(-2.137148994382534, -0.3214669691237626, -0.6949742501781779, 0.0),
-    *(-0.2815431932141155 / GAMMA, -0.07276199124934920 / GAMMA),
-    *(-0.1082196201495311 / GAMMA, -1.093502252409163 / GAMMA),
-)
-CHANGE = (2.255570073418735, 0.2870493262186792, 0.4353179431840180, 1.093502252409163)
 # how many of fields.FOLLOWED a module with losses has
 LOSSY = LOST + CAUSES
 # share of the speeds by which one is changed for a difference
 APART = 1e-7
+# what the energies of a step may miss, in errors allowed of the speeds
+BALANCE = 10.0
+# share of the allowed error that a gentle step may have: there are many of them
+GENTLE_SHARE = 0.1
+# largest step, over the time in which a motion that its balance repels grows by e
+REPELLED = 1.0
+# from such a step on, over the time in which a balance attracts, it may be looked beyond
+STIFF = 0.4
 # steps tried before the tolerance is given up, and to stop where a leg ends
 TRIES = 80
-CUTS = 120
+CUTS = 60
 # a leg that is beyond its end by this share of its speeds or torques has come there
 ARRIVED = 1e-12
 
 
 def differentiate_by(d, side, x, w, leg, change, change3, slopes):
     """Derivatives of all rates by v, or where that is not changed by omega3, by a difference."""
-    apart = change if change != 0.0 else change3
-    if apart == 0.0:
-        clear(slopes.numbers)
-        return
     write_mean_rates(d, side, x, leg, x.omega1 + change, x.omega3 + change3, slopes)
     start = w.rates[0].numbers
     for n in range(LOSSY):
-        slopes.numbers[n] = (slopes.numbers[n] - start[n]) / apart
+        slopes.numbers[n] = (slopes.numbers[n] - start[n]) / (change if change != 0.0 else change3)
 
 
 def differentiate(d, side, x, w, leg):
-    """Derivatives of all rates at the beginning of a step by the speeds that change in it."""
-    speed, by_v, by_omega3 = abs(x.omega1), w.slopes[0], w.slopes[1]
-    apart = apart3 = 0.0
-    if speed == x.omega3 == 0.0:
+    """Derivatives of all rates by both speeds at the beginning of a step."""
+    start, by_v, by_omega3 = w.rates[0], w.slopes[0], w.slopes[1]
+    clear(by_v.numbers)
+    clear(by_omega3.numbers)
+    apart = APART * max(abs(x.omega1), x.omega3)
+    if apart == 0.0:
         # from rest all goes along one line
-        apart, apart3 = APART * w.rates[0].omega1, APART * w.rates[0].omega3
-        differentiate_by(d, side, x, w, leg, apart, apart3, by_v)
-        differentiate_by(d, side, x, w, leg, 0.0, apart3 if apart == 0.0 else 0.0, by_omega3)
+        change, change3 = APART * start.omega1, APART * start.omega3
+        if change != 0.0:
+            differentiate_by(d, side, x, w, leg, change, change3, by_v)
+        elif change3 != 0.0:
+            differentiate_by(d, side, x, w, leg, 0.0, change3, by_omega3)
         return
     if d.by_torque != 0.0 or x.alpha1 != 0.0:
-        apart = side.direction * APART * max(speed, x.omega3)
+        differentiate_by(d, side, x, w, leg, side.direction * apart, 0.0, by_v)
     if leg == SLIPPING or leg == COASTING:
-        # (within the map, narrow as it may be)
-        apart3 = APART * max(side.end * speed if leg == SLIPPING else speed, x.omega3)
-        apart3 = -apart3 if x.omega3 > apart3 else apart3
-    differentiate_by(d, side, x, w, leg, apart, 0.0, by_v)
-    differentiate_by(d, side, x, w, leg, 0.0, apart3, by_omega3)
+        if leg == SLIPPING:
+            # within the map, narrow as it may be
+            most = side.end * abs(x.omega1)
+            apart = APART * max(most, x.omega3)
+            apart = -apart if x.omega3 + apart > most else apart
+        differentiate_by(d, side, x, w, leg, 0.0, apart, by_omega3)
+
+
+def how_many_followed(d):
+    """How many of fields.FOLLOWED there are."""
+    return LOSSY if d.lossy != 0.0 else LOST
 
 
 def keep_to_leg(d, side, x, w, leg):
@@ -93,10 +90,23 @@ def keep_to_leg(d, side, x, w, leg):
         w.change.omega3 = lock_ratio(d, side) * (x.omega1 + w.change.omega1) - x.omega3
 
 
+def make_gentle_step(d, side, x, w, leg, h):
+    """Make the step h by the explicit pair: changes of all that is followed, errors as a last stage."""
+    w.step = h
+    for stage in range(1, GENTLE_END + 1):
+        v = x.omega1 + h * weighed_rate(w, GENTLE + stage, stage, V)
+        omega3 = x.omega3 + h * weighed_rate(w, GENTLE + stage, stage, OMEGA3)
+        write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
+    for n in range(how_many_followed(d)):
+        w.change.numbers[n] = h * weighed_rate(w, GENTLE + GENTLE_END, GENTLE_END, n)
+        w.stages[STAGES - 1].numbers[n] = h * weighed_rate(w, GENTLE_ERROR, GENTLE_END + 1, n)
+    keep_to_leg(d, side, x, w, leg)
+
+
 def take_step(d, side, x, w, leg, h):
-    """Make the step h: changes of all that is followed into w.change, their errors as a last stage."""
-    followed = LOSSY if d.lossy != 0.0 else LOST
-    last = STAGES - 1
+    """Make the step h: changes of all that is followed into w.change, at the stages into w.stages."""
+    followed = how_many_followed(d)
+    per_step = 1.0 / h
     own = 1.0 / (GAMMA * h)
     by_v, by_omega3 = w.slopes[0].numbers, w.slopes[1].numbers
     a, b = own - by_v[V], -by_omega3[V]
@@ -104,21 +114,27 @@ def take_step(d, side, x, w, leg, h):
     determinant = a * e - b * c
     w.step = h
     for stage in range(STAGES):
-        changes = w.stages[stage].numbers
-        if stage == 1 or stage == 2:
-            _, v, _, omega3 = weighed_four(w.stages, A, last * stage, stage, Q)
+        row = (STAGES - 1) * stage
+        rates, changes = w.rates[min(stage, 1)].numbers, w.stages[stage].numbers
+        if stage > 0:
+            _, v, _, omega3 = weighed_four(w.stages, A, row, stage, Q)
             write_mean_rates(d, side, x, leg, x.omega1 + v, x.omega3 + omega3, w.rates[1])
-        weigh(w.stages, C, last * stage, stage, 1.0 / h, changes, 0, followed)
-        if stage < last:
-            rates = w.rates[min(stage, 1)].numbers
-            for n in range(followed):
-                changes[n] += rates[n]
+        weigh(w.stages, C, row, stage, per_step, changes, 0, followed)
+        for n in range(followed):
+            changes[n] += rates[n]
         v = (e * changes[V] - b * changes[OMEGA3]) / determinant
         omega3 = (a * changes[OMEGA3] - c * changes[V]) / determinant
         for n in range(followed):
             changes[n] = GAMMA * h * (changes[n] + by_v[n] * v + by_omega3[n] * omega3)
-    weigh(w.stages, CHANGE, 0, last, 1.0, w.change.numbers, 0, followed)
+    weigh(w.stages, A, (STAGES - 1) * (STAGES - 1), STAGES - 1, 1.0, w.change.numbers, 0, followed)
+    for n in range(followed):
+        w.change.numbers[n] += w.stages[STAGES - 1].numbers[n]
     keep_to_leg(d, side, x, w, leg)
+
+
+def lost_in_step(d, change):
+    """Energy that the step in hand takes, J."""
+    return total(change.lost) if d.lossy != 0.0 else 0.0
 
 
 def balance(d, side, x, w, leg):
@@ -129,15 +145,11 @@ def balance(d, side, x, w, leg):
     change.housing = change.output + d.b2 * change.omega2 - change.housing
     # (nor do single freewheels turn in it)
     change.omega2 = change.wound_housing = change.wound_output = 0.0
-    if d.lossy != 0.0:
-        for cause in range(CAUSES):
-            # (below zero is an error of the step)
-            change.lost[cause] = max(change.lost[cause], 0.0)
     if d.by_torque != 0.0:
         return
     omega3 = x.omega3
     work = 0.5 * d.J3 * change.omega3 * (2.0 * omega3 + change.omega3) + x.load_torque * change.turned3
-    work += total(change.lost) if d.lossy != 0.0 else 0.0
+    work += lost_in_step(d, change)
     before = energy_at(d, side, x, x.omega1)
     x.omega3 = omega3 + change.omega3
     work += energy_at(d, side, x, x.omega1 + change.omega1) - before
@@ -155,8 +167,74 @@ def balance(d, side, x, w, leg):
 def fastest_speed(x, w):
     """Largest speed at the ends of the step in hand, rad/s."""
     change = w.change
-    fastest = max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
-    return fastest + 1e-300
+    return max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
+
+
+def energy_residual(d, x, w):
+    """Energy residual of a step under a torque, over its energies."""
+    change = w.change
+    put_in = x.drive_torque * change.theta1
+    put_out = x.load_torque * change.turned3
+    residual = put_in - put_out - 0.5 * d.map_inertia * change.omega1 * (2.0 * x.omega1 + change.omega1)
+    residual -= 0.5 * d.J3 * change.omega3 * (2.0 * x.omega3 + change.omega3)
+    residual -= lost_in_step(d, change)
+    fastest = fastest_speed(x, w)
+    energies = (d.map_inertia + d.J3) * fastest * fastest + abs(put_in) + abs(put_out)
+    return abs(residual) / energies if energies > 0.0 else 0.0
+
+
+def is_one_way(d, side, x, w):
+    """Tell whether the torque left keeps its sign at the knots that a step passes: no balance is skipped."""
+    speed = abs(x.omega1 + w.change.omega1)
+    found = x.omega3 + w.change.omega3
+    low, high = min(x.omega3, found), max(x.omega3, found)
+    for n in range(int(side.count)):
+        here = side.knots[n].ratio * speed
+        if here >= high:
+            break
+        left = look_up(side, x, speed, side.knots[n].ratio)[0] - x.load_torque - d.b3 * here
+        if here > low and left * w.rates[0].omega3 < 0.0:
+            return False
+    return True
+
+
+def step_error(d, side, x, w, leg, remaining):
+    """Estimated error of the step in hand over the allowed one.
+
+    Args:
+        remaining: of the communication step: what a ramp of link 1 passes through in it is its scale.
+    """
+    last = w.stages[STAGES - 1]
+    allowed = w.tolerance * fastest_speed(x, w) + 1e-300
+    # (within a narrow map the shaft's speed is no larger)
+    narrow = min(side.end, 1.0) if leg == SLIPPING else 1.0
+    error = abs(last.omega3) / (narrow * allowed + 1e-300)
+    if d.by_torque != 0.0:
+        error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
+    elif x.alpha1 != 0.0:
+        # the balance of energies gives the work of a ramp, not its impulse
+        ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
+        momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped + abs(w.change.drive)
+        error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
+    return error if error < 1e300 else 1e300
+
+
+def past_end(d, side, x, leg, v, omega3, fastest):
+    """How far the motion is beyond the end of its leg, over its speeds or torques; below 0 within it."""
+    speed = side.direction * v
+    # (link 1 comes to rest where it has not been)
+    past = -speed / fastest if d.by_torque != 0.0 and x.omega1 != 0.0 else -1.0
+    if leg == SLIPPING:
+        return max(past, (omega3 - side.end * speed) / fastest, -omega3 / fastest)
+    if leg == COASTING:
+        return max(past, (side.end * speed - omega3) / fastest)
+    if leg == RESTING:
+        return max(past, beyond_rest(d, side, x, max(speed, 0.0)))
+    write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
+    most = most_locked_torque(d, side, x, speed)
+    torque = d.mean.output
+    scale = max(most + d.output_drag, abs(x.load_torque), 1e-300)
+    return max(past, (torque - most) / scale, -(torque + d.output_drag) / scale)
 
 
 def beyond_rest(d, side, x, speed):
@@ -184,62 +262,69 @@ def most_locked_torque(d, side, x, v):
     return max(held, reached)
 
 
-def step_error(d, side, x, w, leg):
-    """Estimated error of the speeds in the step in hand over the allowed one."""
-    error = w.stages[STAGES - 1]
-    allowed = w.tolerance * fastest_speed(x, w)
-    # (within a narrow map the shaft's speed is no larger)
-    narrow = min(side.end, 1.0) if leg == SLIPPING else 1.0
-    return min(max(abs(error.omega1), abs(error.omega3) / (narrow + 1e-300)) / allowed, 1e300)
-
-
-def past_end(d, side, x, w, leg):
-    """How far the step in hand is beyond the end of its leg, over its speeds or torques; below 0: not yet."""
-    v, omega3 = x.omega1 + w.change.omega1, x.omega3 + w.change.omega3
-    speed = side.direction * v
-    fastest = fastest_speed(x, w)
-    # (link 1 comes to rest where it has not been: the map is another there)
-    past = -speed / fastest if x.omega1 != 0.0 else -1.0
-    if leg == SLIPPING:
-        return max(past, (omega3 - side.end * speed) / fastest, -omega3 / fastest)
-    if leg == COASTING:
-        return max(past, (side.end * speed - omega3) / fastest)
-    if leg == RESTING:
-        return max(past, beyond_rest(d, side, x, max(speed, 0.0)))
-    write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
-    most = most_locked_torque(d, side, x, speed)
-    torque = d.mean.output
-    scale = max(most + d.output_drag, abs(x.load_torque), 1e-300)
-    return max(past, (torque - most) / scale, -(torque + d.output_drag) / scale)
-
-
-def cut_step(d, side, x, w, leg, past):
-    """Cut the step in hand, past the end of its leg, where it gets there: by halving and secants in turns."""
-    # (it may begin at an end: that is not where it is to stop)
-    low, high, low_past = 0.0, w.step, -past
-    for n in range(CUTS):
+def cut_step(d, side, x, w, leg, fastest, past):
+    """Cut the step in hand, past the end of its leg, where it gets there."""
+    low, high = 0.0, w.step
+    low_past = past_end(d, side, x, leg, x.omega1, x.omega3, fastest)
+    if low_past > -ARRIVED:
+        low_past = -past  # it begins at an end: that is not where it is to stop
+    # Illinois: a secant that never stays at one end
+    kept = 0
+    for _ in range(CUTS):
         h = high - past * (high - low) / (past - low_past)
-        if n % 2 == 0 or not low < h < high:
+        if not low < h < high:
             h = 0.5 * (low + high)
         if not low < h < high:
             h = high
         take_step(d, side, x, w, leg, h)
-        now = past_end(d, side, x, w, leg)
+        now = past_end(d, side, x, leg, x.omega1 + w.change.omega1, x.omega3 + w.change.omega3, fastest)
         if abs(now) <= ARRIVED or h == high:
             return
         if now > 0.0:
             high, past = h, now
+            kept = max(kept, 0) + 1
         else:
             low, low_past = h, now
+            kept = min(kept, 0) - 1
+        if kept > 1:
+            low_past *= 0.5
+        elif kept < -1:
+            past *= 0.5
 
 
-def try_steps(d, side, x, w, leg, limit):
-    """Make the longest step of allowed error. Returns whether there is one."""
-    h = first_size(x, limit)
+def beyond_leg(d, side, x, w, leg):
+    """How far the step in hand goes beyond the end of its leg (see past_end)."""
+    v, omega3 = x.omega1 + w.change.omega1, x.omega3 + w.change.omega3
+    return past_end(d, side, x, leg, v, omega3, fastest_speed(x, w) + 1e-300)
+
+
+def try_gentle_step(d, side, x, w, leg, h, remaining):
+    """Make the step h by the explicit pair.
+
+    Returns:
+        Whether that will do: it is within the leg, and of allowed error.
+    """
+    make_gentle_step(d, side, x, w, leg, h)
+    error = step_error(d, side, x, w, leg, remaining) / GENTLE_SHARE
+    x.short_size = next_factor(error, 3.0, SHORT_SAFETY) * h
+    return error <= 1.0 and beyond_leg(d, side, x, w, leg) <= ARRIVED
+
+
+def try_steps(d, side, x, w, leg, limit, remaining):
+    """Make the longest step of allowed error by Rosenbrock's method. Returns whether there is one."""
+    differentiate(d, side, x, w, leg)
+    h = limit
+    if leg == SLIPPING or leg == COASTING:
+        h = first_size(x, limit)
+    growth = max(w.slopes[0].omega1, w.slopes[1].omega3)
+    if h * growth > REPELLED:
+        h = REPELLED / growth
     for attempt in range(TRIES):
         take_step(d, side, x, w, leg, h)
-        error = step_error(d, side, x, w, leg)
-        factor = next_factor(error, 4.0, SHORT_SAFETY)
+        error = step_error(d, side, x, w, leg, remaining)
+        if leg == SLIPPING and h * abs(w.slopes[1].omega3) > STIFF and not is_one_way(d, side, x, w):
+            error = 1e300
+        factor = next_factor(error, 5.0, SHORT_SAFETY)
         if error <= 1.0:
             carry_size(x, h, factor, attempt)
             return True
@@ -251,14 +336,19 @@ def advance_leg(d, side, x, w, leg, remaining):
     """Make one accurate step in a leg, or its part up to where the leg ends, into w.change.
 
     Returns:
-        Whether a step is small enough.
+        (whether a step is small enough, whether the leg ends there).
     """
     write_mean_rates(d, side, x, leg, x.omega1, x.omega3, w.rates[0])
-    differentiate(d, side, x, w, leg)
-    if not try_steps(d, side, x, w, leg, min(remaining, d.max_step)):
-        return False
-    past = past_end(d, side, x, w, leg)
-    if past > ARRIVED:
-        cut_step(d, side, x, w, leg, past)
+    limit = min(remaining, d.max_step)
+    ends = False
+    gentle = limit <= x.short_size or x.short_size == 0.0
+    if not gentle or not try_gentle_step(d, side, x, w, leg, limit, remaining):
+        x.short_size *= SHORT_GROWTH  # so that it is tried again
+        if not try_steps(d, side, x, w, leg, limit, remaining):
+            return False, False
+        past = beyond_leg(d, side, x, w, leg)
+        ends = past > ARRIVED
+        if ends:
+            cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
     balance(d, side, x, w, leg)
-    return True
+    return True, ends
