@@ -43,18 +43,15 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7621,
-    "compiling": 644,
-    "fmu": 1945,
-    "harness": 2524,
-    "scene": 2175,
-    "fidelity": 802,
-    "jobs": 3670,
-    "figures": 1199,
-    "export, page, cli, common": 1817,
-    "package": 25631,
-    "studies": 6525,
-    "tests": 18461,
+    "kernel": 7528,
+    "harness": 2470,
+    "scene": 2037,
+    "jobs": 3222,
+    "figures": 1145,
+    "export, page, cli, common": 1792,
+    "package": 24177,
+    "studies": 6432,
+    "tests": 17468,
 }
 
 

@@ -1,4 +1,4 @@
-"""What libraries of FMUs are made of beside the kernel; the library in front of pythonfmu's."""
+"""Libraries of FMUs beside the kernel: linked of C and objects; the library in front of pythonfmu's."""
 
 from __future__ import annotations
 
