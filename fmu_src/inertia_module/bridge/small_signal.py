@@ -268,7 +268,7 @@ def measured_response(
 
     Args:
         path: the .fmu file. parameters: by name; omega_out_start near the operating point saves settling.
-        omega1, load_torque: of the operating point, rad/s and N.m. frequencies: Hz, shape (n,).
+        omega1: of the operating point, rad/s. load_torque: likewise, N.m. frequencies: Hz, shape (n,).
         excited: "omega1" or "load_torque". amplitude: of the sine, in units of this input.
         outputs: variables of the FMU; torques as step means.
         step: communication step, s: some 20 to a pulse. settling: time given to every transient, s.

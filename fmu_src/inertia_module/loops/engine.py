@@ -424,7 +424,7 @@ class CoupledEngine(EnginePlant):
 
     Args:
         fmu: at its start; drive is speed and input_hold constant; a native one for INERTIA and IMPLICIT.
-        engine, substeps: as of EnginePlant. scheme: of coupling.
+        engine: as of EnginePlant. substeps: likewise. scheme: of coupling.
         inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
 
     Raises:
@@ -524,7 +524,7 @@ class TorqueDrivenEngine(EnginePlant):
         fmu: at its start; the inertia of the engine is in its input_inertia (see torque_driven). Of the
             readings, engine_work_out is all that the torque has done (the rotor takes none of it), and
             engine_energy, the rotor's, is a part of energy_stored of the FMU.
-        engine, substeps: as of EnginePlant.
+        engine: as of EnginePlant. substeps: likewise.
 
     Raises:
         ValueError: as EnginePlant, or a module that cannot carry the rotor.
