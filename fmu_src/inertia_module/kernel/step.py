@@ -6,22 +6,10 @@ thought of, energy from nowhere, a freewheel that let go too late, shows in thei
 
 import math
 
+from . import codes
 from .accumulate import clear, copy, total, turn_output, wrap_drive_angle
 from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
-from .codes import (
-    AVERAGED,
-    ELASTIC,
-    JAMMED,
-    KINEMATIC,
-    NOT_BALANCED,
-    NOT_FINITE,
-    OK,
-    STEP_ONLY,
-    STEP_PRECISELY,
-    STEP_TO_SWITCH,
-    TIMESTEPPING,
-)
 from .derive import derive
 from .engine import follow_parameters, follow_torque, run_events, switch_now
 from .equations.satellites import jams
@@ -48,23 +36,23 @@ PRECISE = 1e-11
 def check_parameters(p, d):
     """Derive the constants and check the parameters together. Returns a status."""
     status = derive(p, d)
-    return JAMMED if status == OK and d.losses + d.lossy != 0.0 and jams(d) else status
+    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d) else status
 
 
 def check(p, d, u):
     """Derive the constants and check parameters and inputs. Returns a status."""
     status = check_parameters(p, d)
-    return check_inputs(u) if status == OK else status
+    return check_inputs(u) if status == codes.OK else status
 
 
 def start(p, d, u, x, y, w):
     """Derive the constants and set state and outputs at the end of initialisation. Returns a status."""
     status = check(p, d, u)
-    if status != OK:
+    if status != codes.OK:
         return status
-    if d.fidelity == AVERAGED:
+    if d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
-        if status != OK:
+        if status != codes.OK:
             return status
     clear(x.numbers)
     x.omega1 = input_speed(u)
@@ -78,7 +66,7 @@ def start(p, d, u, x, y, w):
     # a freewheel that overruns has done so before
     x.play_housing = d.housing_engagement_angle if x.omega2 > 0.0 else 0.0
     x.play_output = d.output_engagement_angle if x.omega3 > x.omega2 else 0.0
-    if d.fidelity == AVERAGED:
+    if d.fidelity == codes.AVERAGED:
         x.omega1 = speed_at_start(d, x)
         end_step(d, x)
         x.omega1 = x.held_input  # the map has it but for rounding
@@ -87,13 +75,13 @@ def start(p, d, u, x, y, w):
         follow_parameters(d, x)
         x.step_mode = x.mode
         x.housing_engagements = x.output_engagements = 0.0
-        if d.method == TIMESTEPPING:
+        if d.method == codes.TIMESTEPPING:
             write_inertia(d, x.q, x.here)
     x.energy_start = stored_energy(d, x)
     x.energy_stored = x.energy_start
     write_outputs(x, y)
     write_late_outputs(d, x, y)
-    return OK
+    return codes.OK
 
 
 def tune(p, d, x, w):
@@ -102,9 +90,9 @@ def tune(p, d, x, w):
     What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
     """
     status = check_parameters(p, d)
-    if status == OK and d.fidelity == AVERAGED:
+    if status == codes.OK and d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
-    if status == OK:
+    if status == codes.OK:
         switch_now(d, x)
         x.torques_continue = 0.0
         x.rates_cached = 0.0
@@ -142,22 +130,22 @@ def advance(d, u, x, y, w, h, operation):
             with STEP_PRECISELY differences of results are free of the noise of the tolerance.
     """
     status = check_step(u, h)
-    if status != OK:
+    if status != codes.OK:
         return status
     copy(w.before.numbers, x.numbers)
-    w.tolerance = min(d.tolerance, PRECISE) if operation == STEP_PRECISELY else d.tolerance
+    w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_PRECISELY else d.tolerance
     status = run(d, u, x, w, h)
-    if status == NOT_BALANCED:
+    if status == codes.NOT_BALANCED:
         copy(x.numbers, w.before.numbers)
         w.tolerance = max(MORE_CARE * w.tolerance, 1e-14)
         status = run(d, u, x, w, h)
-    if status != OK:
+    if status != codes.OK:
         copy(x.numbers, w.before.numbers)
         return status
     write_outputs(x, y)
-    if operation != STEP_ONLY and operation != STEP_TO_SWITCH:
+    if operation != codes.STEP_ONLY and operation != codes.STEP_TO_SWITCH:
         write_late_outputs(d, x, y)
-    return OK
+    return codes.OK
 
 
 def change(after, after_low, before, before_low):
@@ -181,14 +169,14 @@ def audit(d, x, before, stored, tolerance):
     share = max(LEAST, min(TOLERANCES * tolerance, MOST))
     slow = share * fastest  # speeds that may be missing: of a slow swing all that there is
     allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
-    return OK if abs(missing) <= allowed + NOTHING else NOT_BALANCED
+    return codes.OK if abs(missing) <= allowed + NOTHING else codes.NOT_BALANCED
 
 
 def apply_jump(d, u, x, h, jump):
     """Apply a jump of the speed of link 1, or of a prescribed ratio. Returns impulses of M1 and Tc, N m s."""
-    if d.fidelity != AVERAGED:
+    if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
-        return jump_input(d, x, jump, d.fidelity == ELASTIC and is_stiff(d, x, u.omega1))
+        return jump_input(d, x, jump, d.fidelity == codes.ELASTIC and is_stiff(d, x, u.omega1))
     if takes_up_jump(d, x, jump, h):
         x.alpha1 += jump / h
         return 0.0, 0.0
@@ -200,27 +188,27 @@ def run(d, u, x, w, h):
     switch_now(d, x)
     jump = begin(d, u, x, h)
     input_jump = output_jump = 0.0
-    if jump != 0.0 or (d.fidelity == KINEMATIC and x.omega2 != d.kinematic_ratio * x.omega1):
+    if jump != 0.0 or (d.fidelity == codes.KINEMATIC and x.omega2 != d.kinematic_ratio * x.omega1):
         input_jump, output_jump = apply_jump(d, u, x, h, jump)
     start1 = x.omega1
-    if d.fidelity == AVERAGED:
+    if d.fidelity == codes.AVERAGED:
         status = run_averaged(d, x, w, h)
-    elif d.method == TIMESTEPPING and d.fidelity != KINEMATIC:
+    elif d.method == codes.TIMESTEPPING and d.fidelity != codes.KINEMATIC:
         status = run_timestepping(d, x, w, h)
     else:
         status = run_events(d, x, w, h)
-    if status != OK:
+    if status != codes.OK:
         return status
     if d.by_torque == 0.0:
         x.omega1 = start1 + x.alpha1 * x.length
         x.omega1_low = 0.0
-        if d.fidelity == KINEMATIC:
+        if d.fidelity == codes.KINEMATIC:
             keep_ratio(d, x)
     else:
-        if d.fidelity != AVERAGED:
+        if d.fidelity != codes.AVERAGED:
             follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
     end(x, x.length, input_jump, output_jump)
     if not is_finite(x):
-        return NOT_FINITE
-    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else OK
+        return codes.NOT_FINITE
+    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else codes.OK

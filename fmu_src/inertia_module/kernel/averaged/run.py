@@ -12,20 +12,7 @@ from ..accumulate import add
 from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..events.advance import commit
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
-from .rates import (
-    COASTING,
-    LOCKED,
-    RESTING,
-    SLIPPING,
-    energy_at,
-    lock_ratio,
-    look_up_input,
-    ratio,
-    ripple_at,
-    side_at,
-    trend,
-    write_mean_rates,
-)
+from . import rates
 from .step import ARRIVED, advance_leg, beyond_rest, most_locked_torque
 
 # legs and internal steps before a communication step is given up
@@ -59,7 +46,7 @@ def stays_locked(d, side, x, v):
     """Tell whether the shaft turns with link 1 from now on."""
     if not turns_with_link1(d, side, x, v):
         return False
-    write_mean_rates(d, side, x, LOCKED, v, x.omega3, d.mean)
+    rates.write_mean_rates(d, side, x, rates.LOCKED, v, x.omega3, d.mean)
     torque = d.mean.output
     if d.mean.omega1 < 0.0 and torque >= most_locked_torque(d, side, x, v) * (1.0 - ARRIVED):
         return False  # it is just being lost
@@ -71,29 +58,29 @@ def choose_leg(d, side, x, v):
     load = x.load_torque
     speed = abs(v)
     if stays_locked(d, side, x, v):
-        return LOCKED
+        return rates.LOCKED
     past = beyond_rest(d, side, x, speed)
     if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
         if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
-            return RESTING  # ... also while link 1 turns
-        write_mean_rates(d, side, x, RESTING, v, 0.0, d.mean)
+            return rates.RESTING  # ... also while link 1 turns
+        rates.write_mean_rates(d, side, x, rates.RESTING, v, 0.0, d.mean)
         if past <= ARRIVED and side.direction * d.mean.omega1 <= 0.0:
-            return RESTING
-        return SLIPPING
+            return rates.RESTING
+        return rates.SLIPPING
     gap = x.omega3 - side.end * speed
     if gap == 0.0:
-        write_mean_rates(d, side, x, COASTING, v, x.omega3, d.mean)
+        rates.write_mean_rates(d, side, x, rates.COASTING, v, x.omega3, d.mean)
         gap = d.mean.omega3 - side.end * side.direction * d.mean.omega1
-        return COASTING if gap >= 0.0 else SLIPPING
-    return COASTING if gap > 0.0 else SLIPPING
+        return rates.COASTING if gap >= 0.0 else rates.SLIPPING
+    return rates.COASTING if gap > 0.0 else rates.SLIPPING
 
 
 def show_mode(x, leg):
     """Contact mode a leg is shown as; another than before counts as a switch."""
     mode = DRIVING
-    if leg == RESTING:
+    if leg == rates.RESTING:
         mode = HELD_DRIVING
-    elif leg == COASTING:
+    elif leg == rates.COASTING:
         mode = FREE
     if mode != x.mode:
         x.mode = mode
@@ -105,11 +92,11 @@ def meet_limits(d, side, x, leg, ends, change):
     end = side.end * abs(x.omega1)
     near = abs(x.omega1) + abs(change.omega1) + x.omega3 + abs(change.omega3)
     near = AT_REST * near if ends else 0.0
-    if leg == LOCKED:
-        x.omega3 = lock_ratio(d, side) * x.omega1
+    if leg == rates.LOCKED:
+        x.omega3 = rates.lock_ratio(d, side) * x.omega1
     elif x.omega3 <= near and change.omega3 <= 0.0:
         x.omega3 = 0.0
-    elif abs(x.omega3 - end) <= near or (leg == SLIPPING and x.omega3 > end):
+    elif abs(x.omega3 - end) <= near or (leg == rates.SLIPPING and x.omega3 > end):
         x.omega3 = end
     else:
         return
@@ -125,7 +112,7 @@ def run_averaged(d, x, w, h):
     start = x.omega1
     time = 0.0
     for _ in range(MOST_STEPS):
-        side = side_at(d, x.omega1, trend(d, x))
+        side = rates.side_at(d, x.omega1, rates.trend(d, x))
         leg = choose_leg(d, side, x, x.omega1)
         show_mode(x, leg)
         remaining = h - time
@@ -160,9 +147,9 @@ def mean_accelerations(d, side, x, leg, v):
         return 0.0, 0.0
     speeds = abs(v) + x.omega3
     time = APART * (speeds / (abs(rate) + abs(rate3)) if speeds > 0.0 else 1.0)
-    write_mean_rates(d, side, x, leg, v + rate * time, x.omega3 + rate3 * time, m)
+    rates.write_mean_rates(d, side, x, leg, v + rate * time, x.omega3 + rate3 * time, m)
     change1, change2 = m.theta1 - omega1, m.omega2 - omega2
-    write_mean_rates(d, side, x, leg, v + 2.0 * rate * time, x.omega3 + 2.0 * rate3 * time, m)
+    rates.write_mean_rates(d, side, x, leg, v + 2.0 * rate * time, x.omega3 + 2.0 * rate3 * time, m)
     change1, change2 = 4.0 * change1 - (m.theta1 - omega1), 4.0 * change2 - (m.omega2 - omega2)
     return 0.5 * change1 / time, 0.5 * change2 / time
 
@@ -170,10 +157,10 @@ def mean_accelerations(d, side, x, leg, v):
 def end_step(d, x):
     """Set the mean speeds at the end of a step or at the start, v being in x.omega1."""
     v = x.omega1
-    side = side_at(d, v, trend(d, x))
+    side = rates.side_at(d, v, rates.trend(d, x))
     leg = choose_leg(d, side, x, v)
     show_mode(x, leg)
-    write_mean_rates(d, side, x, leg, v, x.omega3, d.mean)
+    rates.write_mean_rates(d, side, x, leg, v, x.omega3, d.mean)
     x.omega2, x.omega2_low = d.mean.omega2, 0.0
     if d.by_torque != 0.0:
         x.map_speed = v
@@ -186,10 +173,10 @@ def speed_at_start(d, x):
     omega1 = abs(x.omega1)
     if d.by_torque == 0.0 or omega1 == 0.0:
         return x.omega1
-    side = side_at(d, x.omega1, 0.0)
+    side = rates.side_at(d, x.omega1, 0.0)
     v = omega1
     for _ in range(ROUNDS):
-        v = omega1 / look_up_input(side, x, ratio(x.omega3, v))[0]
+        v = omega1 / rates.look_up_input(side, x, rates.ratio(x.omega3, v))[0]
     return math.copysign(v, x.omega1)
 
 
@@ -201,7 +188,7 @@ def map_speed(d, x):
 def averaged_energy(d, x):
     """Mean kinetic energy of the mechanism and the output shaft, J."""
     v = map_speed(d, x)
-    return energy_at(d, side_at(d, v, trend(d, x)), x, v) + 0.5 * d.J3 * x.omega3 * x.omega3
+    return rates.energy_at(d, rates.side_at(d, v, rates.trend(d, x)), x, v) + 0.5 * d.J3 * x.omega3 * x.omega3
 
 
 def write_averaged(d, x, y):
@@ -210,18 +197,18 @@ def write_averaged(d, x, y):
     Of the mean output torque the mesh has its share, the housing takes the rest.
     """
     v = map_speed(d, x)
-    side = side_at(d, v, trend(d, x))
+    side = rates.side_at(d, v, rates.trend(d, x))
     leg = choose_leg(d, side, x, v)
     m = d.mean
-    write_mean_rates(d, side, x, leg, v, x.omega3, m)
+    rates.write_mean_rates(d, side, x, leg, v, x.omega3, m)
     y.input_torque = m.drive
     y.mesh_torque = m.housing
     y.output_torque = m.output
     y.output_acceleration = m.omega3
     y.housing_torque = m.output + d.b2 * x.omega2 - m.housing
     y.torque_ripple, y.torque_peak = 0.0, abs(m.output)
-    if leg == COASTING or leg == SLIPPING:
-        y.torque_ripple, y.torque_peak = ripple_at(side, x, v)
+    if leg == rates.COASTING or leg == rates.SLIPPING:
+        y.torque_ripple, y.torque_peak = rates.ripple_at(side, x, v)
     return mean_accelerations(d, side, x, leg, v)[1]
 
 
@@ -239,8 +226,8 @@ def takes_up_jump(d, x, jump, h):
 
 def input_inertia(d, side, x, omega1):
     """dP1/domega1 at constant omega3: epsilon - sigma epsilon' / 2, kg m^2."""
-    s = ratio(x.omega3, abs(omega1))
-    share, slope = look_up_input(side, x, s)
+    s = rates.ratio(x.omega3, abs(omega1))
+    share, slope = rates.look_up_input(side, x, s)
     return d.J1 + share - 0.5 * s * slope
 
 
@@ -262,8 +249,8 @@ def jump_averaged(d, x, jump):
     """
     start = x.omega1
     end = start + jump
-    before, after = side_at(d, start, jump), side_at(d, end, -jump)
-    gained = energy_at(d, after, x, end) - energy_at(d, before, x, start)
+    before, after = rates.side_at(d, start, jump), rates.side_at(d, end, -jump)
+    gained = rates.energy_at(d, after, x, end) - rates.energy_at(d, before, x, start)
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, gained)
     x.omega1 = end
     if before.direction == after.direction:

@@ -21,34 +21,7 @@ from ..accumulate import clear, copy
 from ..codes import NOT_STEADY, OK
 from ..equations.losses import FREEWHEEL, MESH, VISCOUS
 from ..links import inertia_at_input
-from .steady import (
-    HEAD_START,
-    LEAST_ENERGY,
-    LOCK,
-    MOMENTUM,
-    MOST_EVALUATIONS,
-    NEAREST,
-    THROWN,
-    find_largest,
-    find_steady,
-    hold_output,
-    set_losses,
-    speed_of_sums,
-)
-from .table import (
-    INPUT,
-    MOTIONS,
-    OMEGA2,
-    PEAK,
-    RIPPLE,
-    SLOWNESS,
-    TORQUE,
-    UNKNOWN_ERROR,
-    insert_knot,
-    set_slopes,
-    table_error,
-    worst_interval,
-)
+from . import steady, table
 
 # the map is refined until its error, in stall torques, is below this at the middle of each interval
 MAP_ERROR = 1e-4
@@ -71,7 +44,7 @@ RAMP = 0.02
 # ... share of the last ratio from which on links with play may stick together before lock-up, for good
 NEARLY = 0.9
 # the first motion of links that crawl
-CRAWLING = MOTIONS - 2
+CRAWLING = table.MOTIONS - 2
 # share of the largest torque that stands for a stall torque of nothing
 LEAST_STALL = 0.01
 
@@ -96,16 +69,16 @@ def rub(d, knot, m, omega1, omega2):
     """
     slip = omega1 - omega2
     over = knot.ratio - omega2
-    for place in range(m, len(knot.lost), MOTIONS):
+    for place in range(m, len(knot.lost), table.MOTIONS):
         knot.lost[place] = 0.0
-    z = SLOWNESS[m]
+    z = table.SLOWNESS[m]
     linear = z * (1.0 - z)
     viscous = d.b1 * omega1 * omega1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
-    knot.lost[MOTIONS * VISCOUS + m] = linear * viscous
-    knot.lost[MOTIONS * MESH + m] = linear * d.mesh_loss * pulled(d) * slip * slip
+    knot.lost[table.MOTIONS * VISCOUS + m] = linear * viscous
+    knot.lost[table.MOTIONS * MESH + m] = linear * d.mesh_loss * pulled(d) * slip * slip
     drag = linear * (d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over)
     drag += z * z * (d.housing_drag * omega2 + d.output_drag * over)
-    knot.lost[MOTIONS * FREEWHEEL + m] = drag
+    knot.lost[table.MOTIONS * FREEWHEEL + m] = drag
 
 
 def pulled(d):
@@ -115,7 +88,7 @@ def pulled(d):
 
 def crawl(p, d, side, knot, m):
     """Write motion m of the knot for links so slow that friction alone counts: omega2 is constant then."""
-    set_losses(p, d, 1.0 / side.slow)
+    steady.set_losses(p, d, 1.0 / side.slow)
     ratio = knot.ratio
     pulling = pulled(d)
     resisting = pulling + d.b2 + d.housing_drag_viscous
@@ -130,9 +103,9 @@ def crawl(p, d, side, knot, m):
         viscous, drag = max(side.direction * pulling, 0.0), 0.0
     elif omega2 == ratio:
         viscous, drag = side.direction * pulling - resisting * ratio, d.housing_drag
-    z = SLOWNESS[m]
-    knot.value[TORQUE + m] = z * ((1.0 - z) * viscous - z * drag)
-    knot.value[OMEGA2 + m] = omega2
+    z = table.SLOWNESS[m]
+    knot.value[table.TORQUE + m] = z * ((1.0 - z) * viscous - z * drag)
+    knot.value[table.OMEGA2 + m] = omega2
     rub(d, knot, m, side.direction, omega2)
 
 
@@ -141,9 +114,9 @@ def find_end(d, side):
 
     Whether link 2 comes up to link 1 is left in the side.
     """
-    locks = side.direction > 0.0 and -find_largest(d, side, NEAREST)[1] < LAST_SLIP * LAST_SLIP
+    locks = side.direction > 0.0 and -steady.find_largest(d, side, steady.NEAREST)[1] < LAST_SLIP * LAST_SLIP
     side.locks = 1.0 if locks else 0.0
-    end = max(find_largest(d, side, THROWN)[1], 0.0)
+    end = max(steady.find_largest(d, side, steady.THROWN)[1], 0.0)
     # with losses link 2 may be faster than what it is thrown with
     faster = d.lossy != 0.0 and side.direction > 0.0
     if d.by_torque == 0.0:
@@ -163,20 +136,20 @@ def add_knot(p, d, w, side, n, ratio):
     count = int(side.count)
     knot = w.knot
     foresee(w, side, n, held)
-    found = find_steady(p, w, side, held, 0.0)
+    found = steady.find_steady(p, w, side, held, 0.0)
     if found:
         # very nearly this one
         knot.ratio = ratio / write_steady(d, w, knot)
         found = n == 0 or knot.ratio > side.knots[n - 1].ratio
         found = found and (n == count or knot.ratio < side.knots[n].ratio)
         if count == 0 and d.lossy != 0.0:
-            side.slow = slow_speed(p, d, knot.value[TORQUE])
+            side.slow = slow_speed(p, d, knot.value[table.TORQUE])
     if found and side.slow != 0.0:
         found = add_slower(p, d, w, side, knot, held)
     if not found:
         return False
-    error = table_error(side, n - 1, knot) if n < count else UNKNOWN_ERROR
-    insert_knot(side, n, knot, error)
+    error = table.table_error(side, n - 1, knot) if n < count else table.UNKNOWN_ERROR
+    table.insert_knot(side, n, knot, error)
     return True
 
 
@@ -189,32 +162,32 @@ def foresee(w, side, n, ratio):
     b = side.knots[min(n, count - 1)]
     t = (ratio - a.ratio) / (b.ratio - a.ratio) if b.ratio > a.ratio else 0.0
     w.drive = a.drive + t * (b.drive - a.drive)
-    w.begin_energy = max(a.begin_energy + t * (b.begin_energy - a.begin_energy), LEAST_ENERGY)
+    w.begin_energy = max(a.begin_energy + t * (b.begin_energy - a.begin_energy), steady.LEAST_ENERGY)
     w.begin_omega2 = max(a.begin_omega2 + t * (b.begin_omega2 - a.begin_omega2), 0.0)
 
 
 def write_means(w, knot, m, v):
     """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, as motion m."""
-    share = (1.0 - SLOWNESS[m]) ** 2
-    knot.value[TORQUE + m] = share * w.sum_torque / (w.sum_time * v * v)
-    knot.value[OMEGA2 + m] = max(0.0, w.sum_omega2 / (w.sum_time * v))
+    share = (1.0 - table.SLOWNESS[m]) ** 2
+    knot.value[table.TORQUE + m] = share * w.sum_torque / (w.sum_time * v * v)
+    knot.value[table.OMEGA2 + m] = max(0.0, w.sum_omega2 / (w.sum_time * v))
     for cause in range(len(w.sum_lost)):
-        knot.lost[MOTIONS * cause + m] = share * w.sum_lost[cause] / (w.sum_time * v**3)
+        knot.lost[table.MOTIONS * cause + m] = share * w.sum_lost[cause] / (w.sum_time * v**3)
 
 
 def write_steady(d, w, knot):
     """Write the motion in the sums into the knot. Returns its speed v."""
-    v = speed_of_sums(d, w)
+    v = steady.speed_of_sums(d, w)
     time = w.sum_time
     write_means(w, knot, 0, v)
     # mean energy of links 1 and 2 without J1, or the mean speed of link 1
-    knot.value[INPUT] = 2.0 * w.sum_energy / time - d.J1
+    knot.value[table.INPUT] = 2.0 * w.sum_energy / time - d.J1
     if d.by_torque != 0.0:
-        knot.value[INPUT] = abs(w.sum_omega1) / (time * v)
-    variance = w.sum_square / (time * v**4) - knot.value[TORQUE] * knot.value[TORQUE]
-    knot.value[RIPPLE] = math.sqrt(max(variance, 0.0))
+        knot.value[table.INPUT] = abs(w.sum_omega1) / (time * v)
+    variance = w.sum_square / (time * v**4) - knot.value[table.TORQUE] * knot.value[table.TORQUE]
+    knot.value[table.RIPPLE] = math.sqrt(max(variance, 0.0))
     knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
-    knot.value[PEAK] = w.sum_peak / (v * v)
+    knot.value[table.PEAK] = w.sum_peak / (v * v)
     return v
 
 
@@ -224,16 +197,16 @@ def add_slower(p, d, w, side, knot, held):
     followed = CRAWLING - 1 if d.by_torque != 0.0 else CRAWLING
     before = growth = 0.0
     for m in range(1, followed):
-        slow = SLOWNESS[m] / (1.0 - SLOWNESS[m])
+        slow = table.SLOWNESS[m] / (1.0 - table.SLOWNESS[m])
         given = w.drive
         w.drive += growth * (slow - before)
-        if not find_steady(p, w, side, held, slow / side.slow):
+        if not steady.find_steady(p, w, side, held, slow / side.slow):
             return False
         growth = (w.drive - given) / (slow - before)
         before = slow
-        write_means(w, knot, m, speed_of_sums(d, w))
-        knot.value[OMEGA2 + m] = min(knot.value[OMEGA2 + m], knot.ratio)
-    for m in range(followed, MOTIONS):
+        write_means(w, knot, m, steady.speed_of_sums(d, w))
+        knot.value[table.OMEGA2 + m] = min(knot.value[table.OMEGA2 + m], knot.ratio)
+    for m in range(followed, table.MOTIONS):
         crawl(p, d, side, knot, m)
     return True
 
@@ -254,30 +227,30 @@ def end_map(p, d, w, side, end):
             knot = w.knot
             copy(knot.numbers, last.numbers)
             if d.by_torque != 0.0:
-                ratio = knot.value[INPUT] = max(last.value[INPUT], last.ratio * (1.0 + LAST_SLIP))
+                ratio = knot.value[table.INPUT] = max(last.value[table.INPUT], last.ratio * (1.0 + LAST_SLIP))
             knot.ratio = ratio
-            set_losses(p, d, 1.0 / side.slow if side.slow > 0.0 else 0.0)
-            for m in range(MOTIONS):
-                knot.value[OMEGA2 + m] = ratio
+            steady.set_losses(p, d, 1.0 / side.slow if side.slow > 0.0 else 0.0)
+            for m in range(table.MOTIONS):
+                knot.value[table.OMEGA2 + m] = ratio
                 rub(d, knot, m, ratio, ratio)
-            insert_knot(side, count, knot, 0.0)
-    elif d.by_torque != 0.0 and last.value[TORQUE] > MAP_ERROR * side.knots[0].value[TORQUE]:
+            table.insert_knot(side, count, knot, 0.0)
+    elif d.by_torque != 0.0 and last.value[table.TORQUE] > MAP_ERROR * side.knots[0].value[table.TORQUE]:
         knot = w.knot
         copy(knot.numbers, last.numbers)
         knot.ratio = max(end, last.ratio * (1.0 + RAMP))
-        knot.value[TORQUE] = knot.value[RIPPLE] = knot.value[PEAK] = 0.0
+        knot.value[table.TORQUE] = knot.value[table.RIPPLE] = knot.value[table.PEAK] = 0.0
         if side.slow != 0.0:
-            for m in range(CRAWLING, MOTIONS):
+            for m in range(CRAWLING, table.MOTIONS):
                 crawl(p, d, side, knot, m)
             for m in range(1, CRAWLING):
                 # drag alone is left
-                knot.value[TORQUE + m] = min(knot.value[TORQUE + m], 0.0)
-        insert_knot(side, count, knot, 0.0)
+                knot.value[table.TORQUE + m] = min(knot.value[table.TORQUE + m], 0.0)
+        table.insert_knot(side, count, knot, 0.0)
     elif d.lossy == 0.0:
-        last.value[TORQUE] = last.value[RIPPLE] = last.value[PEAK] = 0.0
+        last.value[table.TORQUE] = last.value[table.RIPPLE] = last.value[table.PEAK] = 0.0
     elif side.direction < 0.0:
-        for m in range(MOTIONS):
-            last.value[TORQUE + m] = min(last.value[TORQUE + m], 0.0)
+        for m in range(table.MOTIONS):
+            last.value[table.TORQUE + m] = min(last.value[table.TORQUE + m], 0.0)
 
 
 def add_first_knots(p, d, w, side, most):
@@ -299,7 +272,7 @@ def add_first_knots(p, d, w, side, most):
         else:
             step *= 0.5
     complete = d.by_torque != 0.0 or ratio >= NEARLY * most
-    return complete and d.map_evaluations <= MOST_EVALUATIONS
+    return complete and d.map_evaluations <= steady.MOST_EVALUATIONS
 
 
 def extend(p, d, w, side):
@@ -308,8 +281,8 @@ def extend(p, d, w, side):
     (Forwards none is passed beyond ratio 1, where the map ends already.)
     """
     n = int(side.count)
-    least = MAP_ERROR * side.knots[0].value[TORQUE]
-    while 1 < n and 2 * n < len(side.knots) and side.knots[n - 1].value[TORQUE] > least:
+    least = MAP_ERROR * side.knots[0].value[table.TORQUE]
+    while 1 < n and 2 * n < len(side.knots) and side.knots[n - 1].value[table.TORQUE] > least:
         last = side.knots[n - 1].ratio
         if not add_knot(p, d, w, side, n, 2.0 * last - side.knots[n - 2].ratio):
             return
@@ -327,15 +300,15 @@ def build_side(p, d, w, side, allowed):
     """
     d.map_evaluations = 0.0
     # link 2 surely rests where its momentum is largest, if any torque is passed
-    start, side.thrown = find_largest(d, side, MOMENTUM)
-    side.start = start - side.direction * HEAD_START / d.harmonic
+    start, side.thrown = steady.find_largest(d, side, steady.MOMENTUM)
+    side.start = start - side.direction * steady.HEAD_START / d.harmonic
     w.drive = 0.0
     w.begin_energy = 1.0
     w.begin_omega2 = 0.0
     if d.map_inertia == 0.0:
         # that with which v is the mean of omega1 where the output rests; any energy shows it
         d.map_inertia = inertia_at_input(d, side.start)
-        find_steady(p, w, side, 0.0, 0.0)
+        steady.find_steady(p, w, side, 0.0, 0.0)
         d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
     last_ratio, end = find_end(d, side)
     if not add_first_knots(p, d, w, side, last_ratio):
@@ -344,7 +317,7 @@ def build_side(p, d, w, side, allowed):
         extend(p, d, w, side)
     end_map(p, d, w, side, end)
     while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < ENOUGH_EVALUATIONS:
-        n, error = worst_interval(side)
+        n, error = table.worst_interval(side)
         if error < allowed:
             break
         middle = 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio)
@@ -354,7 +327,7 @@ def build_side(p, d, w, side, allowed):
             side.knots[n].error = 0.0
     if side.count > 1.0:
         for n in range(int(side.count)):
-            set_slopes(side, n)
+            table.set_slopes(side, n)
     side.end = side.knots[int(side.count) - 1].ratio
     return True
 
@@ -379,9 +352,9 @@ def build_map(p, d, w):
     if d.lossy != 0.0:
         allowed = max(allowed, LOSSY_MAP_ERROR)
     held = w.held
-    hold_output(d, w, allowed)
+    steady.hold_output(d, w, allowed)
     held.map_inertia = 0.0
-    held.map_lock = 0.5 * d.k * find_largest(held, held.forward, LOCK)[1]
+    held.map_lock = 0.5 * d.k * steady.find_largest(held, held.forward, steady.LOCK)[1]
     clear(held.forward.numbers)
     clear(held.backward.numbers)
     held.forward.direction = 1.0

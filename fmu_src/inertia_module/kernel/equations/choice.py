@@ -8,18 +8,8 @@ A freewheel with play left takes no torque but its drag, and may slip either way
 import math
 
 from ..links import prescribed_at_input, torque_scale
+from . import states
 from .motion import evaluate, recall, take_state
-from .states import (
-    CLOSING,
-    GEARED,
-    LOCKED,
-    OPEN,
-    WOUND,
-    are_allowed,
-    contact_mode,
-    count_engagements,
-    is_rough,
-)
 
 # share of the torques by which what has just ended seems to go on, and still has ended
 ENDED = 1e-3
@@ -42,18 +32,18 @@ def worst_of_freewheel(state, drag, torque, speed, push, wound, play):
     Args:
         push: torque that its slip accelerates with. wound: of its spring, rad. play: left, rad.
     """
-    if state == OPEN:
+    if state == states.OPEN:
         return -push if speed <= 0.0 else 0.0
-    if state == CLOSING:
+    if state == states.CLOSING:
         return push if speed == 0.0 else 0.0
-    if state == LOCKED:
+    if state == states.LOCKED:
         return max(-torque - drag, torque) if play > 0.0 else -torque - drag
     return push if wound == 0.0 and speed == 0.0 and drag == 0.0 else 0.0
 
 
 def relaxed(state, drag, wound, speed):
     """Violation of a spring that carries nothing yet: it holds only where the drag keeps it from slipping."""
-    return RELAXED if state == WOUND and drag > 0.0 and wound == 0.0 and speed == 0.0 else 0.0
+    return RELAXED if state == states.WOUND and drag > 0.0 and wound == 0.0 and speed == 0.0 else 0.0
 
 
 def torques_at(d, m, prescribed, load):
@@ -72,7 +62,7 @@ def violation(d, x, prescribed, load):
     worst = 0.0
     if x.slip_sign == 0.0:
         worst = max(-d.k * m.margin, 0.0) / torques
-    elif x.slip_sign * (m.omega1 - m.omega2) <= 0.0 and is_rough(d):
+    elif x.slip_sign * (m.omega1 - m.omega2) <= 0.0 and states.is_rough(d):
         worst = max(-x.slip_sign * inertia * (m.alpha1 - m.alpha2), 0.0) / torques
     torques += d.housing_drag + d.output_drag
     if d.housing != 0.0:
@@ -93,14 +83,14 @@ def take_speeds(x):
     if x.slip_sign == 0.0:
         x.omega2 = x.omega1
         x.omega2_low = x.omega1_low
-    if x.output_state == LOCKED:
+    if x.output_state == states.LOCKED:
         x.omega3 = x.omega2
         x.omega3_low = x.omega2_low
 
 
 def with_play(state, play):
     """State of a freewheel: where play is left there is no spring to wind up, and it may close."""
-    return CLOSING if state == WOUND and play > 0.0 else state
+    return states.CLOSING if state == states.WOUND and play > 0.0 else state
 
 
 def try_combination(d, x, number):
@@ -110,13 +100,13 @@ def try_combination(d, x, number):
     then.
     """
     housing = float((number // 3 + 1) % 3)
-    output = float(number % 3 if housing == OPEN else (number + 1) % 3)
-    if d.turning == 0.0 and (housing == WOUND or output == WOUND):
+    output = float(number % 3 if housing == states.OPEN else (number + 1) % 3)
+    if d.turning == 0.0 and (housing == states.WOUND or output == states.WOUND):
         return False
     x.housing_state = with_play(housing, x.play_housing)
     x.output_state = with_play(output, x.play_output)
     x.slip_sign = float(number // 9 - 1)
-    return are_allowed(d, x)
+    return states.are_allowed(d, x)
 
 
 def step_ahead(d, x):
@@ -147,7 +137,7 @@ def least_violation(d, x, before, before_misses, ahead):
     best = 0
     least = 1e300
     equal = 0
-    for number in range(0 if is_rough(d) else 18, 27):
+    for number in range(0 if states.is_rough(d) else 18, 27):
         if not try_combination(d, x, number):
             continue
         take_state(d, x)
@@ -173,7 +163,7 @@ def choose_states(d, x, before_misses):
     Args:
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
-    if x.output_state == GEARED:
+    if x.output_state == states.GEARED:
         return
     before = (x.housing_state, x.output_state, x.slip_sign)
     best, equal = least_violation(d, x, before, before_misses, False)
@@ -187,9 +177,9 @@ def choose_states(d, x, before_misses):
     x.flow_sign, x.spin_signs = d.machine.flow_sign, d.machine.spin_signs
     recall(x.now, d.machine)
     x.rates_cached = 0.0 if d.losses != 0.0 else 1.0
-    mode = contact_mode(x)
+    mode = states.contact_mode(x)
     if mode != x.mode:
-        count_engagements(x, x.mode, mode)
+        states.count_engagements(x, x.mode, mode)
         x.mode = mode
         x.step_switches += 1.0
 

@@ -11,18 +11,7 @@ from ..fields import CAUSES
 from ..impulse import close_freewheels, holds_link2
 from ..loads import INSIDE_PHASE, sample_load
 from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS, last_stage
-from .guards import (
-    FLOW,
-    HOUSING,
-    HOUSING_BACK,
-    OUTPUT,
-    OUTPUT_BACK,
-    SLIP,
-    SPIN,
-    is_play,
-    is_speed,
-    value_and_rate,
-)
+from . import guards
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
 from .stages import cut_step, keep_end, keep_rates, make_step, solve_motion, weighed_rate
@@ -119,21 +108,21 @@ def see_peaks(x, w, sigma):
             x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
             x.housing_torque_peak = max(x.housing_torque_peak, abs(w.rates[n].housing))
             if x.housing_state == OPEN:
-                x.housing_slip_peak = max(x.housing_slip_peak, w.watched[HOUSING].value[n])
+                x.housing_slip_peak = max(x.housing_slip_peak, w.watched[guards.HOUSING].value[n])
             if x.output_state == OPEN:
-                x.output_slip_peak = max(x.output_slip_peak, w.watched[OUTPUT].value[n])
+                x.output_slip_peak = max(x.output_slip_peak, w.watched[guards.OUTPUT].value[n])
 
 
 def meet(d, x, which):
     """Set a speed that has met its limit there exactly."""
     x.rates_cached = 0.0
-    if which == HOUSING or which == HOUSING_BACK:
+    if which == guards.HOUSING or which == guards.HOUSING_BACK:
         x.omega2 = 0.0
         x.omega2_low = 0.0
-        if which == HOUSING_BACK and x.output_state == LOCKED:
+        if which == guards.HOUSING_BACK and x.output_state == LOCKED:
             x.omega3 = 0.0
             x.omega3_low = 0.0
-    elif which == OUTPUT or which == OUTPUT_BACK:
+    elif which == guards.OUTPUT or which == guards.OUTPUT_BACK:
         if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
             x.omega3_low = 0.0
@@ -151,25 +140,25 @@ def meet(d, x, which):
 def meet_limits(d, x):
     """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
     if d.housing != 0.0 and x.housing_state == OPEN and x.omega2 < 0.0:
-        meet(d, x, HOUSING)
+        meet(d, x, guards.HOUSING)
     if d.output != 0.0 and x.output_state == OPEN and x.omega3 < x.omega2:
-        meet(d, x, OUTPUT)
+        meet(d, x, guards.OUTPUT)
 
 
 def has_fallen(d, x, w, which):
     """Tell whether a guard has, by the state at the end of the step in hand."""
     take_state(d, x)
     solve_motion(d, x, w)
-    value, _ = value_and_rate(d, x, d.machine, which)
+    value, _ = guards.value_and_rate(d, x, d.machine, which)
     return value <= NO_PLAY
 
 
 def unwind(d, x, which):
     """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
-    if which == HOUSING and x.housing_state == WOUND:
+    if which == guards.HOUSING and x.housing_state == WOUND:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0
-    if which == OUTPUT and x.output_state == WOUND:
+    if which == guards.OUTPUT and x.output_state == WOUND:
         add_loss(x, FREEWHEEL, 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output)
         x.wound_output = 0.0
 
@@ -230,7 +219,7 @@ def take_over(d, x, w, sigma):
 def engage(d, x, which):
     """Let a freewheel whose play is used up carry: a rigid one by an impact, a spring begins to wind up."""
     x.rates_cached = 0.0
-    if which == HOUSING:
+    if which == guards.HOUSING:
         x.play_housing = 0.0
         rigid = d.housing_stiffness == 0.0
     else:
@@ -244,16 +233,16 @@ def pass_event(d, x, which):
     """Change what an event changes at once, and tell of what kind it was."""
     x.ended = 0.0
     x.slip_reached_zero = 0.0
-    if which == FLOW:
+    if which == guards.FLOW:
         x.flow_sign = -x.flow_sign
-    elif which > FLOW:
-        x.spin_signs = with_sign_changed(x.spin_signs, which - SPIN)
+    elif which > guards.FLOW:
+        x.spin_signs = with_sign_changed(x.spin_signs, which - guards.SPIN)
     elif which != NONE:
         if d.elastic != 0.0:  # shaft or springs may swing otherwise now
             x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
-        if is_speed(x, which):
-            x.slip_reached_zero = 1.0 if which == SLIP and x.housing_state != LOCKED else 0.0
-            if is_play(x, which):
+        if guards.is_speed(x, which):
+            x.slip_reached_zero = 1.0 if which == guards.SLIP and x.housing_state != LOCKED else 0.0
+            if guards.is_play(x, which):
                 engage(d, x, which)
             else:
                 meet(d, x, which)
@@ -293,4 +282,4 @@ def advance_general(d, x, w, remaining):
         x.step_size *= AFRESH
         which = NONE
     pass_event(d, x, which)
-    return w.step, NONE != which < FLOW
+    return w.step, NONE != which < guards.FLOW

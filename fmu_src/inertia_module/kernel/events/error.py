@@ -6,27 +6,11 @@ from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, OPEN, WOUND, is_open, is_wound
 from ..links import response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
-from .stages import (
-    LOST,
-    MOTION,
-    OF_DRIVE,
-    OF_HOUSING,
-    OMEGA1,
-    OMEGA2,
-    OMEGA3,
-    RELATIVE,
-    TWIST,
-    TWIST_MOVES,
-    WORK_IN,
-    WOUND_HOUSING,
-    Q,
-    how_many_move,
-    weighed_rate,
-)
+from . import stages
 
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
 # that are no events, and where link 1 stands still no energy shows what torque holds it
-HELD_SUMS = (OF_DRIVE, OF_HOUSING, WORK_IN, LOST + MESH, LOST + JOURNAL)
+HELD_SUMS = (stages.OF_DRIVE, stages.OF_HOUSING, stages.WORK_IN, stages.LOST + MESH, stages.LOST + JOURNAL)
 # a twisted shaft at rest: speeds are measured by this share of what its energy could drive
 TWIST_SHARE = 1e-1
 # stage of Rosenbrock's method that is its error, and the share of the allowed one that it may have
@@ -106,50 +90,50 @@ def speed_of_swing(d, x, w, rate, speed, fastest):
 def scale_of(d, x, w, n, fastest):
     """Scale of the error of a followed quantity."""
     change = abs(w.change.numbers[n])
-    if n == Q:
+    if n == stages.Q:
         return 1.0
-    if n == OMEGA1:
+    if n == stages.OMEGA1:
         return max(response(d, d.J1) * fastest, change)
     moved = speed_behind(d, x, w, fastest)
-    if n == OMEGA2:
+    if n == stages.OMEGA2:
         speed = response(d, d.J2 + (d.J3 if x.output_state == LOCKED else 0.0)) * moved
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
     speed = response(d, d.J2 + d.J3) * max(fastest, fastest_behind(d, x, w))
-    if n == OMEGA3:
+    if n == stages.OMEGA3:
         return min(max(speed, change), speed_of_torque(d, x, w, fastest))
-    if n == RELATIVE or n == TWIST:
+    if n == stages.RELATIVE or n == stages.TWIST:
         rate = shaft_frequency(d, 1.0 / d.J3)
         if d.F_by_alpha1 == 0.0:
             speed = TWIST_SHARE * rate * abs(x.twist)  # nothing but loads moves the shaft
         if w.pair == THIRDS:
             speed = speed_of_swing(d, x, w, rate, speed, fastest)
-        now = abs(x.relative if n == RELATIVE else x.twist)
-        return max(speed if n == RELATIVE else speed / rate, now, change)
-    if n == WOUND_HOUSING:
+        now = abs(x.relative if n == stages.RELATIVE else x.twist)
+        return max(speed if n == stages.RELATIVE else speed / rate, now, change)
+    if n == stages.WOUND_HOUSING:
         return max(moved * math.sqrt(d.J2 / max(d.housing_stiffness, 1e-300)), change)
     return max(moved * math.sqrt(d.J2 / max(d.freewheel_stiffness, 1e-300)), change)
 
 
 def counts(d, x, w, n):
     """Tell whether the error of a followed quantity counts: whether it is one, and not that of another."""
-    if n == OMEGA1:
+    if n == stages.OMEGA1:
         return d.by_torque != 0.0
-    if n == OMEGA3:
+    if n == stages.OMEGA3:
         return x.output_state != LOCKED
-    if n == OF_DRIVE:
+    if n == stages.OF_DRIVE:
         return d.by_torque == 0.0 and (d.losses != 0.0 or w.prescribed != 0.0)
-    if n == WORK_IN:
+    if n == stages.WORK_IN:
         return d.losses != 0.0 or (d.by_torque == 0.0 and w.prescribed != 0.0)
-    return d.losses != 0.0 or n == Q or n == OMEGA2 or n == TWIST or n == RELATIVE
+    return d.losses != 0.0 or n == stages.Q or n == stages.OMEGA2 or n == stages.TWIST or n == stages.RELATIVE
 
 
 def stiff_error(w, n):
     """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
-    errors, by_twist = w.stages[STIFF_ERROR], w.slopes[TWIST_MOVES].numbers
+    errors, by_twist = w.stages[STIFF_ERROR], w.slopes[stages.TWIST_MOVES].numbers
     own = w.inside.numbers[n] if n in HELD_SUMS else errors.numbers[n]
-    if n == RELATIVE or n == TWIST or by_twist[RELATIVE] == 0.0:
+    if n == stages.RELATIVE or n == stages.TWIST or by_twist[stages.RELATIVE] == 0.0:
         return own
-    return own - by_twist[n] / by_twist[RELATIVE] * errors.relative
+    return own - by_twist[n] / by_twist[stages.RELATIVE] * errors.relative
 
 
 def momentum_passed(d):
@@ -175,22 +159,22 @@ def step_error(d, x, w, fastest):
     sum5 = 0.0
     sum3 = 0.0
     count = 0
-    moving = how_many_move(d)
+    moving = stages.how_many_move(d)
     moved = speed_behind(d, x, w, fastest)
     momentum = momentum_passed(d) * moved
     energy = 0.0
-    if counts(d, x, w, WORK_IN):
+    if counts(d, x, w, stages.WORK_IN):
         energy = OF_ENERGY * (w.energy + 0.5 * d.J3 * x.omega3 * x.omega3)
         energy = max(energy, FROM_REST * momentum * moved)
     for number in range(moving + len(HELD_SUMS)):
-        n = MOTION[number] if number < moving else HELD_SUMS[number - moving]
+        n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
             continue
         if number < moving:
             scale = tolerance * scale_of(d, x, w, n, fastest)
         else:
-            scale = energy if n >= WORK_IN else momentum
-            if n >= LOST:
+            scale = energy if n >= stages.WORK_IN else momentum
+            if n >= stages.LOST:
                 scale *= OF_LOSSES
             scale = w.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
@@ -200,8 +184,10 @@ def step_error(d, x, w, fastest):
                 found5 = 0.0
             else:
                 low = w.pair == SHORT
-                found3 = weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
-                found5 = 0.0 if low else weighed_rate(w, FIFTH, END, n) / scale
+                found3 = (
+                    stages.weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
+                )
+                found5 = 0.0 if low else stages.weighed_rate(w, FIFTH, END, n) / scale
             sum3 += found3 * found3
             sum5 += found5 * found5
     if d.losses == 0.0 and w.pair != THIRDS:

@@ -13,20 +13,7 @@ from ..equations.choice import torques_at
 from ..equations.motion import recall
 from ..links import response
 from ..tableau import END, PARTS, STAGES, THIRDS, fit
-from .guards import (
-    HOUSING,
-    fit_through,
-    fitted_guard,
-    fourth_bound_of_fit,
-    how_many_guards,
-    is_clear,
-    is_exact,
-    is_play,
-    is_speed,
-    is_spring,
-    is_watched,
-    value_and_rate,
-)
+from . import guards
 from .rosenbrock import look_inside, make_stiff_step, set_part
 from .stages import evaluate_stages, exact_guard, solve_changed
 from .step_size import STEP_PHASE, advance_of_phase
@@ -82,7 +69,7 @@ def find_crossing(d, x, w, which, zero, low, high, sigma, exact):
     """
     fallen = not exact
     for _ in range(CROSSING_LOOKS):
-        value, rate = fitted_guard(x, w, which, sigma)
+        value, rate = guards.fitted_guard(x, w, which, sigma)
         if exact:
             value = exact_guard(d, x, w, which, sigma)
         if -4.0 * zero <= value < -zero:
@@ -112,10 +99,10 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
     """
     part = 1.0 / looks
     low = 0.0
-    value_low, rate_low = fitted_guard(x, w, which, low)
+    value_low, rate_low = guards.fitted_guard(x, w, which, low)
     high = part
     while low < 1.0:
-        value, rate = fitted_guard(x, w, which, high)
+        value, rate = guards.fitted_guard(x, w, which, high)
         if not abs(value) < 1e300:
             return -1.0  # a motion that overflows is refused at the end of the step
         h = high - low
@@ -128,7 +115,7 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
                 continue
             if value < -zero:
                 sigma = find_crossing(d, x, w, which, zero, low, high, high, False)
-                if w.pair != THIRDS and is_exact(x, which):
+                if w.pair != THIRDS and guards.is_exact(x, which):
                     # (a torque with a kink may have fallen where its fit has not)
                     sigma = find_crossing(d, x, w, which, zero, 0.0, high, sigma, True)
                 if sigma >= 0.0:
@@ -142,14 +129,16 @@ def first_crossing(d, x, w, which, zero, fourth_bound, looks):
 
 def guard_tolerance(d, x, w, which, fastest):
     """Threshold below which a guard counts as crossed."""
-    if is_play(x, which):
-        return PLAY_ROUNDING * (d.housing_engagement_angle if which == HOUSING else d.output_engagement_angle)
-    if is_speed(x, which):
+    if guards.is_play(x, which):
+        return PLAY_ROUNDING * (
+            d.housing_engagement_angle if which == guards.HOUSING else d.output_engagement_angle
+        )
+    if guards.is_speed(x, which):
         fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
         imparted = response(d, d.J2) * fastest if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(imparted, fastest_output)
     m = d.machine
-    share = max(TORQUE_ROUNDING, w.tolerance) if is_spring(x, which) else TORQUE_ROUNDING
+    share = max(TORQUE_ROUNDING, w.tolerance) if guards.is_spring(x, which) else TORQUE_ROUNDING
     # (a freewheel feels no load behind a shaft, but the shaft)
     return share * torques_at(d, m, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
 
@@ -160,20 +149,20 @@ def first_event(d, x, w, fastest, cleared):
     which = NONE
     inside = False
     looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
-    for guard in range(how_many_guards(d)):
-        if guard == cleared or not is_watched(d, x, guard):
+    for guard in range(guards.how_many_guards(d)):
+        if guard == cleared or not guards.is_watched(d, x, guard):
             continue
-        if is_clear(x, w, guard):
+        if guards.is_clear(x, w, guard):
             continue
         if w.pair == THIRDS:
-            fit_through(x, w, guard)
+            guards.fit_through(x, w, guard)
         else:
             if not inside:
                 evaluate_stages(d, x, w, END + 1, STAGES - 1)
                 inside = True
             fit(w.step, w.watched[guard].rate, w.watched[guard].dense)
         zero = guard_tolerance(d, x, w, guard, fastest)
-        sigma = first_crossing(d, x, w, guard, zero, fourth_bound_of_fit(x, w, guard), looks)
+        sigma = first_crossing(d, x, w, guard, zero, guards.fourth_bound_of_fit(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard
@@ -185,14 +174,14 @@ def land(d, x, w, which, zero, sigma):
     one = w.watched[which]
     low, high = 0.0, w.step
     value_low, value_high = one.value[0], one.value[PARTS]
-    share = NEAR_SPEED if is_speed(x, which) else NEAR_TORQUE
+    share = NEAR_SPEED if guards.is_speed(x, which) else NEAR_TORQUE
     near = max(4.0 * zero, share * w.tolerance * max(abs(value_low), abs(value_high)))
     t = sigma * high
     was_above = False
     for landing in range(LANDINGS):
         make_stiff_step(d, x, w, t)
         solve_changed(d, x, w, w.change)
-        value, rate = value_and_rate(d, x, d.machine, which)
+        value, rate = guards.value_and_rate(d, x, d.machine, which)
         if -near <= value <= 0.0:
             return True
         # a secant that never stays at one end (Illinois)
@@ -207,7 +196,7 @@ def land(d, x, w, which, zero, sigma):
             value_low *= 0.5 if landing > 0 and not was_above else 1.0
         was_above = above
         move = low
-        if is_speed(x, which) and rate < 0.0:
+        if guards.is_speed(x, which) and rate < 0.0:
             move = t - (value + 0.5 * near) / rate
         elif value_high < 0.0 < value_low:
             move = low + (high - low) * (value_low + 0.5 * near) / (value_low - value_high)

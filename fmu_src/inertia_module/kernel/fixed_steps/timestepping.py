@@ -16,18 +16,7 @@ from ..impulse import settle, shaft_inertia
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from ..loads import sample_load
-from .motion import (
-    drag_on_hub,
-    drag_on_link2,
-    drive_mass,
-    end_fall,
-    find_friction,
-    load_hub,
-    mesh_impulse,
-    move_links,
-    turn_shaft,
-    weigh,
-)
+from . import motion
 
 # fixed steps that one communication step may take
 MAX_STEPS = 1e7
@@ -47,7 +36,7 @@ def look_ahead(d, x, w, slip_angle):
     write_inertia(d, x.q + d.k * slip_angle, w.far)
     x.step_evaluations += 1.0
     if d.weight != 0.0:
-        weigh(d, x, w)
+        motion.weigh(d, x, w)
     end_at(x, w, 1.0)
 
 
@@ -75,10 +64,10 @@ def follow(d, x, w, held, joined, prescribed, h):
     Returns the impulse that holds link 2 and hub together, N m s.
     """
     acting = h * w.dragging
-    hub = load_hub(d, x, w, joined, h)
+    hub = motion.load_hub(d, x, w, joined, h)
     hub_load, hub_gain, theta = hub
-    drag_load, drag_gain = drag_on_link2(d, x, held, acting)
-    over_load, over_gain = drag_on_hub(d, x, joined, hub, acting)
+    drag_load, drag_gain = motion.drag_on_link2(d, x, held, acting)
+    over_load, over_gain = motion.drag_on_hub(d, x, joined, hub, acting)
     carried = holding = 0.0
     load = drag_load - over_load
     gain = drag_gain + over_gain
@@ -87,7 +76,7 @@ def follow(d, x, w, held, joined, prescribed, h):
         holding = acting * d.output_drag
         load += hub_load
         gain += hub_gain
-    move_links(d, x, w, held, carried, load, gain, prescribed, h)
+    motion.move_links(d, x, w, held, carried, load, gain, prescribed, h)
     mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
     drag = drag_load + drag_gain * mean2
     overrun = over_load - over_gain * mean2
@@ -109,7 +98,7 @@ def follow(d, x, w, held, joined, prescribed, h):
     w.reversed = 1.0 if drag < 0.0 or overrun < 0.0 else 0.0
     inertia3 = shaft_inertia(d, w.stiff != 0.0)
     if d.elastic != 0.0:
-        drive_mass(d, x, w, h)
+        motion.drive_mass(d, x, w, h)
         if w.stiff != 0.0:
             mass3 = w.omega4 + d.balancer * (w.end3 - w.seen3)
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
@@ -170,7 +159,7 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
     w.friction_before = w.friction
     for _ in range(passes(d)):
         follow_contacts(d, x, w, prescribed, h)
-        find_friction(d, x, w, h)
+        motion.find_friction(d, x, w, h)
         if foresee:
             w.far_angle1 = w.angle1
             look_ahead(d, x, w, w.foreseen)
@@ -269,7 +258,7 @@ def finish(d, x, w, h):
     x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
     wrap_input_angle(x)
     w.end2 = end2
-    mesh = mesh_impulse(d, x, w, h)
+    mesh = motion.mesh_impulse(d, x, w, h)
     housing = d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + w.output - mesh
     x.housing_impulse += housing
     if d.losses != 0.0:
@@ -277,7 +266,7 @@ def finish(d, x, w, h):
         add_loss(x, MESH, (1.0 - w.journal_share) * w.lost_by_load)
         add_loss(x, JOURNAL, w.journal_share * w.lost_by_load)
         add_loss(x, FREEWHEEL, w.lost_by_drag)
-    turn_shaft(d, x, w, end3, h)
+    motion.turn_shaft(d, x, w, end3, h)
     # on to just where the inertia at the end is that of: with another the energy would not be the same
     x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
     wrap_drive_angle(d, x)
@@ -331,11 +320,11 @@ def one_step(d, x, w, prescribed, h):
             end_at(x, w, 0.0)
             if d.weight != 0.0:
                 w.far_angle = 0.0
-                weigh(d, x, w)
+                motion.weigh(d, x, w)
             follow_contacts(d, x, w, prescribed, h)
         finish(d, x, w, h)
     if falls:
-        end_fall(d, x, w)
+        motion.end_fall(d, x, w)
 
 
 def run_timestepping(d, x, w, h):
