@@ -43,13 +43,13 @@ PACKAGE_LINES = 20_000
 BESIDE = (("studies", "studies", 5400), ("tests", "tests", 15_000))
 # rooms that are over their budget today may not grow beyond this; what is mended is struck here
 OVER: Mapping[str, int] = {
-    "kernel": 7528,
+    "kernel": 7419,
     "harness": 2470,
     "scene": 2037,
     "jobs": 3222,
     "figures": 1145,
     "export, page, cli, common": 1792,
-    "package": 24177,
+    "package": 24068,
     "studies": 6432,
     "tests": 17468,
 }
