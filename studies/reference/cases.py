@@ -247,7 +247,10 @@ class Machine:
             shaft -= p["balancer"] * p["driven_inertia"] * x[A3] * omega4
         wheels = sum(self._passed(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self.joined(mode, n))
         wound = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
-        played = [speed_of(y, n) * (mode[n] in (OPEN, BACK)) for n in (HOUSING, OUTPUT)]
+        played = [
+            speed_of(y, n) * (wheel.angle > 0.0 and mode[n] in (OPEN, BACK))
+            for n, wheel in enumerate(self.wheels)
+        ]
         mesh = self.mesh * abs(x[M2] * slip) + found.satellites * abs(rate)
         powers = x[M1] * omega1, self.load * omega4, viscous, mesh, found.journal * abs(rate), wheels, shaft
         air = float(self.air(y)[2]) if p["windage"] else 0.0

@@ -164,7 +164,7 @@ class Reference:
             if not wheel.there or (bound and self.mode[n] == CLOSED):
                 places.append((self.mode[n],))
             elif speed_of(y, n) != 0.0:
-                places.append((BACK if speed_of(y, n) < 0.0 else OPEN,))
+                places.append((BACK if speed_of(y, n) < 0.0 < wheel.angle else OPEN,))
             elif y[PLAY + n] > 0.0:
                 places.append((*[DRAGGED] * (wheel.drag > 0.0), OPEN, BACK))
             else:
