@@ -165,7 +165,7 @@ def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
         if told != "default" or one.group not in idle:
             rows[one.group].append((one.name, shown, told, one.description))
     for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)):
-        if key not in known and key.rpartition(".")[2] not in ("title", "description", "file"):
+        if key not in known and key.rpartition(".")[2] not in ("title", "description"):
             rows[""].append((key, _shown(value), source(key, _shown(value), "default")))
     columns = ("parameter", "value", "source", "meaning")
     parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}

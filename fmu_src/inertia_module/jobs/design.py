@@ -41,11 +41,12 @@ from .evaluation import Evaluate, Evaluator, Figures, FiguresOf, Row, Task, summ
 
 
 class Mechanism(SteadyMachine):
-    """A mechanism whose steady pulses and charts are found once for each speed, rad/s, and ratio."""
+    """A mechanism whose steady pulses, samples and charts are found once for each speed, rad/s, and ratio."""
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
         super().__init__(parameters)
         self.pulses = cache(self.at)
+        self.sampled = cache(self.samples)
         self.chart = cache(lambda speed: torque_converter_chart(parameters, speed))
 
     @property
@@ -66,9 +67,9 @@ class Mechanism(SteadyMachine):
         pulses = self.pulses(speed, ratio)
         return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
 
-    def largest(self, names: Sequence[str], speed: float, ratio: float) -> float:
+    def largest(self, names: tuple[str, ...], speed: float, ratio: float) -> float:
         """Largest magnitude of the vector of some outputs in steady pulses; speed in rad/s."""
-        return float(np.linalg.norm(self.samples(names, speed, ratio), axis=1).max())
+        return float(np.linalg.norm(self.sampled(names, speed, ratio), axis=1).max())
 
 
 def _farthest(d: Any) -> float:
@@ -100,7 +101,8 @@ _BOTH = ("speed", "ratio")
 _SPEED = ("speed",)
 # all the way from stall on
 _ALL = RATIOS[::4]
-_FORCE, _MOMENT = ([f"shaking_{load}_{axis}" for axis in "xyz"] for load in ("force", "moment"))
+_FORCE, _MOMENT = (tuple(f"shaking_{load}_{axis}" for axis in "xyz") for load in ("force", "moment"))
+_INPUT = ("input_torque",)
 NAMED = {
     "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
     "steady_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
@@ -109,8 +111,8 @@ NAMED = {
     "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
     "greatest_input_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).input_torque.max() * w**2),
-    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.samples(["input_torque"], w, i).std()),
-    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(["input_torque"], w, i)),
+    "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.sampled(_INPUT, w, i).std()),
+    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(_INPUT, w, i)),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
