@@ -13,35 +13,26 @@ docs/coupling.md. Run `inertia-module build` first. The last line is the elastic
 
 from pathlib import Path
 
-from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.system import JACOBI, Node, WiredFmus
-from inertia_module.harness.wires import Wire
+from inertia_module import Fmu
 
 BUILD = Path("build")  # of `inertia-module build`
 MODULE = {"output_inertia": 0.02, "fidelity": "rigid"}
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 SPEED = 100.0  # rad/s
 LOAD = 10.0  # N.m
-WIRES = (
-    Wire("module", "omega_out", "shaft", "hub_speed"),
-    Wire("shaft", "shaft_torque_mean", "module", "load_torque"),
-)
 ONE_PIECE = 3.908460340, 16.766411224  # rad/s, hub and driven mass
 
 
-def simulate(step, stop=1.0, folder=BUILD, order=JACOBI):
-    """Speeds of hub and driven mass after stop seconds, rad/s, with the mean torque of each step."""
-    nodes = {
-        "module": Node(folder / "InertiaModule.fmu", MODULE, {"omega1": SPEED}, tolerance=1e-9),
-        "shaft": Node(folder / "DrivenShaft.fmu", SHAFT, {"load_torque": LOAD}),
-    }
-    with WiredFmus(nodes, WIRES, step, order) as system:
-        for _ in range(round(stop / step)):
-            system.advance()
-        return system.fmus["module"]["omega_out"], system.fmus["shaft"]["omega_out"]
-
-
 def advance(module, shaft, step):
+    """Advance both by a communication step, s, side by side, with the mean torque of the last step."""
+    speed, torque = module["omega_out"], shaft["shaft_torque_mean"]
+    module.set(load_torque=torque)
+    shaft.set(hub_speed=speed)
+    module.advance(step)
+    shaft.advance(step)
+
+
+def advance_with_derivatives(module, shaft, step):
     """Advance both by a communication step, s: the module first, torque and speed with their derivatives."""
     speed = module["omega_out"]
     module.set(load_torque=shaft["shaft_torque"])
@@ -52,8 +43,8 @@ def advance(module, shaft, step):
     shaft.advance(step)
 
 
-def simulate_with_derivatives(step, stop=1.0, folder=BUILD):
-    """Speeds of hub and driven mass after stop seconds, rad/s, with derivatives."""
+def simulate(advance, step, stop=1.0, folder=BUILD):
+    """Speeds of hub and driven mass after stop seconds, rad/s, both advanced by `advance`."""
     with (
         Fmu(folder / "InertiaModule.fmu", MODULE, {"omega1": SPEED}, tolerance=1e-9) as module,
         Fmu(folder / "DrivenShaft.fmu", SHAFT, {"load_torque": LOAD}) as shaft,
@@ -67,6 +58,6 @@ if __name__ == "__main__":
     print("             side by side               with derivatives")
     print("step, s      hub, rad/s  driven mass    hub, rad/s  driven mass")
     for step in (1e-3, 1e-4, 1e-5):
-        speeds = *simulate(step), *simulate_with_derivatives(step)
+        speeds = *simulate(advance, step), *simulate(advance_with_derivatives, step)
         print("{:<10g} {:12.6f} {:12.6f}  {:12.6f} {:12.6f}".format(step, *speeds))
     print("one piece  {:12.6f} {:12.6f}".format(*ONE_PIECE))

@@ -1,5 +1,6 @@
 """Systems for other tools: the SSP file in four readers, the OSP structure in libcosim, FMPy's container."""
 
+import contextlib
 import functools
 import io
 import json
@@ -20,7 +21,7 @@ from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
 from inertia_module.fmu.builder import FMUS
 from inertia_module.fmu.native_fmu import Build
-from inertia_module.harness.system import Node, WiredFmus
+from inertia_module.harness.fmu import Fmu
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
@@ -70,15 +71,21 @@ def exported(request, here, tmp_path_factory):
 
 def looped(plan, folder, tolerance=None):
     """Outputs shown at the end of a plain loop over the FMUs, by 'part.output'."""
-    nodes = {}
-    for part in plan.parts:
-        kinds = {"parameter": {}, "input": {}}
-        for name, value in part.values.items():
-            kinds[part.variable(name).causality][name] = value
-        nodes[part.name] = Node(folder / "osp" / part.fmu.file_name, *kinds.values(), tolerance)
-    with WiredFmus(nodes, plan.wires, STEP) as system:
-        table = system.run(STOP, plan.outputs)
-    return {f"{part}.{output}": table[f"{part}.{output}"][-1] for part, output in plan.outputs}
+    with contextlib.ExitStack() as stack:
+        fmus = {}
+        for part in plan.parts:
+            kinds = {"parameter": {}, "input": {}}
+            for name, value in part.values.items():
+                kinds[part.variable(name).causality][name] = value
+            path = folder / "osp" / part.fmu.file_name
+            fmus[part.name] = stack.enter_context(Fmu(path, *kinds.values(), tolerance))
+        for _ in range(round(STOP / STEP)):
+            passed = [(wire, fmus[wire.source][wire.output]) for wire in plan.wires]
+            for wire, value in passed:
+                fmus[wire.sink].set(**{wire.input: value})
+            for fmu in fmus.values():
+                fmu.advance(STEP)
+        return {f"{part}.{output}": fmus[part][output] for part, output in plan.outputs}
 
 
 def program(reader):

@@ -26,7 +26,6 @@ from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_d
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import Build, NativeFmu
-from ..harness.wires import Wire
 from ..kernel.codes import ELASTIC, RIGID
 
 MODULE, SHAFT = "module", "shaft"
@@ -52,6 +51,19 @@ class Part(NamedTuple):
     def variable(self, name: str) -> Variable:
         """One of its variables."""
         return self.fmu.model.by_name[name]
+
+
+class Wire(NamedTuple):
+    """A connection: an output of one part drives an input of another.
+
+    Attributes:
+        source, output: name of the part and of its output. sink, input: likewise.
+    """
+
+    source: str
+    output: str
+    sink: str
+    input: str
 
 
 class Plan(NamedTuple):
