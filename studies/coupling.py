@@ -26,6 +26,7 @@ from inertia_module.harness.results import heading, write_figure, write_rows
 from inertia_module.harness.simulate import Progress
 from inertia_module.scene import Scene, load_scene
 
+from .engine import SCHEMES, CoupledEngine, Engine, EnginePlant, Ledger, Scheme, TorqueDrivenEngine
 from .reference.cases import OMEGA1, THETA1
 from .reference.geometry import Array
 from .reference.motion import Reference
@@ -49,7 +50,7 @@ _LIMITS = loops.EngineMap((0.0,), (200.0,), (20.0,))
 _OFF = 0.9
 TORQUE = "torque-driven"
 # by name; None: the module is driven by torque
-COUPLINGS: dict[str, loops.Scheme | None] = {TORQUE: None, **loops.SCHEMES}
+COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
@@ -99,10 +100,10 @@ class CoupledCase:
         """Interface inertia of the module, kg.m2."""
         return loops.interface_inertia(self.parameters)
 
-    def engine(self) -> loops.Engine:
+    def engine(self) -> Engine:
         """Make the engine at the start of the case."""
         inertia = self.interface.greatest / self.ratio
-        return loops.Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
+        return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 
 # by name and greatest interface inertia over that of the engine
@@ -128,7 +129,7 @@ class Course(NamedTuple):
     omega1: Array
     omega_out: Array
     work: float
-    ledger: loops.Ledger
+    ledger: Ledger
 
 
 def one_piece(case: CoupledCase) -> Course:
@@ -149,19 +150,19 @@ def one_piece(case: CoupledCase) -> Course:
             work += torque * (motion.state[THETA1] - angle)
         omega1.append((motion.state[THETA1] - began) / WINDOW)
         omega_out.append(motion.omega_out)
-    return Course(np.array(omega1), np.array(omega_out), work, loops.Ledger())
+    return Course(np.array(omega1), np.array(omega_out), work, Ledger())
 
 
 @contextmanager
 def coupled(
     fmu_path: Path,
-    scheme: loops.Scheme | None,
-    engine: loops.Engine,
+    scheme: Scheme | None,
+    engine: Engine,
     inertia: float,
     parameters: Mapping[str, float],
     *given: Any,
     substeps: int = 1,
-) -> Iterator[loops.EnginePlant]:
+) -> Iterator[EnginePlant]:
     """Engine and module at their start by a scheme, or by torque; given is what Fmu takes besides.
 
     The scheme reckons with an interface of this inertia, kg.m2.
@@ -169,21 +170,21 @@ def coupled(
     values = parameters if scheme is not None else loops.torque_driven(parameters, engine.inertia)
     with Fmu(fmu_path, values, *given) as fmu:
         if scheme is None:
-            yield loops.TorqueDrivenEngine(fmu, engine, substeps)
+            yield TorqueDrivenEngine(fmu, engine, substeps)
         else:
-            yield loops.CoupledEngine(fmu, engine, scheme, inertia, substeps)
+            yield CoupledEngine(fmu, engine, scheme, inertia, substeps)
 
 
 def coupled_engine(
-    case: CoupledCase, scheme: loops.Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
-) -> AbstractContextManager[loops.EnginePlant]:
+    case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
+) -> AbstractContextManager[EnginePlant]:
     """Engine and module at the start of a case."""
     given = case.parameters, {"omega1": case.speed, "load_torque": case.load_torque}, tolerance
     return coupled(fmu_path, scheme, case.engine(), case.interface.middle, *given)
 
 
 def course(
-    case: CoupledCase, scheme: loops.Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
+    case: CoupledCase, scheme: Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> Course:
     """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
     omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
@@ -307,7 +308,7 @@ def urban_run(
     parameters = {**scene.parameters(), "input_hold": 0.0}
     start = loops.initial_inputs(scene.surroundings)
     interface, speed = loops.interface_inertia(parameters), start["omega1"]
-    engine = loops.Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
+    engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
     given = interface.middle, parameters, start, scene.accuracy.tolerance
     with coupled(fmu_path, COUPLINGS[name], engine, *given, substeps=substeps) as plant:
         before = plant.energy_stored

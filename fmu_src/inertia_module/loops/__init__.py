@@ -1,7 +1,7 @@
 """Surroundings of an FMU, stepped together with it.
 
 Loads, controllers and sources are systems in discrete time, which closed_loop.py connects, with systems of
-python-control too. An engine is coupled to the module by engine.py; docs/coupling.md compares its schemes.
+python-control too. What an engine in front of the module needs is in engine.py.
 Each file says what is public of it.
 """
 
