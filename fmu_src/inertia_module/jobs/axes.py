@@ -193,34 +193,19 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, kw_only=True)
 class Free(Axis):
-    """One key that is searched, as a variable u that is near 1: its value is origin + span (u - 1).
+    """One key that is searched.
 
     Attributes:
-        start: value that a search begins at, SI. origin, span: the low end and the width of a range that was
-            asked for; without one both are the start, or of its size. held: whether one was. deviation:
-            standard deviation of what is known of it before, about the start: infinite for nothing, 0 of what
-            is known to be the start.
+        start: value that a search begins at, SI. size: of a change that tells, SI: the width of a range that
+            was asked for, without one of the size of the start. held: whether one was. deviation: standard
+            deviation of what is known of it before, about the start: infinite for nothing, 0 of what is
+            known to be the start.
     """
 
     start: float
-    origin: float
-    span: float
+    size: float
     held: bool = False
     deviation: float = math.inf
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Least and greatest value of the variable."""
-        low, high = sorted(map(self.variable, (self.low, self.high)))
-        return low, high
-
-    def value(self, variable: float) -> float:
-        """The value, SI."""
-        return self.origin + self.span * (variable - 1.0)
-
-    def variable(self, value: float) -> float:
-        """The variable for a value, SI."""
-        return 1.0 + (value - self.origin) / self.span
 
     def at(self, share: float) -> float | str:
         """The value at a share (0 to 1) of the range; without one the start."""
@@ -272,7 +257,7 @@ def _as_given(name: str, scene: Scene) -> Free:
         )
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     begin = math.nan if value is None else float(value)
-    return Free(name, unit, low, high, start=begin, origin=begin, span=begin)
+    return Free(name, unit, low, high, start=begin, size=abs(begin))
 
 
 def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
@@ -285,7 +270,7 @@ def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
         mean, deviation = float(read(known[1])), _number(name, key.unit, known[2])
         if deviation < 0.0:
             raise Refused(f"{name} must be known to a deviation of at least 0, is given {text!r}")
-        return replace(key, start=mean, origin=mean, span=10.0 * deviation or 1.0, deviation=deviation)
+        return replace(key, start=mean, size=10.0 * deviation or 1.0, deviation=deviation)
     if ":" not in text:
         raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
     held = _range(name, key.unit, text, read)
@@ -294,7 +279,7 @@ def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
     # of a start that is not there it is not
     inside = held.low <= key.start <= held.high
     start = key.start if inside else 0.5 * (held.low + held.high)
-    return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
+    return Free(**vars(held), start=start, size=held.high - held.low, held=True)
 
 
 def _number(name: str, unit: str, text: str) -> float:

@@ -113,7 +113,7 @@ class Measurement:
             found.append((f"{GAIN}.{name}", "", 1.0, 1.0, math.inf))
             found.append((f"{SHIFT}.{name}", "s", 0.0, row, late))
         return {
-            name: Free(name, unit, usual - most, usual + most, start=usual, origin=usual, span=size)
+            name: Free(name, unit, usual - most, usual + most, start=usual, size=size)
             for name, unit, usual, size, most in found
         }
 

@@ -121,10 +121,9 @@ def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Fre
             if isinstance(value, float) and value:
                 rows.append((f"{part}.{name}", unit_of(field), (-math.inf, math.inf), value))
     found += [
-        Free(name, unit, *ends, start=value, origin=value, span=abs(value) or FIRST)
-        for name, unit, ends, value in rows
+        Free(name, unit, *ends, start=value, size=abs(value) or FIRST) for name, unit, ends, value in rows
     ]
-    return [dataclasses.replace(one, span=0.01 * one.span) for one in found if one.name not in out]
+    return [dataclasses.replace(one, size=0.01 * one.size) for one in found if one.name not in out]
 
 
 def causes(suspects: Iterable[Suspect]) -> list[Suspect]:
@@ -183,14 +182,14 @@ def _freed(end: End, key: Free) -> End | None:
     The others give way to it, and a step that is as long as the data then allow counts what a tangent does
     not: where the others make up for nearly all of it, the little that is left is not of the curvature alone.
     """
-    problem, (low, high) = end.problem.with_key(key), key.limits
-    low, high = max(low - 1.0, -LONGEST), min(high - 1.0, LONGEST)
-    step = 1.0 if high > 0.0 else -1.0
+    problem, longest = end.problem.with_key(key), LONGEST * key.size
+    low, high = max(key.low - key.start, -longest), min(key.high - key.start, longest)
+    step = key.size if high > 0.0 else -key.size
     along, back = np.zeros(end.point.size), -np.linalg.pinv(end.slopes)
     slope: Array | None = None
     for _ in range(TRIES):
         step = min(max(step, low), high)
-        change = problem.residuals(np.append(end.point + step * along, 1.0 + step)) - end.residuals
+        change = problem.residuals(np.append(end.point + step * along, key.start + step)) - end.residuals
         if not np.isfinite(change).all():
             # what the scene refuses, it may take nearer
             step *= 0.1
@@ -212,11 +211,8 @@ def _freed(end: End, key: Free) -> End | None:
     last = min(max(least, low), high)
     point = back @ (end.residuals + slope * last)
     residuals = end.residuals + end.slopes @ point + slope * last
-    # a variable is to be near 1
-    size = last or 1.0
-    key = dataclasses.replace(key, span=size * key.span)
-    slopes = np.column_stack([end.slopes, size * slope])
-    point = np.append(end.point + point, 2.0 if last else 1.0)
+    key = dataclasses.replace(key, size=abs(last) or key.size)
+    slopes, point = np.column_stack([end.slopes, slope]), np.append(end.point + point, key.start + last)
     return End(end.problem.with_key(key), point, residuals, slopes, False)
 
 
@@ -260,7 +256,7 @@ def tried(end: End, keys: Sequence[Free], start: Array, progress: Progress) -> l
     if not whole:
         for key in end.problem.rig.data.sensors.values():
             if key.name in {one.name for one in keys}:
-                fit(end.problem.with_key(key), np.append(start, 1.0))
+                fit(end.problem.with_key(key), np.append(start, key.start))
     for cause in causes(found.values()):
         if whole and cause.name in full:
             # with it anything else may be otherwise too
