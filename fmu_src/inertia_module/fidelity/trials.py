@@ -16,16 +16,13 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..common.colours import BLUE, VERMILION
 from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
@@ -622,72 +619,37 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
     return at_level(scene, chosen), choice
 
 
-# --- the trade: least error for the cost, on log-log axes ---
+# --- the trade: error over cost, on log-log axes ---
 
 WORST = "worst"
-_AXES = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
-
-
-def front(rows: Sequence[Row], error: str, cost: str) -> list[Row]:
-    """Pick rows that succeeded and no other one beats, cheapest first: each is more accurate than the last.
-
-    Args:
-        rows: measured. error: name in Row.errors. cost: wall_time or evaluations.
-    """
-    known = [
-        row
-        for row in rows
-        if not row.failure and getattr(row, cost) > 0.0 and row.errors.get(error, 0.0) > 0.0
-    ]
-    best: list[Row] = []
-    for row in sorted(known, key=lambda row: (getattr(row, cost), row.errors[error])):
-        if not best or row.errors[error] < best[-1].errors[error]:
-            best.append(row)
-    return best
-
-
-def slope(costs: Array, errors: Array) -> float:
-    """Fit the exponent p of error ~ cost^p; NaN of fewer than three different points."""
-    if np.unique(costs).size < 3:
-        return math.nan
-    return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
-
-
-def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
-    """Draw the front of the module and that of the peers; where a level begins, its name and slope."""
-    scale = 1e3 if cost == "wall_time" else 1.0
-    for peers, colour, side in ((False, VERMILION, -1), (True, BLUE, 1)):
-        found = front([row for row in rows if (row.fidelity == PEER) is peers], error, cost)
-        costs = np.array([scale * getattr(row, cost) for row in found])
-        errors = np.array([row.errors[error] for row in found])
-        if found:
-            axes.loglog(costs, errors, color=colour, marker="o", markersize=3, linewidth=1.2)
-        names = [row.method.partition(",")[0] if peers else row.level for row in found]
-        for name, part in groupby(range(len(found)), key=names.__getitem__):
-            places = list(part)
-            fitted = slope(costs[places], errors[places])
-            axes.annotate(
-                name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})",
-                (costs[places[0]], errors[places[0]]),
-                xytext=(6 * side, 2 * side),
-                textcoords="offset points",
-                ha="left" if peers else "right",
-                fontsize=7,
-                color=colour,
-            )
-    # room for the names at the line
-    axes.margins(x=0.3)
-    axes.set_xlabel(_AXES[cost])
-    axes.set_ylabel(f"error of {error.replace('_', ' ')} [1]")
-    axes.grid(alpha=0.3, linewidth=0.4)
+# label of a cost, and factor to the unit in it
+_AXES = {"wall_time": ("ms per simulated second", 1e3), "evaluations": ("right-hand sides", 1.0)}
 
 
 def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """Draw one error, by its name in Row.errors, against wall time and against right-hand sides."""
-    figure = Figure(figsize=(11.0, 5.0), dpi=110, layout="constrained")
-    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
-    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _AXES, strict=True):
-        _panel(axes, rows, error, cost)
+    """Draw one error, by its name in Row.errors, over wall time and over right-hand sides.
+
+    Each run is a mark, a dot of the module or a cross of a peer, in the colour of its level.
+    """
+    levels: dict[str, list[Row]] = {}
+    for row in rows:
+        if not row.failure and row.errors.get(error, 0.0) > 0.0:
+            name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
+            levels.setdefault(name, []).append(row)
+    figure = Figure(figsize=(11.0, 5.5), dpi=110, layout="constrained")
+    figure.suptitle(f"{title}: relative error over cost", fontsize=11)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, (cost, (label, factor)) in zip(panels, _AXES.items(), strict=True):
+        for name, level in levels.items():
+            costs, errors = (
+                [factor * getattr(row, cost) for row in level],
+                [row.errors[error] for row in level],
+            )
+            axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=4, label=name)
+        axes.set_xlabel(label)
+        axes.grid(alpha=0.3, linewidth=0.4)
+    panels[0].set_ylabel(f"error of {error.replace('_', ' ')} [1]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
     return figure
 
 
