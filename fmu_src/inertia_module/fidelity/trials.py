@@ -346,51 +346,35 @@ def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[
     ]
 
 
-def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
-    """Lay out a column for each wanted output, or one for the largest error and one for where it is."""
+def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
+    """Print a line for each level of fidelity: its largest error in the wanted outputs, and its cost.
+
+    Args:
+        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
+        error: largest allowed, by default 1 %.
+    """
     from rich import box
     from rich.table import Table
 
     def text(number: float, form: str) -> str:
         return "-" if math.isnan(number) else format(number, form)
 
+    allowed = 0.01 if error is None else error
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    for heading in ("level of fidelity", "setting"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("error",) if largest else wanted:
-        table.add_column(heading.replace("_", " "), justify="right")
-    table.add_column("ms per s", justify="right")
-    if largest:
-        table.add_column("largest error in", no_wrap=True)
-    for row in rows:
+    for heading in ("level of fidelity", "setting", "error", "largest in", "ms per s"):
+        table.add_column(heading, no_wrap=heading != "largest in")
+    for row in at_levels(rows, allowed, wanted):
         known = {name: row.errors.get(name, math.nan) for name in wanted}
         # an output that nothing is known of counts as the worst
-        worst = [max(known, key=lambda name: (math.isnan(known[name]), known[name]))] if largest else []
-        errors = [text(known[name], ".1e") for name in worst or wanted]
-        table.add_row(row.level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
-    return table
-
-
-def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
-    """Print a line for each level of fidelity: its errors in the wanted outputs, and its cost.
-
-    Where the terminal is too narrow for all of these outputs, the one with the largest error is named.
-
-    Args:
-        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
-        error: largest allowed, by default 1 %.
-    """
+        worst = max(known, key=lambda name: (math.isnan(known[name]), known[name]))
+        cost = text(1e3 * row.wall_time, ".3g")
+        table.add_row(row.level, row.setting, text(known[worst], ".1e"), worst.replace("_", " "), cost)
     console = terminal()
-    allowed = 0.01 if error is None else error
-    levels = at_levels(rows, allowed, wanted)
     console.print(title, style="bold")
     console.print(
         f"Each level at its cheapest setting with errors up to {allowed:g}, else at its most accurate;"
         f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
     )
-    table = _table(levels, wanted, largest=False)
-    if console.measure(table, options=console.options.update(width=10_000)).minimum > console.width:
-        table = _table(levels, wanted, largest=True)
     console.print(table)
 
 
