@@ -8,11 +8,12 @@ from refused import REFUSED, assert_refused
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
+from inertia_module.figures.jobs import sweep_figure
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import Free, axes_of, free_keys, grid, of_shares, shares_sampled
 from inertia_module.jobs.evaluation import Row
 from inertia_module.jobs.measurement import measurement
-from inertia_module.jobs.sweep import indices
+from inertia_module.jobs.sweep import SweepResult, indices
 from inertia_module.scene import load_scene
 
 
@@ -83,6 +84,20 @@ def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     assert_refused("must be latin:COUNT or sobol:COUNT", shares_sampled, 1, "random:10", 0)
     with pytest.raises(Refused, match="at most 10000000 points"):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
+
+
+@pytest.mark.parametrize("number, panels", [(1, 2), (2, 4), (3, 6)])
+def test_a_sweep_is_drawn_over_each_key_or_as_a_map_of_two(scene, number, panels):
+    axes = axes_of(["layout=bevel,planar", "load.mass=log:1:100:3", "z17=30:32:3"][:number], scene)
+    rows = [Row(point, {"one": float(n), "two": -1.0 * n}, 0.0) for n, point in enumerate(grid(axes))]
+    rows[1] = Row(rows[1].point, {}, 0.0, "refused")
+    found = SweepResult(axes, rows, {"one": "N", "load.mass": "kg"}, 0, {}, [], {})
+    figure = sweep_figure(found, ["one", "two"])
+    figure.canvas.draw()
+    assert len(figure.axes) == panels  # those of the colours too
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["bevel", "planar"]
+    labels = [text for one in figure.axes for text in (one.get_xlabel(), one.get_ylabel()) if text]
+    assert set(labels) == {"one [N]", "two", *["layout", "load.mass [kg]", "z17"][:number]}
 
 
 # --- free keys ---
