@@ -13,7 +13,6 @@ from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
 from inertia_module.fidelity.trials import (
     NOT_MODELLED,
-    NoneMeets,
     Row,
     all_levels,
     at_levels,
@@ -284,8 +283,7 @@ def test_it_says_what_why_and_what_the_next_would_cost():
     ],
 )
 def test_an_error_that_none_meets_is_refused_with_the_best(rows, error, wanted, words):
-    with pytest.raises(NoneMeets, match=words):
-        recommend(rows, error, wanted.split())
+    assert_refused(words, recommend, rows, error, wanted.split())
 
 
 # --- on a terminal ---

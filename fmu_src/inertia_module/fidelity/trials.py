@@ -23,6 +23,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..common.errors import Refused
 from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
@@ -221,10 +222,6 @@ def failure_lines(rows: Sequence[Row]) -> list[str]:
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 
 
-class NoneMeets(ValueError):
-    """No measured level meets the accuracy: how far the best of them gets, and why others do not count."""
-
-
 @dataclass(frozen=True)
 class Choice:
     """Chosen level and the reasons.
@@ -305,7 +302,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         rows: measured; those of peers are left out. error: largest allowed. wanted: names in Row.errors.
 
     Raises:
-        NoneMeets: none of them does.
+        Refused: none of them does: how far the best gets, and why others do not count.
     """
     ours = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(wanted))
     meeting = [row for row in ours if not why_not(row, error, wanted)]
@@ -314,7 +311,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         best = (
             f"the best is {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "none was measured"
         )
-        raise NoneMeets(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
+        raise Refused(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
@@ -594,7 +591,7 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
         The scene at the cheapest level that meets accuracy.error in all of run.outputs, and the choice.
 
     Raises:
-        NoneMeets: no level does. Refused: the scene cannot be run at all.
+        Refused: no level does, or the scene cannot be run at all.
     """
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
