@@ -250,13 +250,10 @@ WITHIN = 1.96
 
 
 def fit_figure(found: FitResult) -> Figure:
-    """Draw measured and computed over time, below residuals over noise with the band of 95 % of normal noise.
+    """Draw measured and computed over time, below residuals over noise and the band of 95 % of its values.
 
     Args:
         found: of fit.
-
-    Returns:
-        A matplotlib Figure, higher the more columns there are.
     """
     data, table = found.measurement, found.table()
     figure = sheet(found.scene.title, 1.0 + COLUMN_HEIGHT * len(data.columns))
@@ -291,9 +288,6 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
 
     Args:
         in_hz: whether the waterfall has Hz and rpm, in place of orders and rad/s.
-
-    Returns:
-        A matplotlib Figure, higher the more signals there are.
     """
     names = list(found.amplitude)
     figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))

@@ -33,12 +33,9 @@ _KNOWN = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
 
 @dataclass(frozen=True)
 class Axis:
-    """One key that is varied.
+    """One key that is varied, its name by dots: over a range in SI, or over a list of values.
 
-    Attributes:
-        name: of the key, by dots. unit: "" for none. low, high: of the range, SI. number: of points in a
-            grid, 0 if none is given. logarithmic: whether the points are even in the logarithm.
-        values: a list instead.
+    The number of points in a grid is 0 if none is given; they are even in the range or in its logarithm.
     """
 
     name: str
@@ -137,14 +134,11 @@ def _by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -
 
 
 def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
-    """The axes of a sweep.
+    """The axes of a sweep of a scene.
 
     Args:
         vary: "NAME=RANGE" each, or ranges by name: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or
-            "A,B,C", each with units if wanted, or a list of values. scene: that is varied.
-
-    Raises:
-        Refused: nothing is varied, a key twice, or what is given is no range of its key.
+            "A,B,C", each with units if wanted, or a list of values.
     """
     found = []
     for name, given in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
@@ -178,8 +172,7 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     """Shares (0 to 1) of a number of ranges, shape (points, number); same seed, same points.
 
     Args:
-        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled; COUNT is best a
-            power of 2).
+        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled).
     """
     from scipy.stats import qmc
 
@@ -215,16 +208,12 @@ class Free(Axis):
 def free_keys(
     free: Sequence[str] | Mapping[str, Range], scene: Scene, beside: Mapping[str, Free] | None = None
 ) -> list[Free]:
-    """The free keys of a fit.
+    """The free keys of a fit, which begin at the values of a scene.
 
     Args:
         free: "NAME", "NAME=LOW:HIGH" (or log:LOW:HIGH, whose starts are even in the logarithm) or, where the
             value is known so well before, "NAME=VALUE +- DEVIATION" each, or by name such a text, (low, high)
-            or None. scene: whose values they begin at. beside: keys that are not the scene's, by name, as
-            they are free without more.
-
-    Raises:
-        Refused: nothing is free, a key twice, or one that is not a number or has no such range.
+            or None. beside: keys that are not the scene's, by name, as they are free without more.
     """
     found, known = [], beside or {}
     kinds = {name.partition(".")[0] for name in known}

@@ -85,12 +85,7 @@ def _farthest(d: Any) -> float:
 
 
 class Named(NamedTuple):
-    """A figure.
-
-    Attributes:
-        unit: of its values. asks: what it is to be given, of speed (rad/s) and ratio (1).
-        value: of a mechanism at a speed and a ratio.
-    """
+    """A figure: its unit, which of speed (rad/s) and ratio it asks for, and its value at these."""
 
     unit: str
     asks: tuple[str, ...]
@@ -245,11 +240,7 @@ def figure_of(row: Row, name: str, unit: str = "") -> str:
 
 
 class Limit(NamedTuple):
-    """A limit of a figure.
-
-    Attributes:
-        figure: its name. unit: of it. bound: in this unit. side: 1.0 for a maximum, -1.0 for a minimum.
-    """
+    """A limit of a figure, in its unit; side: 1.0 for a maximum, -1.0 for a minimum."""
 
     figure: str
     unit: str
@@ -272,11 +263,7 @@ class Limit(NamedTuple):
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
-    """Limits of a figure in its unit.
-
-    Raises:
-        SceneError: one is no quantity in this unit, or no number meets both.
-    """
+    """Limits of a figure in its unit; refused if one is no quantity in it, or no number meets both."""
     found = []
     for which, side in (("minimum", -1.0), ("maximum", 1.0)):
         given = getattr(demand, which)
@@ -359,8 +346,7 @@ AT_REST = math.tau
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
-    Args:
-        settings: "scenes": tables of the scene by fidelity; "named": as of Spec; "runs": whether it is run.
+    Of the settings "scenes" are tables by fidelity, "named" as of Spec, "runs" whether the scene is run.
     """
     scenes = {level: validated(Scene, tables) for level, tables in settings["scenes"].items()}
 
@@ -381,7 +367,7 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
 
 @dataclass(frozen=True)
 class Finalist:
-    """A design that was run at the fidelity of the search and at that of the check, as a scene in a file."""
+    """A design that was run at the fidelities of search and check, as a scene in a file."""
 
     searched: Row
     checked: Row
@@ -393,8 +379,7 @@ class Finalist:
 def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[str, str]:
     """Say why a design that meets its limits may be no answer: what in short, and in a sentence.
 
-    Args:
-        figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
+    Figures are those of its check; lock-up is looked at at a speed of link 1, rad/s.
     """
     found, mechanism = {}, Mechanism(scene.parameters())
     try:

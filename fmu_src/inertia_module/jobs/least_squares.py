@@ -79,15 +79,7 @@ class Problem:
         return replace(self, keys=(*self.keys, key))
 
     def solve(self, start: Array, steps: ArrayLike | None = None) -> End:
-        """Search from a point.
-
-        Args:
-            start: a point. steps: of differences to both sides, one a key, in sizes; without, STEP to one
-                side.
-
-        Raises:
-            Refused: the scene refuses the point, or so much about it that there are no slopes.
-        """
+        """Search from a point, by differences over steps to both sides, in sizes, or else STEP to one."""
         from scipy.optimize import least_squares
 
         limits, sizes = self.limits, self.sizes

@@ -182,9 +182,6 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
 class Rig(SceneRunner):
     """A scene as the sensors of a measurement see it: an FMU that stops at their times within its steps.
 
-    Args:
-        scene: what stands in the rig. data: the measurement. fmu_path: the FMU of the module.
-
     Attributes:
         runs: of the scene so far. refused: why the scene refused values the last time, or "".
     """

@@ -103,11 +103,7 @@ class Suspect:
 
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:
-    """The suspects of a fit: sensors, losses, masses and inertias, numbers of drive and load.
-
-    Args:
-        scene: as fitted. data: what is fitted. out: names of what is free in the fit, or known.
-    """
+    """The suspects of a fitted scene but those out: sensors, losses, masses, numbers of drive and load."""
     found = [one for one in data.sensors.values() if one.name != CLOCK or len(data.columns) > 1]
     rows = [
         (f"{MECHANISM}{one.name}", one.unit, one.ends, float(scene.given.get(one.name, one.start or 0.0)))
@@ -224,7 +220,6 @@ def tried(end: End, keys: Sequence[Free], start: Array, progress: Progress) -> l
 
     Args:
         end: of the fit. keys: the suspects. start: point at which the fit began, of the keys at its end.
-        progress: told the share of them that was looked at.
     """
     freed, full = dict[str, End](), dict[str, End]()
     for n, key in enumerate(keys):
