@@ -55,12 +55,7 @@ NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """Level of fidelity at one setting.
-
-    Attributes:
-        fidelity, method: numbers as in the table of variables. setting: as it is printed.
-        parameters: that make the setting, such as tolerance.
-    """
+    """Level of fidelity, by its numbers, at one setting, as it is printed, with what makes it."""
 
     fidelity: int
     method: int
@@ -190,11 +185,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Read rows that write_rows has written.
-
-    Raises:
-        OSError: there is no such file. ValueError: it is another table.
-    """
+    """Read rows that write_rows has written; of another table a ValueError."""
     table = csv.DictReader(path.read_text().splitlines())
     if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
         raise ValueError(f"{path} must begin with the headings {', '.join(_HEADS)}")
@@ -227,8 +218,8 @@ class Choice:
     """Chosen level and the reasons.
 
     Attributes:
-        row: the cheapest that meets the error. wanted: outputs it was asked of. error: asked for.
-        following: the next level that meets it too, or None. passed: cheaper levels and why not.
+        row: the cheapest that meets the error in the wanted outputs. following: the next level that meets it
+            too, or None. passed: cheaper levels and why not.
     """
 
     row: Row
@@ -298,11 +289,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
     The next is the cheapest of a higher fidelity that meets it too, else the cheapest with a tenth of the
     error.
 
-    Args:
-        rows: measured; those of peers are left out. error: largest allowed. wanted: names in Row.errors.
-
-    Raises:
-        Refused: none of them does: how far the best gets, and why others do not count.
+    Those of peers are left out. Where none meets it, the sentence tells how far the best gets.
     """
     ours = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(wanted))
     meeting = [row for row in ours if not why_not(row, error, wanted)]
@@ -346,9 +333,7 @@ def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[
 def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
     """Print a line for each level of fidelity: its largest error in the wanted outputs, and its cost.
 
-    Args:
-        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
-        error: largest allowed, by default 1 %.
+    The rows are of one communication step; the largest error allowed is 1 % where none is given.
     """
     from rich import box
     from rich.table import Table
@@ -402,8 +387,8 @@ def kernel_time(
     """Measure the time of the kernel for a run that succeeds, s: that of all steps less that of none.
 
     Args:
-        module: that ran it. begin: its state before (Module.save). communication_step: s.
-        inputs: (omega1, load_torque, drive_torque) of each step. repeats: at most.
+        module: that ran it. begin: its state before (Module.save).
+        inputs: (omega1, load_torque, drive_torque) of each step.
     """
     given, lengths = np.array(inputs, dtype=float), np.full(len(inputs), communication_step)
     rows = np.empty((len(inputs) + 1, 0))
@@ -418,11 +403,7 @@ def kernel_time(
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
-    """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop.
-
-    Raises:
-        Refused: the module refuses its parameters, an input or a step.
-    """
+    """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop."""
     loop = ClosedLoop(_started(scene), scene.surroundings, COMPUTED, scene.signal_units)
     return loop.run(scene.run.stop_time, progress)
 
@@ -462,12 +443,8 @@ def _features(record: Result, name: str, window: float) -> list[Array]:
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
     """Compute the error of each recorded output, NaN where the fidelity does not model it.
 
-    Each is the largest difference over the windows, relative to the largest magnitude of the output in
-    the reference; energies relative to the largest energy in.
-
-    Args:
-        record, exact: of the run and of the reference, over the same time. window: s.
-        fidelity: of the run.
+    Each is the largest difference over the windows, s, from the exact record over the same time, relative to
+    the largest magnitude of the output in that; energies relative to the largest energy in.
     """
     largest_energy = float(np.abs(exact["energy_in"]).max())
     # evaluations are a matter of cost
@@ -486,11 +463,7 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
 
 
 def at_level(scene: Scene, level: Level, communication_step: float | None = None) -> Scene:
-    """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub.
-
-    Raises:
-        SceneError: the scene is refused there.
-    """
+    """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub."""
     values = {**at_fidelity(scene.given, level.fidelity), "max_step": None, **level.values}
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
@@ -510,14 +483,9 @@ def measure_scene(
     steps: Sequence[float] | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Run a scene at levels in communication steps; rows of errors by output against the finest level.
+    """Run a scene at levels in communication steps, s, or its own; rows of errors against the finest level.
 
-    Args:
-        scene: what is run, at any fidelity. levels: to be measured.
-        steps: communication steps, s, by default that of the scene. progress: told how much is done.
-
-    Raises:
-        Refused: the reference itself is refused.
+    Refused where the reference itself is.
     """
     lengths = (scene.run.communication_step,) if steps is None else steps
     runs = [(level, step) for step in lengths for level in levels]
@@ -570,11 +538,7 @@ def candidates(scene: Scene) -> list[Level]:
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Give the measured rows of the candidates for a scene, from the last time if nothing has changed since.
-
-    Raises:
-        Refused: the reference itself is refused.
-    """
+    """Give the rows of the candidates for a scene, from the last time if nothing has changed since."""
     path = measurement_file(scene)
     try:
         return read_rows(path)
@@ -585,14 +549,7 @@ def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
 
 
 def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choice]:
-    """Choose the fidelity of a scene that leaves it to be chosen.
-
-    Returns:
-        The scene at the cheapest level that meets accuracy.error in all of run.outputs, and the choice.
-
-    Raises:
-        Refused: no level does, or the scene cannot be run at all.
-    """
+    """Choose the cheapest level that meets accuracy.error in all of run.outputs; the scene at it, and why."""
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
     step = choice.row.communication_step
@@ -635,11 +592,7 @@ def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
 
 
 def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Measure a scene at all levels, in its own communication step and in longer ones.
-
-    Raises:
-        Refused: the module refuses the scene.
-    """
+    """Measure a scene at all levels, in its own communication step and in longer ones."""
     longer = (factor * scene.run.communication_step for factor in (1, 10, 100))
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
     levels = list(all_levels(is_elastic(scene.given)))
