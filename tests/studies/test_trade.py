@@ -115,7 +115,7 @@ def test_plots_show_all_runs_by_level_but_those_that_failed(failed, tmp_path):
     measured = [Row("rigid", "event", "", 1.0, {"e": e}, cost, 9.0) for cost, e in errors.items()]
     refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
     peers = [Row("peer", f"LSODA, clutch {n}", "", 1.0, {"e": 1e-4}, 5.0, 7.0) for n in (1, 2)]
-    figure = work_precision([*measured, refused, *failed, *peers], "e", "some rows")
+    figure = work_precision([*measured, refused, *failed, *peers], ["e"], "some rows")
     times, sides = figure.axes
     for drawn, ours, theirs in ((times, [3e3, 1e3, 2e3], [5e3] * 2), (sides, [9.0] * 3, [7.0] * 2)):
         assert [line.get_label() for line in drawn.lines] == ["rigid, event", "LSODA"]

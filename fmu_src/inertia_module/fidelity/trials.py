@@ -559,34 +559,33 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
 
 # --- the trade: error over cost, on log-log axes ---
 
-WORST = "worst"
 # label of a cost, and factor to the unit in it
 _AXES = {"wall_time": ("ms per simulated second", 1e3), "evaluations": ("right-hand sides", 1.0)}
 
 
-def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """Draw one error, by its name in Row.errors, over wall time and over right-hand sides.
+def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Figure:
+    """Draw the largest error in the wanted outputs over wall time and over right-hand sides.
 
     Each run is a mark, a dot of the module or a cross of a peer, in the colour of its level.
     """
     levels: dict[str, list[Row]] = {}
     for row in rows:
-        if not row.failure and row.errors.get(error, 0.0) > 0.0:
+        if 0.0 < row.worst(wanted) < math.inf:
             name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
             levels.setdefault(name, []).append(row)
     figure = Figure(figsize=(11.0, 5.5), dpi=110, layout="constrained")
-    figure.suptitle(f"{title}: relative error over cost", fontsize=11)
+    figure.suptitle(f"{title}: error over cost", fontsize=11)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, (cost, (label, factor)) in zip(panels, _AXES.items(), strict=True):
         for name, level in levels.items():
             costs, errors = (
                 [factor * getattr(row, cost) for row in level],
-                [row.errors[error] for row in level],
+                [row.worst(wanted) for row in level],
             )
             axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=4, label=name)
         axes.set_xlabel(label)
         axes.grid(alpha=0.3, linewidth=0.4)
-    panels[0].set_ylabel(f"error of {error.replace('_', ' ')} [1]")
+    panels[0].set_ylabel("largest relative error [1]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
     return figure
 
@@ -597,12 +596,3 @@ def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
     levels = list(all_levels(is_elastic(scene.given)))
     return measure_scene(scene, levels, steps, progress)
-
-
-def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
-    """Rows with the errors of the wanted outputs alone, and WORST, the largest of them."""
-    kept = []
-    for row in rows:
-        errors = {name: row.errors[name] for name in wanted if name in row.errors}
-        kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
-    return kept
