@@ -243,8 +243,6 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
 
 # --- fits ---
 
-# of a measured column, inches
-COLUMN_HEIGHT = 4.0
 # standard deviations that 95 % of normal noise are within
 WITHIN = 1.96
 
@@ -256,7 +254,7 @@ def fit_figure(found: FitResult) -> Figure:
         found: of fit.
     """
     data, table = found.measurement, found.table()
-    figure = sheet(found.scene.title, 1.0 + COLUMN_HEIGHT * len(data.columns))
+    figure = sheet(found.scene.title, 1.0 + 4.0 * len(data.columns))
     panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
     for n, name in enumerate(data.columns):
         curves, residuals = panels[2 * n : 2 * n + 2]
@@ -277,10 +275,6 @@ def fit_figure(found: FitResult) -> Figure:
 # lines named in a panel, and the share of all that swings that a picture goes out to
 NAMED = 3
 SHOWN = 0.99
-# decades of the colours
-DECADES = 3
-# of a signal, inches
-SIGNAL_HEIGHT = 2.6
 
 
 def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
@@ -290,7 +284,7 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
         in_hz: whether the waterfall has Hz and rpm, in place of orders and rad/s.
     """
     names = list(found.amplitude)
-    figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))
+    figure = sheet(title, 1.2 + 2.6 * len(names))
     panels = figure.subplots(len(names), 2, sharex="col" if in_hz else "all", squeeze=False)
     lines = found.largest(NAMED)
     over, label = found.time, "time [s]"
@@ -311,7 +305,7 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
             right.text(0.5, 0.5, told, ha="center", transform=right.transAxes)
             continue
         largest = float(found.waterfall[name].max())
-        norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
+        norm = LogNorm(1e-3 * largest, largest, clip=True)
         colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
         drawn = right.pcolormesh(across, over, found.waterfall[name], **colours)
         figure.colorbar(drawn, ax=right, label=unit)

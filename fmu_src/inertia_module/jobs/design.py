@@ -1,8 +1,7 @@
 """Design: values of the free keys that meet the limits of a specification and are best for its goals.
 
-A specification is a scene with its free keys, limits and goals of figures, and the search. Figures of a
-mechanism by name are of steady pulses at a speed and a speed ratio, and of its size; others are of the
-summary of a run. A judge says how far a design is from meeting it, and which designs are best.
+Figures of a mechanism by name are of steady pulses at a speed and a speed ratio, and of its size; others are
+of the summary of a run. A judge says how far a design is from meeting its limits, and which ones are best.
 """
 
 from __future__ import annotations

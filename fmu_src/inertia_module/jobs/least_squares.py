@@ -47,11 +47,6 @@ class Problem:
     fixed: dict[str, float] = field(default_factory=dict)
 
     @property
-    def names(self) -> list[str]:
-        """Names of the free keys."""
-        return [key.name for key in self.keys]
-
-    @property
     def limits(self) -> tuple[Array, Array]:
         """Least and greatest values."""
         low, high = np.transpose([(key.low, key.high) for key in self.keys])
@@ -64,7 +59,7 @@ class Problem:
 
     def values(self, point: Array) -> dict[str, float]:
         """Values at a point, SI, by name."""
-        return self.fixed | dict(zip(self.names, point.tolist(), strict=True))
+        return self.fixed | {key.name: value for key, value in zip(self.keys, point.tolist(), strict=True)}
 
     def residuals(self, point: Array) -> Array:
         """Computed less measured over noise, column by column, and behind them what was known before."""
@@ -190,7 +185,8 @@ class End:
     @property
     def errors(self) -> dict[str, float]:
         """Standard error of each key, SI, by name; infinite where it cannot be told."""
-        return dict(zip(self.problem.names, self.deviations.tolist(), strict=True))
+        pairs = zip(self.problem.keys, self.deviations.tolist(), strict=True)
+        return {key.name: deviation for key, deviation in pairs}
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:

@@ -1,9 +1,8 @@
 """Measurements: columns over time with their noise, and a scene read at the same times, as sensors show it.
 
-The times need not be communication points. The loop keeps its communication step, which is part of what is
-simulated: controllers sample at it. The FMU stops within a step at each time and is read there, so nothing is
-interpolated that jumps with the freewheels. A mean or peak over a step is that since the time before, the
-first since the start.
+The loop keeps its communication step, for controllers sample at it. The FMU stops within a step at each time
+and is read there: nothing is interpolated that jumps with the freewheels. A mean or peak over a step is that
+since the time before, the first since the start.
 """
 
 from __future__ import annotations

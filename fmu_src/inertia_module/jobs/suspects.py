@@ -1,9 +1,8 @@
 """Suspects of a fit: what is not free in it and would, if it were, explain what the fit leaves.
 
-Each is freed by one more column of the Jacobian, which takes some runs: how far the residuals sink, with the
-noise of each column found anew, and where the answers go is then linear algebra. What counts is the ratio of
-the likelihoods with and without, less as far as the residuals that are left follow one another: rows that do
-say less. What explains much is then fitted in full.
+Each is freed by one more column of the Jacobian; how far the residuals sink and where answers go is then
+linear algebra. What counts is the ratio of the likelihoods with and without, less as far as the residuals
+that are left follow one another. What explains much is then fitted in full.
 """
 
 from __future__ import annotations
@@ -46,8 +45,8 @@ class Suspect:
     """Something that is not free in a fit, if it were.
 
     Attributes:
-        name: by dots. value, error: at which the residuals are least, and its standard error, SI; infinite
-            where it is told only together with what is free. usual: the value in the fit. unit: "" for none.
+        value, error: at which the residuals are least, and its standard error, SI; infinite where it is told
+            only together with what is free. usual: the value in the fit.
         other_unit: of a gain, that it is that of another unit, or "".
         evidence: twice the logarithm of the ratio of likelihoods; as chi-squared where it is chance.
         chi_squared: of the residuals before and after, by the noise that is left.

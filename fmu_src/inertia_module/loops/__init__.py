@@ -2,7 +2,6 @@
 
 Loads, controllers and sources are systems in discrete time, which closed_loop.py connects, with systems of
 python-control too. An engine is coupled to the module by engine.py; docs/coupling.md compares its schemes.
-Each file says what is public of it.
 """
 
 from . import closed_loop, controllers, engine, loads, sources
