@@ -593,10 +593,6 @@ def orders(
     for name, lines in found.lines(hz=hz).items():
         still = {"no order": f"0 {found.units[name]}, it does not swing"}
         shown.append((name.replace("_", " "), lines or still))
-    if found.bends:
-        shown.append(
-            "lines bend with the speed ratio: those of the pulses are straight with --of drive_angle"
-        )
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
 
 

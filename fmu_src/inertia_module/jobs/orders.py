@@ -171,11 +171,6 @@ class Orders:
                 rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
         return found
 
-    @property
-    def bends(self) -> bool:
-        """Tell whether lines bend that are straight over the drive angle."""
-        return any(line.low < line.high for lines in self.largest().values() for line in lines)
-
     def _found(self, name: str) -> list[Line]:
         """The lines of a signal, the largest first.
 
@@ -228,7 +223,6 @@ class Orders:
             "of": BASES[self.of],
             "turns": self.turns,
             "windows": self.time.size,
-            "bends": self.bends,
             "signals": {
                 name: {
                     "unit": self.units.get(name, ""),
