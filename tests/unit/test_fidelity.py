@@ -164,12 +164,9 @@ def test_measurements_are_kept_whatever_error_and_outputs_are_asked_for(monkeypa
     assert [row.wall_time for row in again] == pytest.approx([row.wall_time for row in first], nan_ok=True)
 
 
-def test_another_mechanism_and_broken_measurements_are_measured_anew():
+def test_another_mechanism_is_measured_anew():
     other = SCENE.replaced(mechanism={"imbalance_mass": 2})
     assert trials.measurement_file(SCENE) != trials.measurement_file(other)
-    short = SCENE.replaced(run={"stop_time": 0.05})
-    trials.measurement_file(short).write_text("{")
-    assert trials.trial_rows(short)
 
 
 def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):

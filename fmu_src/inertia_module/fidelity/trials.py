@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from pydantic_core import to_jsonable_python
 
 from ..common.errors import Refused
 from ..common.files import cache_folder, content_hash, sources
@@ -151,15 +152,12 @@ class Row:
 
     def as_dict(self) -> dict[str, Any]:
         """Give the row for machines: what is not known is None."""
-
-        def known(value: float) -> float | None:
-            return value if math.isfinite(value) else None
-
-        heads = ("fidelity", "method", "setting", "communication_step")
+        heads = ("fidelity", "method", "setting", "communication_step", "errors")
         head = {name: getattr(self, name) for name in heads}
-        costs = {name.partition(" ")[0]: known(getattr(self, cost)) for name, cost in _COSTS.items()}
-        errors = {name: known(value) for name, value in self.errors.items()}
-        return {**head, "errors": errors, **costs, "failure": self.failure}
+        costs = {name.partition(" ")[0]: getattr(self, cost) for name, cost in _COSTS.items()}
+        told = {**head, **costs, "failure": self.failure}
+        known: dict[str, Any] = to_jsonable_python(told, inf_nan_mode="null")
+        return known
 
 
 def attempt(head: Row, measure: Callable[[], dict[str, Any]]) -> Row:
@@ -540,12 +538,9 @@ def candidates(scene: Scene) -> list[Level]:
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """Give the rows of the candidates for a scene, from the last time if nothing has changed since."""
     path = measurement_file(scene)
-    try:
-        return read_rows(path)
-    except (OSError, ValueError, KeyError):
-        rows = measure_scene(scene, candidates(scene), progress=progress)
-        write_rows(path, rows)
-        return rows
+    if not path.exists():
+        write_rows(path, measure_scene(scene, candidates(scene), progress=progress))
+    return read_rows(path)
 
 
 def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choice]:

@@ -191,12 +191,9 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
     columns = {name: [one.get(name) for one in own] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
-    arrays = {title: arrow.array(values) for title, values in columns.items()}
-    schema = arrow.schema(
-        [arrow.field(t, array.type, metadata={"unit": units[t]}) for t, array in arrays.items()]
-    )
-    buffer = arrow.BufferOutputStream()
-    parquet.write_table(arrow.table(arrays, schema=schema), buffer)
+    table, buffer = arrow.table(columns), arrow.BufferOutputStream()
+    fields = [field.with_metadata({"unit": units[field.name]}) for field in table.schema]
+    parquet.write_table(table.cast(arrow.schema(fields)), buffer)
     tables = {"parquet": folder / f"{name}.parquet", "csv": folder / f"{name}.csv"}
     write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic_core import to_jsonable_python
 
 from ..common.errors import Refused
 from ..common.extras import library
@@ -184,8 +185,6 @@ class FitResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Give the result for machines: what is not known is None."""
-        from pydantic_core import to_jsonable_python
-
         units = self.measurement.table.units
         told: dict[str, Any] = to_jsonable_python(
             {
