@@ -144,11 +144,15 @@ class Row:
         """Fidelity, method and setting."""
         return f"{self.level}, {self.setting}" if self.setting else self.level
 
+    def worst_of(self, wanted: Sequence[str]) -> tuple[float, str]:
+        """Largest error of the wanted ones and where it is: NaN in one that nothing is known of."""
+        errors = [(self.errors.get(name, math.nan), name) for name in wanted]
+        return max(errors, key=lambda one: (math.isnan(one[0]), one[0]))
+
     def worst(self, wanted: Sequence[str]) -> float:
         """Largest error of the wanted ones; infinite where one is not known."""
-        errors = [self.errors.get(name, math.nan) for name in wanted]
-        unknown = self.failure or any(map(math.isnan, errors))
-        return math.inf if unknown else max(errors, default=math.inf)
+        error, _ = self.worst_of(wanted)
+        return math.inf if self.failure or math.isnan(error) else error
 
     def as_dict(self) -> dict[str, Any]:
         """Give the row for machines: what is not known is None."""
@@ -237,8 +241,8 @@ class Choice:
         def cost(row: Row) -> str:
             return f"{1e3 * row.wall_time:.3g} ms per simulated second in the kernel"
 
-        worst = max(self.wanted, key=lambda name: self.row.errors[name])
-        met = f"error {self.row.worst(self.wanted):.2g} ({worst}) where {self.error:g} was asked for"
+        error, worst = self.row.worst_of(self.wanted)
+        met = f"error {error:.2g} ({worst}) where {self.error:g} was asked for"
         lines = [f"chosen: {self.row.label}: {met}, {cost(self.row)}"]
         lines += [f"not enough: {label}: {reason}" for label, reason in self.passed.items()]
         if self.following is None:
@@ -269,8 +273,8 @@ def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:
     unknown = [name for name in wanted if math.isnan(row.errors.get(name, math.nan))]
     if unknown:
         return f"nothing is known of {', '.join(unknown)}"
-    worst = max(wanted, key=lambda name: row.errors[name])
-    return "" if row.errors[worst] <= error else f"error {row.errors[worst]:.2g} ({worst})"
+    largest, worst = row.worst_of(wanted)
+    return "" if largest <= error else f"error {largest:.2g} ({worst})"
 
 
 def cheapest(rows: Sequence[Row]) -> Row | None:
@@ -344,11 +348,9 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
     for heading in ("level of fidelity", "setting", "error", "largest in", "ms per s"):
         table.add_column(heading, no_wrap=heading != "largest in")
     for row in at_levels(rows, allowed, wanted):
-        known = {name: row.errors.get(name, math.nan) for name in wanted}
-        # an output that nothing is known of counts as the worst
-        worst = max(known, key=lambda name: (math.isnan(known[name]), known[name]))
+        largest, worst = row.worst_of(wanted)
         cost = text(1e3 * row.wall_time, ".3g")
-        table.add_row(row.level, row.setting, text(known[worst], ".1e"), worst.replace("_", " "), cost)
+        table.add_row(row.level, row.setting, text(largest, ".1e"), worst.replace("_", " "), cost)
     console = terminal()
     console.print(title, style="bold")
     console.print(

@@ -47,15 +47,9 @@ class Problem:
     fixed: dict[str, float] = field(default_factory=dict)
 
     @property
-    def limits(self) -> tuple[Array, Array]:
-        """Least and greatest values."""
-        low, high = np.transpose([(key.low, key.high) for key in self.keys])
-        return low, high
-
-    @property
-    def sizes(self) -> Array:
-        """Changes that tell."""
-        return np.array([key.size for key in self.keys])
+    def spans(self) -> Array:
+        """Least and greatest values, and changes that tell, shape (3, keys)."""
+        return np.array([(key.low, key.high, key.size) for key in self.keys], dtype=float).T
 
     def values(self, point: Array) -> dict[str, float]:
         """Values at a point, SI, by name."""
@@ -77,18 +71,18 @@ class Problem:
         """Search from a point, by differences over steps to both sides, in sizes, or else STEP to one."""
         from scipy.optimize import least_squares
 
-        limits, sizes = self.limits, self.sizes
+        low, high, sizes = self.spans
         # variables that are near 1, for SciPy's steps are shares of them
         zero = np.array([key.low if key.held else key.start for key in self.keys]) - sizes
 
         def point(variables: Array) -> Array:
-            return np.clip(zero + sizes * variables, *limits)
+            return np.asarray(np.clip(zero + sizes * variables, low, high))
 
         try:
             end = least_squares(
                 lambda variables: self.residuals(point(variables)),
-                (np.clip(start, *limits) - zero) / sizes,
-                bounds=[(limit - zero) / sizes for limit in limits],
+                (np.clip(start, low, high) - zero) / sizes,
+                bounds=[(limit - zero) / sizes for limit in (low, high)],
                 jac="2-point" if steps is None else "3-point",
                 diff_step=STEP if steps is None else steps,
                 x_scale="jac",
@@ -163,7 +157,7 @@ class End:
     @property
     def changes(self) -> Array:
         """How far each key, changed by its size, moves the residuals, of the noise that is left."""
-        return np.asarray(np.linalg.norm(self.weighed, axis=0) * self.problem.sizes)
+        return np.asarray(np.linalg.norm(self.weighed, axis=0) * self.problem.spans[2])
 
     @cached_property
     def covariance(self) -> Array:
@@ -241,10 +235,10 @@ class End:
         """The end with slopes over REACH standard errors to both sides, along the axes of their ellipse."""
         if not np.isfinite(self.deviations).all():
             return self
-        sizes = self.problem.sizes
+        least, greatest, sizes = self.problem.spans
         squares, axes = np.linalg.eigh(self.covariance / np.outer(sizes, sizes))
         ways = sizes * np.minimum(REACH * np.sqrt(np.abs(squares)), LARGEST_STEP)[:, None] * axes.T
-        low, high = (np.clip(self.point + side * ways, *self.problem.limits) for side in (-1.0, 1.0))
+        low, high = (np.clip(self.point + side * ways, least, greatest) for side in (-1.0, 1.0))
         before, after = ([self.problem.residuals(point) for point in points] for points in (low, high))
         slopes = (np.linalg.pinv((high - low) / sizes) @ np.subtract(after, before)).T / sizes
         return replace(self, slopes=slopes) if np.isfinite(slopes).all() else self

@@ -157,16 +157,14 @@ class Orders:
 
     def lines(self, number: int = 5, hz: bool = False) -> dict[str, dict[str, str]]:
         """The largest lines as text, by signal and order; hz: speeds in rpm, with the frequency."""
-        rpm = factor_between("rad/s", "rpm")
         found: dict[str, dict[str, str]] = {}
         for name, lines in self.largest(number).items():
             unit, rows = self.units[name], found.setdefault(name, {})
             for line in lines:
                 several = f"{line.low:.4g} to {line.high:.4g}"
                 order = f"{line.order:.4g}" if line.low == line.high else several
-                place = f"{line.speed:.4g} rad/s"
-                if hz:
-                    place = f"{line.speed * rpm:.4g} rpm, {line.frequency:.4g} Hz"
+                speed = f"{line.speed * factor_between('rad/s', 'rpm'):.4g} rpm, {line.frequency:.4g} Hz"
+                place = speed if hz else f"{line.speed:.4g} rad/s"
                 most = f"most at {place}: {line.greatest:.4g} {unit}"
                 rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
         return found
