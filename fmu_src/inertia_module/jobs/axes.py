@@ -224,7 +224,7 @@ def free_keys(
         elif name.partition(".")[0] in kinds:
             raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, known)}")
         else:
-            key, read = _as_given(name, scene), partial(_value, scene, name)
+            key, read = as_given(name, scene), partial(_value, scene, name)
             if given is None and not abs(key.start) > 0.0:
                 scene.with_keys({name: 1.0})  # which says so if there is no such key
                 raise Refused(
@@ -234,7 +234,7 @@ def free_keys(
     return found
 
 
-def _as_given(name: str, scene: Scene) -> Free:
+def as_given(name: str, scene: Scene) -> Free:
     """A key of the scene without a range: near the value that it has there, NaN for none."""
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
     unit, value = _unit_and_value(name, scene)

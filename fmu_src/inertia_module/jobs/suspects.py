@@ -18,8 +18,8 @@ from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.variables import PARAMETER, REAL, VARIABLES, Group
 from ..scene import Scene
-from ..scene.keys import MECHANISM, unit_of
-from .axes import Free
+from ..scene.keys import MECHANISM
+from .axes import Free, as_given
 from .least_squares import Array, End, Problem
 from .measurement import CLOCK, GAIN, OFFSET, SHIFT, Measurement, lag_one
 
@@ -103,22 +103,17 @@ class Suspect:
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:
     """The suspects of a fitted scene but those out: sensors, losses, masses, numbers of drive and load."""
-    found = [one for one in data.sensors.values() if one.name != CLOCK or len(data.columns) > 1]
-    rows = [
-        (f"{MECHANISM}{one.name}", one.unit, one.ends, float(scene.given.get(one.name, one.start or 0.0)))
+    names = [
+        f"{MECHANISM}{one.name}"
         for one in VARIABLES
         if one.causality == PARAMETER and one.kind == REAL and one.group in GROUPS
     ]
     for part in ("drive", "load"):
         table = getattr(scene, part)
-        for name, field in type(table).model_fields.items():
-            value = getattr(table, name)
-            if isinstance(value, float) and value:
-                rows.append((f"{part}.{name}", unit_of(field), (-math.inf, math.inf), value))
-    found += [
-        Free(name, unit, *ends, start=value, size=abs(value) or FIRST) for name, unit, ends, value in rows
-    ]
-    return [dataclasses.replace(one, size=0.01 * one.size) for one in found if one.name not in out]
+        names += [f"{part}.{name}" for name, value in table if isinstance(value, float) and value]
+    found = [one for one in data.sensors.values() if one.name != CLOCK or len(data.columns) > 1]
+    found += [as_given(name, scene) for name in names]
+    return [dataclasses.replace(one, size=0.01 * (one.size or FIRST)) for one in found if one.name not in out]
 
 
 def causes(suspects: Iterable[Suspect]) -> list[Suspect]:
