@@ -345,13 +345,13 @@ AT_REST = math.tau
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
-    Of the settings "scenes" are tables by fidelity, "named" as of Spec, "runs" whether the scene is run.
+    Of the settings "tables" are those of the scene, "named" as of Spec, "runs" whether the scene is run.
     """
-    scenes = {level: validated(Scene, tables) for level, tables in settings["scenes"].items()}
+    base = validated(Scene, settings["tables"])
 
     def figures(point: Point) -> Figures:
         keys = {name: value for name, value in point.items() if name != LEVEL}
-        scene = scenes[str(point[LEVEL])].with_keys(keys)
+        scene = base.with_keys(keys).with_fidelity(str(point[LEVEL]))
         mechanism = Mechanism(scene.parameters())
         if unbuildable := mechanism.module.warnings():
             raise Refused("; ".join(unbuildable))
@@ -487,13 +487,9 @@ def design(
     for name in ("pymoo", "tomli_w"):
         library(name, "jobs")
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
-    levels = (read.search.fidelity, read.search.check)
-    scenes = {level: read.with_fidelity(level) for level in levels}
-    settings = {
-        "scenes": {level: scene.tables for level, scene in scenes.items()},
-        "named": read.named,
-        "runs": len(read.named) < len(read.figures),
-    }
+    base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
+    runs = len(read.named) < len(read.figures)
+    settings = {"tables": base.tables, "named": read.named, "runs": runs}
     task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -524,7 +520,7 @@ def design(
     for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
         if not again.refused:
             title = f"{read.title}: design {number}"
-            scene = scenes[levels[1]].with_keys({**row.point, "title": title})
+            scene = base.with_keys({**row.point, "title": title}).with_fidelity(levels[1])
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
             doubts = doubts_of(scene, again.figures, speed)
             if better := judge.better(again, others):
