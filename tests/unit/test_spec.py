@@ -280,7 +280,7 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     def verdict(checked, front, cut, doubts):
         finalists = [Finalist(good, one, spec, tmp_path, doubts) for one in checked]
         judge = Judge(spec, UNITS)
-        return DesignResult(spec, judge, [good, short], front, finalists, 2, {}, cut)
+        return DesignResult(judge, [good, short], front, finalists, 2, {}, cut)
 
     found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
     assert found.verdict().endswith("; but no lock-up in 2 of them")
@@ -296,7 +296,7 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
     assert judge.beyond(far) > judge.beyond(refused)
-    none = DesignResult(spec, judge, [refused, far], [], [], 2, {}, False).verdict()
+    none = DesignResult(judge, [refused, far], [], [], 2, {}, False).verdict()
     assert none.endswith("the nearest one: omega_out_final is 500 rad/s, must be at most 50 rad/s")
 
 

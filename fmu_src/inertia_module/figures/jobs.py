@@ -189,9 +189,9 @@ def design_figure(found: DesignResult) -> Figure:
     Args:
         found: of design.
     """
-    names = list(found.spec.goals)
+    names = list(found.judge.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = sheet(found.spec.title, 1.0 + 4.8 * len(up))
+    picture = sheet(found.judge.spec.title, 1.0 + 4.8 * len(up))
     for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
         _goals(panel, found, across, name)
     return picture
@@ -219,7 +219,7 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         # those beside each other to both sides
         shift = (-14, -14) if side % 2 else (6, 6)
         panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
-    panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
+    panel.plot([], [], "o", color="tab:green", label=f"checked {found.judge.spec.search.check}")
     dress(panel, titled(up, found.judge.unit(up)))
     x, y = points(found.rows)
     _stretch(panel.set_yscale, panel.yaxis, y)

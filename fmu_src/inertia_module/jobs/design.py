@@ -403,13 +403,12 @@ class DesignResult:
     """Result of a design.
 
     Attributes:
-        spec: the specification. judge: its limits. rows: all designs of the search, in order.
+        judge: by the specification, its spec. rows: all designs of the search, in order.
         front: those of them that meet all limits and that no other is better than.
         finalists: those that were checked. new: how many rows were not there before. files: by kind.
         cut: whether time ended the search before it had made its starts.
     """
 
-    spec: Spec
     judge: Judge
     rows: list[Row]
     front: list[Row]
@@ -428,7 +427,7 @@ class DesignResult:
         keys = {name: shown(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
         keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
         figures = {}
-        for name in self.spec.figures:
+        for name in self.judge.spec.figures:
             checked = figure_of(one.checked, name, self.judge.unit(name))
             figures[name] = f"{figure_of(one.searched, name)} → {checked}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
@@ -437,7 +436,7 @@ class DesignResult:
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
-        finalists, search = self.finalists, self.spec.search
+        finalists, search = self.finalists, self.judge.spec.search
         # where none meets them the one that is the least beyond the limits: of those checked, if any was
         rows = [one.checked for one in self.chosen or finalists]
         rows = rows or [row for row in self.rows if not row.refused]
@@ -529,7 +528,7 @@ def design(
             finalists.append(Finalist(row, again, scene, file, doubts))
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(read, judge, rows, fronts[0], finalists, evaluator.new, files, cut)
+    return DesignResult(judge, rows, fronts[0], finalists, evaluator.new, files, cut)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
