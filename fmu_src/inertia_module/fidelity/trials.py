@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import dataclasses
-import json
 import math
 import statistics
 import time
@@ -519,16 +518,12 @@ def measure_scene(
 
 def measurement_file(scene: Scene) -> Path:
     """Name the file of the measurements of a scene: by what it simulates, whatever error is asked of it."""
-    content = scene.model_dump(mode="json", exclude_none=True)
-    for name in ("title", "description"):
-        content.pop(name, None)
-    for name in ("fidelity", "method", "max_step"):
-        content["mechanism"].pop(name, None)
-    content["accuracy"] = {"window": scene.accuracy.window}
-    content["run"].pop("outputs")
+    chosen = {"mechanism": {"fidelity", "method", "max_step"}, "accuracy": {"tolerance", "error"}}
+    others: dict[str, Any] = {"title": True, "description": True, "run": {"outputs"}}
+    content = scene.model_dump_json(exclude_none=True, exclude=chosen | others)
     # and by the code that a measurement depends on: kernel, loops and this study
     code = sources("kernel/**/*.py", "loops/*.py", "fidelity/*.py")
-    name = content_hash(code | {"scene": json.dumps(content, sort_keys=True).encode()})[:24]
+    name = content_hash(code | {"scene": content.encode()})[:24]
     return cache_folder() / f"trials-{name}.csv"
 
 
