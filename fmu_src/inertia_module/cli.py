@@ -437,9 +437,6 @@ def tradeoff(
     recommend: Annotated[
         Text, option('Recommend the cheapest level for an error: 1e-3, "1 %".', "ERROR")
     ] = None,
-    wanted: Annotated[
-        Texts, option("Output to judge by, instead of the scene's; may be repeated.", "NAME")
-    ] = None,
     keys: Keys = None,
 ) -> Answer:
     """Measure error against cost of a scene.
@@ -452,15 +449,13 @@ def tradeoff(
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", **ERROR)
         read = inertia_module.load_scene(scene, keys)
-        read = read.replaced(run={"outputs": wanted}) if wanted else read
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
-        rows = trials.with_worst(measure(read, progress), names)
+        rows = measure(read, progress)
         choice = trials.recommend(rows, allowed, names) if allowed else None
         files = {"rows": trials.write_rows(folder / "tradeoff.csv", rows)}
-        figure = trials.work_precision(rows, trials.WORST, title)
-        for kind in ("png", "svg"):
-            files[f"tradeoff_{kind}"] = write_figure(folder / f"tradeoff.{kind}", figure)
+        figure = trials.work_precision(rows, names, title)
+        files["picture"] = write_figure(folder / "tradeoff.png", figure)
 
     step = (rows[0] if choice is None else choice.row).communication_step
     printed = [row for row in rows if row.communication_step == step]
@@ -598,10 +593,6 @@ def orders(
     for name, lines in found.lines(hz=hz).items():
         still = {"no order": f"0 {found.units[name]}, it does not swing"}
         shown.append((name.replace("_", " "), lines or still))
-    if found.bends:
-        shown.append(
-            "lines bend with the speed ratio: those of the pulses are straight with --of drive_angle"
-        )
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
 
 

@@ -26,7 +26,7 @@ def main():
     write_rows(DOCS / "tradeoff_r1.csv", rigid)
     write_rows(DOCS / "tradeoff_elastic.csv", elastic)
     write_rows(DOCS / "tradeoff_urban.csv", urban)
-    write_figure(DOCS / "tradeoff_r1.png", work_precision(rigid, "omega_out_worst", "Scene R1"))
+    write_figure(DOCS / "tradeoff_r1.png", work_precision(rigid, ["omega_out_worst"], "Scene R1"))
     print("\n".join(failure_lines([*rigid, *elastic])))
 
 

@@ -3,19 +3,9 @@
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 
-from inertia_module.fidelity.trials import (
-    Level,
-    Row,
-    event,
-    front,
-    read_rows,
-    slope,
-    work_precision,
-    write_rows,
-)
+from inertia_module.fidelity.trials import Level, Row, event, read_rows, work_precision, write_rows
 from inertia_module.harness.results import write_figure
 from inertia_module.memory import Module
 from studies import trade
@@ -120,18 +110,17 @@ def test_rows_are_read_back_as_they_were_written(rows, failed, tmp_path):
     assert last.worst(["omega_out_worst"]) == math.inf
 
 
-def test_plots_show_the_front_and_its_slope_even_where_some_runs_failed(failed, tmp_path):
-    errors = {3.0: 1e-3, 1.0: 1e-1, 2.0: 1e-1, 4.0: 1e-3, 10.0: 1e-3, 0.5: 0.0, 9.0: 1e-5}
-    measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in errors.items()]
+def test_plots_show_all_runs_by_level_but_those_that_failed(failed, tmp_path):
+    errors = {3.0: 1e-3, 1.0: 1e-1, 2.0: 1e-1, 0.5: 0.0}
+    measured = [Row("rigid", "event", "", 1.0, {"e": e}, cost, 9.0) for cost, e in errors.items()]
     refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
-    assert [row.wall_time for row in front([*measured, refused], "e", "wall_time")] == [1.0, 3.0, 9.0]
-    costs = np.array([1.0, 3.0, 10.0])
-    assert slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)
-    assert math.isnan(slope(costs[:2], costs[:2]))
-    figure = work_precision([*measured, refused, *failed], "e", "some rows")
-    drawn = figure.axes[0]
-    assert drawn.lines[0].get_xdata() == pytest.approx([1e3, 3e3, 9e3])
-    assert [text.get_text() for text in drawn.texts] == ["rigid, event (slope -4.2)"]
+    peers = [Row("peer", f"LSODA, clutch {n}", "", 1.0, {"e": 1e-4}, 5.0, 7.0) for n in (1, 2)]
+    figure = work_precision([*measured, refused, *failed, *peers], ["e"], "some rows")
+    times, sides = figure.axes
+    for drawn, ours, theirs in ((times, [3e3, 1e3, 2e3], [5e3] * 2), (sides, [9.0] * 3, [7.0] * 2)):
+        assert [line.get_label() for line in drawn.lines] == ["rigid, event", "LSODA"]
+        assert [line.get_xdata().tolist() for line in drawn.lines] == [ours, theirs]
+        assert drawn.lines[0].get_ydata() == pytest.approx([1e-3, 1e-1, 1e-1])
     assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000
 
 

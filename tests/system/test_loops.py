@@ -323,17 +323,14 @@ def test_progress_and_units():
 
 def test_cycle_is_the_published_one():
     """Sums the regulation prints: seconds by kind of operation, length, way and mean speed."""
-    seconds = Counter()
-    for operation in CYCLE.operations:
-        seconds[operation.kind] += operation.duration
-    assert seconds == {
-        "idling": 60.0,
-        "deceleration, clutch disengaged": 9.0,
-        "gear-changing": 8.0,
-        "acceleration": 36.0,
-        "steady speed": 57.0,
-        "deceleration": 25.0,
-    }
+    seconds, before = Counter(), 0.0
+    for duration, speed in CYCLE.operations:
+        held = "gear-changing" if duration == 2.0 else "steady speed" if speed else "idling"
+        lower = "deceleration" if speed else "clutch disengaged"
+        seconds[held if speed == before else lower if speed < before else "acceleration"] += duration
+        before = speed
+    known = {"idling": 60.0, "acceleration": 36.0, "gear-changing": 8.0, "steady speed": 57.0}
+    assert seconds == known | {"deceleration": 25.0, "clutch disengaged": 9.0}
     assert CYCLE.duration == 195.0
     way = np.trapezoid(CYCLE.speed, CYCLE.time)
     assert way == pytest.approx(1013.0, rel=0.01)
@@ -351,8 +348,7 @@ def test_tolerance_band_by_brute_force():
         assert upper[n] == pytest.approx(near.max() + 2.0 * KMH, abs=1e-3)
         assert lower[n] == pytest.approx(max(near.min() - 2.0 * KMH, 0.0), abs=1e-3)
     assert cycles.CYCLES[CYCLE.name] is CYCLE
-    rise_and_fall = (cycles.Operation(5.0, 36.0, "up"), cycles.Operation(5.0, 0.0, "down"))
-    _, upper = cycles.Cycle("peak", rise_and_fall, "").tolerance_band(np.array([4.5]))
+    _, upper = cycles.Cycle("peak", ((5.0, 36.0), (5.0, 0.0))).tolerance_band(np.array([4.5]))
     assert upper == pytest.approx(10.0 + 2.0 * KMH)
 
 

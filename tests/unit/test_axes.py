@@ -8,11 +8,12 @@ from refused import REFUSED, assert_refused
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
+from inertia_module.figures.jobs import sweep_figure
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import Free, axes_of, free_keys, grid, of_shares, shares_sampled
 from inertia_module.jobs.evaluation import Row
 from inertia_module.jobs.measurement import measurement
-from inertia_module.jobs.sweep import indices
+from inertia_module.jobs.sweep import SweepResult, indices
 from inertia_module.scene import load_scene
 
 
@@ -85,48 +86,59 @@ def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
 
 
+@pytest.mark.parametrize("number, panels", [(1, 2), (2, 4), (3, 6)])
+def test_a_sweep_is_drawn_over_each_key_or_as_a_map_of_two(scene, number, panels):
+    axes = axes_of(["layout=bevel,planar", "load.mass=log:1:100:3", "z17=30:32:3"][:number], scene)
+    rows = [Row(point, {"one": float(n), "two": -1.0 * n}, 0.0) for n, point in enumerate(grid(axes))]
+    rows[1] = Row(rows[1].point, {}, 0.0, "refused")
+    found = SweepResult(axes, rows, {"one": "N", "load.mass": "kg"}, 0, {}, [], {})
+    figure = sweep_figure(found, ["one", "two"])
+    figure.canvas.draw()
+    assert len(figure.axes) == panels  # those of the colours too
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["bevel", "planar"]
+    labels = [text for one in figure.axes for text in (one.get_xlabel(), one.get_ylabel()) if text]
+    assert set(labels) == {"one [N]", "two", *["layout", "load.mass [kg]", "z17"][:number]}
+
+
 # --- free keys ---
 
 
-def test_variables_are_near_one_whatever_the_values(scene):
+def test_free_keys_begin_at_the_values_of_the_scene_and_change_by_a_range_or_as_much(scene):
     mass, load, start = free_keys(["imbalance_mass=500 g:2", "load.mass", "omega_out_start=-1:3"], scene)
     assert [one.name for one in (mass, load)] == ["mechanism.imbalance_mass", "load.mass"]
-    # the default of 1 kg, a third up the range
-    assert (mass.start, mass.variable(1.0)) == (1.0, pytest.approx(1.0 + 1.0 / 3.0))
-    assert [mass.value(u) for u in (1.0, 4.0 / 3.0, 2.0)] == pytest.approx([0.5, 1.0, 2.0])
-    assert (mass.at(0.5), mass.limits) == (1.25, (1.0, 2.0))
-    assert (load.value(1.0), load.value(1.1), load.held) == (900.0, pytest.approx(990.0), False)
-    assert (load.at(0.2), load.variable(900.0)) == (900.0, 1.0)
+    # the default of 1 kg
+    assert (mass.start, mass.size, mass.held) == (1.0, 1.5, True)
+    assert (mass.at(0.5), mass.low, mass.high) == (1.25, 0.5, 2.0)
+    assert (load.start, load.size, load.held, load.at(0.2)) == (900.0, 900.0, False, 900.0)
     assert start.start == 0.0
     (back,) = free_keys(["drive.omega1"], scene.with_keys({"drive.omega1": -100.0}))
-    assert back.limits[0] < back.variable(back.start) < back.limits[1]
+    assert (back.low < back.start < back.high, back.size) == (True, 100.0)
 
 
 def test_what_is_known_before_is_a_value_and_its_deviation(scene):
     mass, efficiency = free_keys(["imbalance_mass=900 g +- 10 g", "mesh_efficiency=0.97±0.01"], scene)
     assert (mass.start, mass.deviation, mass.held) == (0.9, 0.01, False)
     assert (efficiency.start, efficiency.deviation) == (0.97, 0.01)
-    assert efficiency.value(efficiency.limits[1]) == pytest.approx(1.0)
+    assert (efficiency.high, efficiency.size) == (1.0, pytest.approx(0.1))
 
 
 def test_keys_beside_the_scene_have_their_own_value_unit_and_limits(scene):
-    own = {"start": 0.0, "origin": 0.0}
     beside = {
-        "offset.omega2": Free("offset.omega2", "rad/s", -np.inf, np.inf, **own, span=2.0),
-        "shift.time": Free("shift.time", "s", -0.1, 0.1, **own, span=1e-3),
+        "offset.omega2": Free("offset.omega2", "rad/s", -np.inf, np.inf, start=0.0, size=2.0),
+        "shift.time": Free("shift.time", "s", -0.1, 0.1, start=0.0, size=1e-3),
     }
     offset, shift = free_keys(["offset.omega2", "shift.time=-2 ms:5 ms"], scene, beside)
-    assert (offset.start, offset.value(2.0), offset.limits) == (0.0, 2.0, (-np.inf, np.inf))
+    assert (offset.start, offset.size, offset.low, offset.high) == (0.0, 2.0, -np.inf, np.inf)
     assert (shift.low, shift.high, shift.start) == (pytest.approx(-2e-3), pytest.approx(5e-3), 0.0)
     (shift,) = free_keys(["shift.time"], scene, beside)
-    assert [shift.value(u) for u in shift.limits] == pytest.approx([-0.1, 0.1])
+    assert (shift.low, shift.high) == (-0.1, 0.1)
     with pytest.raises(Refused, match=r"offset.omega3 must be of a column .*did you mean offset.omega2"):
         free_keys(["offset.omega3"], scene, beside)
 
 
 def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_the_middle(scene):
     (mass,) = free_keys(["imbalance_mass"], scene)
-    assert mass.value(mass.limits[0]) == 0.0
+    assert mass.low == 0.0
     (outside,) = free_keys({"imbalance_mass": (2.0, 4.0)}, scene)
     assert outside.start == 3.0
     (even,) = free_keys(["imbalance_mass=log:0.01:100"], scene)

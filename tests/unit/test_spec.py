@@ -1,6 +1,7 @@
 """Specifications of designs: what is refused, and how designs are judged by them."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 from refused import assert_refused
@@ -24,6 +25,7 @@ from inertia_module.kernel.layout import imbalance
 from inertia_module.memory import Module
 from inertia_module.scene import Scene, SceneError, load_scene, run_scene
 from inertia_module.scene.keys import validated
+from inertia_module.scene.run import Quantity
 
 SPEC = """
 [drive]
@@ -278,7 +280,7 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     def verdict(checked, front, cut, doubts):
         finalists = [Finalist(good, one, spec, tmp_path, doubts) for one in checked]
         judge = Judge(spec, UNITS)
-        return DesignResult(spec, judge, [good, short], front, finalists, 2, {}, cut)
+        return DesignResult(judge, [good, short], front, finalists, 2, {}, cut)
 
     found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
     assert found.verdict().endswith("; but no lock-up in 2 of them")
@@ -294,7 +296,7 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
     assert judge.beyond(far) > judge.beyond(refused)
-    none = DesignResult(spec, judge, [refused, far], [], [], 2, {}, False).verdict()
+    none = DesignResult(judge, [refused, far], [], [], 2, {}, False).verdict()
     assert none.endswith("the nearest one: omega_out_final is 500 rad/s, must be at most 50 rad/s")
 
 
@@ -333,9 +335,18 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
     assert figure("total_imbalance_mass", of_all) == 1.5
     assert figure("total_imbalance_mass", {}) == 1.0
     scene = load_scene(example("planar")).replaced(mechanism=planar)
-    asked = {"scenes": {"rigid": scene.tables}, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
+    asked = {"tables": scene.tables, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
     figures = figures_wanted(asked, None)
     found = figures({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
     assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
         assert_refused(name, figures, {"fidelity": "rigid", f"mechanism.{name}": value})
+
+
+def test_a_driven_mass_is_rigid_with_the_hub_that_a_design_chooses():
+    shaft = load_scene(example("reference")).replaced(mechanism={"driven_inertia": 0.3})
+    run = SimpleNamespace(run=lambda scene: SimpleNamespace(quantities={"scene": Quantity(scene, "")}))
+    figures = figures_wanted({"tables": shaft.tables, "named": {}, "runs": True}, run)
+    for level, inertia in (("averaged", 0.5), ("elastic", 0.2)):
+        scene = figures({"fidelity": level, "mechanism.output_inertia": 0.2})["scene"].value
+        assert scene.parameters()["output_inertia"] == pytest.approx(inertia)

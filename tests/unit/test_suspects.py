@@ -28,7 +28,7 @@ def noise(seed, following=0.0):
 
 def straight(values, estimated, last=(-np.inf, np.inf)):
     """Ends of a fit of a mean, and of that and a trend within limits, to values of one column."""
-    time, unknown = np.arange(float(ROWS)), {"start": 0.0, "origin": 1.0, "span": 1.0}
+    time, unknown = np.arange(float(ROWS)), {"start": 0.0, "size": 1.0}
     table = Result.from_columns({"time": time, "one": values}, {"one": "1"})
     noise = {} if estimated else {"one": np.ones(ROWS)}
     rig = SimpleNamespace(data=Measurement(table, {"one": "1"}, noise, np.ones((ROWS, 1), dtype=bool)))
@@ -37,7 +37,7 @@ def straight(values, estimated, last=(-np.inf, np.inf)):
     ends = []
     for free in (keys[:1], keys):
         part = slopes[:, : len(free)]
-        point = lsq_linear(part, -values, np.transpose([key.limits for key in free])).x
+        point = lsq_linear(part, -values, np.transpose([(key.low, key.high) for key in free])).x
         ends.append(End(Problem(rig, free, np.ones((ROWS, 1))), point, values + part @ point, part, True))
     return ends
 

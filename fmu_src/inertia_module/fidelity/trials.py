@@ -9,23 +9,21 @@ from __future__ import annotations
 
 import csv
 import dataclasses
-import json
 import math
 import statistics
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from pydantic_core import to_jsonable_python
 
-from ..common.colours import BLUE, VERMILION
+from ..common.errors import Refused
 from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
@@ -57,12 +55,7 @@ NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
 
 @dataclass(frozen=True)
 class Level:
-    """Level of fidelity at one setting.
-
-    Attributes:
-        fidelity, method: numbers as in the table of variables. setting: as it is printed.
-        parameters: that make the setting, such as tolerance.
-    """
+    """Level of fidelity, by its numbers, at one setting, as it is printed, with what makes it."""
 
     fidelity: int
     method: int
@@ -150,23 +143,24 @@ class Row:
         """Fidelity, method and setting."""
         return f"{self.level}, {self.setting}" if self.setting else self.level
 
+    def worst_of(self, wanted: Sequence[str]) -> tuple[float, str]:
+        """Largest error of the wanted ones and where it is: NaN in one that nothing is known of."""
+        errors = [(self.errors.get(name, math.nan), name) for name in wanted]
+        return max(errors, key=lambda one: (math.isnan(one[0]), one[0]))
+
     def worst(self, wanted: Sequence[str]) -> float:
         """Largest error of the wanted ones; infinite where one is not known."""
-        errors = [self.errors.get(name, math.nan) for name in wanted]
-        unknown = self.failure or any(map(math.isnan, errors))
-        return math.inf if unknown else max(errors, default=math.inf)
+        error, _ = self.worst_of(wanted)
+        return math.inf if self.failure or math.isnan(error) else error
 
     def as_dict(self) -> dict[str, Any]:
         """Give the row for machines: what is not known is None."""
-
-        def known(value: float) -> float | None:
-            return value if math.isfinite(value) else None
-
-        heads = ("fidelity", "method", "setting", "communication_step")
+        heads = ("fidelity", "method", "setting", "communication_step", "errors")
         head = {name: getattr(self, name) for name in heads}
-        costs = {name.partition(" ")[0]: known(getattr(self, cost)) for name, cost in _COSTS.items()}
-        errors = {name: known(value) for name, value in self.errors.items()}
-        return {**head, "errors": errors, **costs, "failure": self.failure}
+        costs = {name.partition(" ")[0]: getattr(self, cost) for name, cost in _COSTS.items()}
+        told = {**head, **costs, "failure": self.failure}
+        known: dict[str, Any] = to_jsonable_python(told, inf_nan_mode="null")
+        return known
 
 
 def attempt(head: Row, measure: Callable[[], dict[str, Any]]) -> Row:
@@ -192,11 +186,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Read rows that write_rows has written.
-
-    Raises:
-        OSError: there is no such file. ValueError: it is another table.
-    """
+    """Read rows that write_rows has written; of another table a ValueError."""
     table = csv.DictReader(path.read_text().splitlines())
     if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
         raise ValueError(f"{path} must begin with the headings {', '.join(_HEADS)}")
@@ -224,17 +214,13 @@ def failure_lines(rows: Sequence[Row]) -> list[str]:
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 
 
-class NoneMeets(ValueError):
-    """No measured level meets the accuracy: how far the best of them gets, and why others do not count."""
-
-
 @dataclass(frozen=True)
 class Choice:
     """Chosen level and the reasons.
 
     Attributes:
-        row: the cheapest that meets the error. wanted: outputs it was asked of. error: asked for.
-        following: the next level that meets it too, or None. passed: cheaper levels and why not.
+        row: the cheapest that meets the error in the wanted outputs. following: the next level that meets it
+            too, or None. passed: cheaper levels and why not.
     """
 
     row: Row
@@ -254,8 +240,8 @@ class Choice:
         def cost(row: Row) -> str:
             return f"{1e3 * row.wall_time:.3g} ms per simulated second in the kernel"
 
-        worst = max(self.wanted, key=lambda name: self.row.errors[name])
-        met = f"error {self.row.worst(self.wanted):.2g} ({worst}) where {self.error:g} was asked for"
+        error, worst = self.row.worst_of(self.wanted)
+        met = f"error {error:.2g} ({worst}) where {self.error:g} was asked for"
         lines = [f"chosen: {self.row.label}: {met}, {cost(self.row)}"]
         lines += [f"not enough: {label}: {reason}" for label, reason in self.passed.items()]
         if self.following is None:
@@ -286,8 +272,8 @@ def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:
     unknown = [name for name in wanted if math.isnan(row.errors.get(name, math.nan))]
     if unknown:
         return f"nothing is known of {', '.join(unknown)}"
-    worst = max(wanted, key=lambda name: row.errors[name])
-    return "" if row.errors[worst] <= error else f"error {row.errors[worst]:.2g} ({worst})"
+    largest, worst = row.worst_of(wanted)
+    return "" if largest <= error else f"error {largest:.2g} ({worst})"
 
 
 def cheapest(rows: Sequence[Row]) -> Row | None:
@@ -304,11 +290,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
     The next is the cheapest of a higher fidelity that meets it too, else the cheapest with a tenth of the
     error.
 
-    Args:
-        rows: measured; those of peers are left out. error: largest allowed. wanted: names in Row.errors.
-
-    Raises:
-        NoneMeets: none of them does.
+    Those of peers are left out. Where none meets it, the sentence tells how far the best gets.
     """
     ours = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(wanted))
     meeting = [row for row in ours if not why_not(row, error, wanted)]
@@ -317,7 +299,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         best = (
             f"the best is {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "none was measured"
         )
-        raise NoneMeets(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
+        raise Refused(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
@@ -349,51 +331,31 @@ def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[
     ]
 
 
-def _table(rows: Sequence[Row], wanted: Sequence[str], largest: bool) -> Any:
-    """Lay out a column for each wanted output, or one for the largest error and one for where it is."""
+def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
+    """Print a line for each level of fidelity: its largest error in the wanted outputs, and its cost.
+
+    The rows are of one communication step; the largest error allowed is 1 % where none is given.
+    """
     from rich import box
     from rich.table import Table
 
     def text(number: float, form: str) -> str:
         return "-" if math.isnan(number) else format(number, form)
 
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    for heading in ("level of fidelity", "setting"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("error",) if largest else wanted:
-        table.add_column(heading.replace("_", " "), justify="right")
-    table.add_column("ms per s", justify="right")
-    if largest:
-        table.add_column("largest error in", no_wrap=True)
-    for row in rows:
-        known = {name: row.errors.get(name, math.nan) for name in wanted}
-        # an output that nothing is known of counts as the worst
-        worst = [max(known, key=lambda name: (math.isnan(known[name]), known[name]))] if largest else []
-        errors = [text(known[name], ".1e") for name in worst or wanted]
-        table.add_row(row.level, row.setting, *errors, text(1e3 * row.wall_time, ".3g"), *worst)
-    return table
-
-
-def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
-    """Print a line for each level of fidelity: its errors in the wanted outputs, and its cost.
-
-    Where the terminal is too narrow for all of these outputs, the one with the largest error is named.
-
-    Args:
-        title: of the table. rows: measured, in one communication step. wanted: names in Row.errors.
-        error: largest allowed, by default 1 %.
-    """
-    console = terminal()
     allowed = 0.01 if error is None else error
-    levels = at_levels(rows, allowed, wanted)
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for heading in ("level of fidelity", "setting", "error", "largest in", "ms per s"):
+        table.add_column(heading, no_wrap=heading != "largest in")
+    for row in at_levels(rows, allowed, wanted):
+        largest, worst = row.worst_of(wanted)
+        cost = text(1e3 * row.wall_time, ".3g")
+        table.add_row(row.level, row.setting, text(largest, ".1e"), worst.replace("_", " "), cost)
+    console = terminal()
     console.print(title, style="bold")
     console.print(
         f"Each level at its cheapest setting with errors up to {allowed:g}, else at its most accurate;"
         f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
     )
-    table = _table(levels, wanted, largest=False)
-    if console.measure(table, options=console.options.update(width=10_000)).minimum > console.width:
-        table = _table(levels, wanted, largest=True)
     console.print(table)
 
 
@@ -424,8 +386,8 @@ def kernel_time(
     """Measure the time of the kernel for a run that succeeds, s: that of all steps less that of none.
 
     Args:
-        module: that ran it. begin: its state before (Module.save). communication_step: s.
-        inputs: (omega1, load_torque, drive_torque) of each step. repeats: at most.
+        module: that ran it. begin: its state before (Module.save).
+        inputs: (omega1, load_torque, drive_torque) of each step.
     """
     given, lengths = np.array(inputs, dtype=float), np.full(len(inputs), communication_step)
     rows = np.empty((len(inputs) + 1, 0))
@@ -440,11 +402,7 @@ def kernel_time(
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
-    """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop.
-
-    Raises:
-        Refused: the module refuses its parameters, an input or a step.
-    """
+    """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop."""
     loop = ClosedLoop(_started(scene), scene.surroundings, COMPUTED, scene.signal_units)
     return loop.run(scene.run.stop_time, progress)
 
@@ -484,12 +442,8 @@ def _features(record: Result, name: str, window: float) -> list[Array]:
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
     """Compute the error of each recorded output, NaN where the fidelity does not model it.
 
-    Each is the largest difference over the windows, relative to the largest magnitude of the output in
-    the reference; energies relative to the largest energy in.
-
-    Args:
-        record, exact: of the run and of the reference, over the same time. window: s.
-        fidelity: of the run.
+    Each is the largest difference over the windows, s, from the exact record over the same time, relative to
+    the largest magnitude of the output in that; energies relative to the largest energy in.
     """
     largest_energy = float(np.abs(exact["energy_in"]).max())
     # evaluations are a matter of cost
@@ -508,11 +462,7 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
 
 
 def at_level(scene: Scene, level: Level, communication_step: float | None = None) -> Scene:
-    """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub.
-
-    Raises:
-        SceneError: the scene is refused there.
-    """
+    """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub."""
     values = {**at_fidelity(scene.given, level.fidelity), "max_step": None, **level.values}
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
@@ -532,14 +482,9 @@ def measure_scene(
     steps: Sequence[float] | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Run a scene at levels in communication steps; rows of errors by output against the finest level.
+    """Run a scene at levels in communication steps, s, or its own; rows of errors against the finest level.
 
-    Args:
-        scene: what is run, at any fidelity. levels: to be measured.
-        steps: communication steps, s, by default that of the scene. progress: told how much is done.
-
-    Raises:
-        Refused: the reference itself is refused.
+    Refused where the reference itself is.
     """
     lengths = (scene.run.communication_step,) if steps is None else steps
     runs = [(level, step) for step in lengths for level in levels]
@@ -573,16 +518,12 @@ def measure_scene(
 
 def measurement_file(scene: Scene) -> Path:
     """Name the file of the measurements of a scene: by what it simulates, whatever error is asked of it."""
-    content = scene.model_dump(mode="json", exclude_none=True)
-    for name in ("title", "description"):
-        content.pop(name, None)
-    for name in ("fidelity", "method", "max_step"):
-        content["mechanism"].pop(name, None)
-    content["accuracy"] = {"window": scene.accuracy.window}
-    content["run"].pop("outputs")
+    chosen = {"mechanism": {"fidelity", "method", "max_step"}, "accuracy": {"tolerance", "error"}}
+    others: dict[str, Any] = {"title": True, "description": True, "run": {"outputs"}}
+    content = scene.model_dump_json(exclude_none=True, exclude=chosen | others)
     # and by the code that a measurement depends on: kernel, loops and this study
     code = sources("kernel/**/*.py", "loops/*.py", "fidelity/*.py")
-    name = content_hash(code | {"scene": json.dumps(content, sort_keys=True).encode()})[:24]
+    name = content_hash(code | {"scene": content.encode()})[:24]
     return cache_folder() / f"trials-{name}.csv"
 
 
@@ -592,29 +533,15 @@ def candidates(scene: Scene) -> list[Level]:
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Give the measured rows of the candidates for a scene, from the last time if nothing has changed since.
-
-    Raises:
-        Refused: the reference itself is refused.
-    """
+    """Give the rows of the candidates for a scene, from the last time if nothing has changed since."""
     path = measurement_file(scene)
-    try:
-        return read_rows(path)
-    except (OSError, ValueError, KeyError):
-        rows = measure_scene(scene, candidates(scene), progress=progress)
-        write_rows(path, rows)
-        return rows
+    if not path.exists():
+        write_rows(path, measure_scene(scene, candidates(scene), progress=progress))
+    return read_rows(path)
 
 
 def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choice]:
-    """Choose the fidelity of a scene that leaves it to be chosen.
-
-    Returns:
-        The scene at the cheapest level that meets accuracy.error in all of run.outputs, and the choice.
-
-    Raises:
-        NoneMeets: no level does. Refused: the scene cannot be run at all.
-    """
+    """Choose the cheapest level that meets accuracy.error in all of run.outputs; the scene at it, and why."""
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
     step = choice.row.communication_step
@@ -622,91 +549,42 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
     return at_level(scene, chosen), choice
 
 
-# --- the trade: least error for the cost, on log-log axes ---
+# --- the trade: error over cost, on log-log axes ---
 
-WORST = "worst"
-_AXES = {"wall_time": "ms per simulated second", "evaluations": "right-hand sides"}
+# label of a cost, and factor to the unit in it
+_AXES = {"wall_time": ("ms per simulated second", 1e3), "evaluations": ("right-hand sides", 1.0)}
 
 
-def front(rows: Sequence[Row], error: str, cost: str) -> list[Row]:
-    """Pick rows that succeeded and no other one beats, cheapest first: each is more accurate than the last.
+def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Figure:
+    """Draw the largest error in the wanted outputs over wall time and over right-hand sides.
 
-    Args:
-        rows: measured. error: name in Row.errors. cost: wall_time or evaluations.
+    Each run is a mark, a dot of the module or a cross of a peer, in the colour of its level.
     """
-    known = [
-        row
-        for row in rows
-        if not row.failure and getattr(row, cost) > 0.0 and row.errors.get(error, 0.0) > 0.0
-    ]
-    best: list[Row] = []
-    for row in sorted(known, key=lambda row: (getattr(row, cost), row.errors[error])):
-        if not best or row.errors[error] < best[-1].errors[error]:
-            best.append(row)
-    return best
-
-
-def slope(costs: Array, errors: Array) -> float:
-    """Fit the exponent p of error ~ cost^p; NaN of fewer than three different points."""
-    if np.unique(costs).size < 3:
-        return math.nan
-    return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
-
-
-def _panel(axes: Axes, rows: Sequence[Row], error: str, cost: str) -> None:
-    """Draw the front of the module and that of the peers; where a level begins, its name and slope."""
-    scale = 1e3 if cost == "wall_time" else 1.0
-    for peers, colour, side in ((False, VERMILION, -1), (True, BLUE, 1)):
-        found = front([row for row in rows if (row.fidelity == PEER) is peers], error, cost)
-        costs = np.array([scale * getattr(row, cost) for row in found])
-        errors = np.array([row.errors[error] for row in found])
-        if found:
-            axes.loglog(costs, errors, color=colour, marker="o", markersize=3, linewidth=1.2)
-        names = [row.method.partition(",")[0] if peers else row.level for row in found]
-        for name, part in groupby(range(len(found)), key=names.__getitem__):
-            places = list(part)
-            fitted = slope(costs[places], errors[places])
-            axes.annotate(
-                name if math.isnan(fitted) else f"{name} (slope {fitted:.1f})",
-                (costs[places[0]], errors[places[0]]),
-                xytext=(6 * side, 2 * side),
-                textcoords="offset points",
-                ha="left" if peers else "right",
-                fontsize=7,
-                color=colour,
+    levels: dict[str, list[Row]] = {}
+    for row in rows:
+        if 0.0 < row.worst(wanted) < math.inf:
+            name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
+            levels.setdefault(name, []).append(row)
+    figure = Figure(figsize=(11.0, 5.5), dpi=110, layout="constrained")
+    figure.suptitle(f"{title}: error over cost", fontsize=11)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, (cost, (label, factor)) in zip(panels, _AXES.items(), strict=True):
+        for name, level in levels.items():
+            costs, errors = (
+                [factor * getattr(row, cost) for row in level],
+                [row.worst(wanted) for row in level],
             )
-    # room for the names at the line
-    axes.margins(x=0.3)
-    axes.set_xlabel(_AXES[cost])
-    axes.set_ylabel(f"error of {error.replace('_', ' ')} [1]")
-    axes.grid(alpha=0.3, linewidth=0.4)
-
-
-def work_precision(rows: Sequence[Row], error: str, title: str) -> Figure:
-    """Draw one error, by its name in Row.errors, against wall time and against right-hand sides."""
-    figure = Figure(figsize=(11.0, 5.0), dpi=110, layout="constrained")
-    figure.suptitle(f"{title}: least relative error for the cost", fontsize=11)
-    for axes, cost in zip(figure.subplots(1, 2, sharey=True), _AXES, strict=True):
-        _panel(axes, rows, error, cost)
+            axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=4, label=name)
+        axes.set_xlabel(label)
+        axes.grid(alpha=0.3, linewidth=0.4)
+    panels[0].set_ylabel("largest relative error [1]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
     return figure
 
 
 def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Measure a scene at all levels, in its own communication step and in longer ones.
-
-    Raises:
-        Refused: the module refuses the scene.
-    """
+    """Measure a scene at all levels, in its own communication step and in longer ones."""
     longer = (factor * scene.run.communication_step for factor in (1, 10, 100))
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
     levels = list(all_levels(is_elastic(scene.given)))
     return measure_scene(scene, levels, steps, progress)
-
-
-def with_worst(rows: Sequence[Row], wanted: Sequence[str]) -> list[Row]:
-    """Rows with the errors of the wanted outputs alone, and WORST, the largest of them."""
-    kept = []
-    for row in rows:
-        errors = {name: row.errors[name] for name in wanted if name in row.errors}
-        kept.append(dataclasses.replace(row, errors={**errors, WORST: row.worst(wanted)} if errors else {}))
-    return kept

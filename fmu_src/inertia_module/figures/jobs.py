@@ -7,11 +7,11 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import LogLocator, NullFormatter
+from numpy.typing import NDArray
 
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ..common.units import factor_between
@@ -123,7 +123,7 @@ MOST = 3
 
 
 def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
-    """Draw a sweep: curves over one key, maps over two, parallel coordinates over more.
+    """Draw a sweep: maps over two keys, else each figure over each key.
 
     Args:
         sweep: what it gave. figures: names of those to show, by default at most MOST that vary.
@@ -135,45 +135,39 @@ def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
     if not names:
         known = sorted(sweep.figures, key=lambda name: name not in USUAL)
         names = [name for name in known if varies(sweep.figure(name))][:MOST]
-    if len(sweep.axes) > 2:
-        return _parallel(sweep, names)
-    rows = max(len(names), 1)
-    picture = sheet(height=1.0 + 2.8 * rows, width=9.0)
-    panels = picture.subplots(rows, 1, squeeze=False)[:, 0]
-    for panel, name in zip(panels, names, strict=False):
-        if len(sweep.axes) > 1:
-            _map(picture, panel, sweep, name)
+    rows, columns = max(len(names), 1), 1 if len(sweep.axes) == 2 else len(sweep.axes)
+    picture = sheet(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
+    panels = picture.subplots(rows, columns, sharey="row", squeeze=False)
+    for row, name in zip(panels, names, strict=False):
+        values, label = sweep.figure(name), titled(name, sweep.units.get(name, ""))
+        if len(sweep.axes) == 2:
+            _map(row[0], sweep, values, label)
             continue
-        places, known = _values(sweep, sweep.axes[0])
-        order = np.argsort(places, kind="stable")
-        panel.plot(places[order], sweep.figure(name)[order], marker="o", markersize=3.5, linewidth=1.2)
-        dress(panel, titled(name, sweep.units.get(name, "")))
-        _scale(panel, sweep, sweep.axes[0], known, "x")
+        row[0].set_ylabel(label)
+        for panel, axis in zip(row, sweep.axes, strict=True):
+            places = _places(sweep, axis)
+            order = np.argsort(places, kind="stable")
+            panel.plot(places[order], values[order], ".-" if columns == 1 else ".", linewidth=1.2)
+            plain(panel)
+            _scale(panel, sweep, axis, "x")
     return picture
 
 
-def _values(sweep: SweepResult, axis: Axis) -> tuple[Array, list[str]]:
-    """Places of the points on an axis, and the names of these places where they are no numbers."""
-    found = [row.point[axis.name] for row in sweep.rows]
-    if any(isinstance(value, str) for value in found):
-        known = [str(value) for value in axis.values]
-        return np.array([known.index(str(value)) for value in found], dtype=float), known
-    return np.array(found, dtype=float), []
+def _places(sweep: SweepResult, axis: Axis) -> NDArray[Any]:
+    """Places of the points on an axis: numbers, or names, which matplotlib puts side by side."""
+    return np.array([row.point[axis.name] for row in sweep.rows])
 
 
-def _scale(panel: Axes, sweep: SweepResult, axis: Axis, names: list[str], side: str) -> None:
+def _scale(panel: Axes, sweep: SweepResult, axis: Axis, side: str) -> None:
     """Label one side, x or y, of a panel by an axis."""
     getattr(panel, f"set_{side}label")(titled(axis.name, sweep.units.get(axis.name, "")))
-    if names:
-        getattr(panel, f"set_{side}ticks")(range(len(names)), names)
-    elif axis.logarithmic:
+    if axis.logarithmic:
         getattr(panel, f"set_{side}scale")("log")
 
 
-def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
+def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
     """Draw a grid as a map, other samples as dots; what was refused stays white."""
-    (x, x_names), (y, y_names) = (_values(sweep, axis) for axis in sweep.axes)
-    values = sweep.figure(name)
+    x, y = (_places(sweep, axis) for axis in sweep.axes)
     across, up = np.unique(x), np.unique(y)
     if across.size * up.size == values.size:
         table = np.full((up.size, across.size), np.nan)
@@ -181,33 +175,9 @@ def _map(picture: Figure, panel: Axes, sweep: SweepResult, name: str) -> None:
         drawn: Any = panel.pcolormesh(across, up, table, shading="nearest")
     else:
         drawn = panel.scatter(x, y, c=values, s=14)
-    picture.colorbar(drawn, ax=panel, label=titled(name, sweep.units.get(name, "")))
-    for axis, names, side in zip(sweep.axes, (x_names, y_names), "xy", strict=True):
-        _scale(panel, sweep, axis, names, side)
-
-
-def _parallel(sweep: SweepResult, names: Sequence[str]) -> Figure:
-    """Parallel coordinates: a line for each row, coloured by the first figure."""
-    columns = {axis.name: _values(sweep, axis) for axis in sweep.axes}
-    columns |= {name: (sweep.figure(name), []) for name in names}
-    picture = sheet(height=5.5, width=2.2 + 1.8 * len(columns))
-    panel, shares = picture.subplots(), []
-    for place, (values, known) in enumerate(columns.values()):
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        shares.append((values - low) / (high - low) if high > low else np.full(values.shape, 0.5))
-        panel.axvline(place, color="0.3", linewidth=0.8)
-        for value, height in ((low, -0.03), (high, 1.03)):
-            text = known[int(value)] if known else f"{value:.4g}"
-            panel.annotate(text, (place, height), ha="center", va="center", fontsize=8)
-    by = shares[len(sweep.axes)] if names else shares[0]
-    for line, share in zip(np.transpose(shares), by, strict=True):
-        if np.isfinite(line).all():
-            panel.plot(line, color=colormaps["viridis"](share), alpha=0.5, linewidth=0.9)
-    titles = [titled(name, sweep.units.get(name, "")).replace(" [", "\n[") for name in columns]
-    panel.set_xticks(range(len(columns)), titles)
-    panel.set_yticks([])
-    panel.set_frame_on(False)
-    return picture
+    panel.figure.colorbar(drawn, ax=panel, label=label)
+    for axis, side in zip(sweep.axes, "xy", strict=True):
+        _scale(panel, sweep, axis, side)
 
 
 # --- designs ---
@@ -219,9 +189,9 @@ def design_figure(found: DesignResult) -> Figure:
     Args:
         found: of design.
     """
-    names = list(found.spec.goals)
+    names = list(found.judge.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = sheet(found.spec.title, 1.0 + 4.8 * len(up))
+    picture = sheet(found.judge.spec.title, 1.0 + 4.8 * len(up))
     for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
         _goals(panel, found, across, name)
     return picture
@@ -249,7 +219,7 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         # those beside each other to both sides
         shift = (-14, -14) if side % 2 else (6, 6)
         panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
-    panel.plot([], [], "o", color="tab:green", label=f"checked {found.spec.search.check}")
+    panel.plot([], [], "o", color="tab:green", label=f"checked {found.judge.spec.search.check}")
     dress(panel, titled(up, found.judge.unit(up)))
     x, y = points(found.rows)
     _stretch(panel.set_yscale, panel.yaxis, y)
@@ -273,23 +243,18 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
 
 # --- fits ---
 
-# of a measured column, inches
-COLUMN_HEIGHT = 4.0
 # standard deviations that 95 % of normal noise are within
 WITHIN = 1.96
 
 
 def fit_figure(found: FitResult) -> Figure:
-    """Draw measured and computed over time, below residuals over noise with the band of 95 % of normal noise.
+    """Draw measured and computed over time, below residuals over noise and the band of 95 % of its values.
 
     Args:
         found: of fit.
-
-    Returns:
-        A matplotlib Figure, higher the more columns there are.
     """
     data, table = found.measurement, found.table()
-    figure = sheet(found.scene.title, 1.0 + COLUMN_HEIGHT * len(data.columns))
+    figure = sheet(found.scene.title, 1.0 + 4.0 * len(data.columns))
     panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
     for n, name in enumerate(data.columns):
         curves, residuals = panels[2 * n : 2 * n + 2]
@@ -310,10 +275,6 @@ def fit_figure(found: FitResult) -> Figure:
 # lines named in a panel, and the share of all that swings that a picture goes out to
 NAMED = 3
 SHOWN = 0.99
-# decades of the colours
-DECADES = 3
-# of a signal, inches
-SIGNAL_HEIGHT = 2.6
 
 
 def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
@@ -321,12 +282,9 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
 
     Args:
         in_hz: whether the waterfall has Hz and rpm, in place of orders and rad/s.
-
-    Returns:
-        A matplotlib Figure, higher the more signals there are.
     """
     names = list(found.amplitude)
-    figure = sheet(title, 1.2 + SIGNAL_HEIGHT * len(names))
+    figure = sheet(title, 1.2 + 2.6 * len(names))
     panels = figure.subplots(len(names), 2, sharex="col" if in_hz else "all", squeeze=False)
     lines = found.largest(NAMED)
     over, label = found.time, "time [s]"
@@ -347,7 +305,7 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
             right.text(0.5, 0.5, told, ha="center", transform=right.transAxes)
             continue
         largest = float(found.waterfall[name].max())
-        norm = LogNorm(10.0**-DECADES * largest, largest, clip=True)
+        norm = LogNorm(1e-3 * largest, largest, clip=True)
         colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
         drawn = right.pcolormesh(across, over, found.waterfall[name], **colours)
         figure.colorbar(drawn, ax=right, label=unit)

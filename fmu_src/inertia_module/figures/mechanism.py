@@ -34,11 +34,7 @@ BEVEL = {
 
 
 def mechanism_figure(parameters: Mapping[str, float]) -> Figure:
-    """Draw one module of a mechanism, lengths in mm, with its imbalances and their paths.
-
-    Args:
-        parameters: of the module by name, those that differ from the defaults.
-    """
+    """Draw one module of a mechanism, by its parameters, in mm, with its imbalances and their paths."""
     module = Module("plain")
     module.check(**parameters)
     figure, d = sheet(height=5.6), module.derived

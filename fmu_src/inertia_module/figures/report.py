@@ -69,12 +69,11 @@ def report_file(
     chosen: Sequence[str] = (),
     progress: Progress = lambda done: None,
 ) -> bytes:
-    """Make the report of a run.
+    """Make the report of a run, of a module with RECORDED.
 
     Args:
-        file: of the scene. keys: given instead of its own, KEY=VALUE each.
-        result: of the run, of a module with RECORDED. fmu: the file that was run.
-        command: that repeats it. chosen: lines on how the fidelity was chosen. progress: told the share done.
+        file: of the scene. keys: given instead of its own, KEY=VALUE each. fmu: the file that was run.
+        command: that repeats it. chosen: lines on how the fidelity was chosen.
     """
     text = file.read_text(encoding="utf-8")
     remarks = [f"warning: {warning}" for warning in result.warnings]

@@ -33,12 +33,9 @@ _KNOWN = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
 
 @dataclass(frozen=True)
 class Axis:
-    """One key that is varied.
+    """One key that is varied, its name by dots: over a range in SI, or over a list of values.
 
-    Attributes:
-        name: of the key, by dots. unit: "" for none. low, high: of the range, SI. number: of points in a
-            grid, 0 if none is given. logarithmic: whether the points are even in the logarithm.
-        values: a list instead.
+    The number of points in a grid is 0 if none is given; they are even in the range or in its logarithm.
     """
 
     name: str
@@ -137,14 +134,11 @@ def _by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -
 
 
 def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
-    """The axes of a sweep.
+    """The axes of a sweep of a scene.
 
     Args:
         vary: "NAME=RANGE" each, or ranges by name: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or
-            "A,B,C", each with units if wanted, or a list of values. scene: that is varied.
-
-    Raises:
-        Refused: nothing is varied, a key twice, or what is given is no range of its key.
+            "A,B,C", each with units if wanted, or a list of values.
     """
     found = []
     for name, given in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
@@ -178,8 +172,7 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     """Shares (0 to 1) of a number of ranges, shape (points, number); same seed, same points.
 
     Args:
-        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled; COUNT is best a
-            power of 2).
+        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled).
     """
     from scipy.stats import qmc
 
@@ -193,34 +186,19 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, kw_only=True)
 class Free(Axis):
-    """One key that is searched, as a variable u that is near 1: its value is origin + span (u - 1).
+    """One key that is searched.
 
     Attributes:
-        start: value that a search begins at, SI. origin, span: the low end and the width of a range that was
-            asked for; without one both are the start, or of its size. held: whether one was. deviation:
-            standard deviation of what is known of it before, about the start: infinite for nothing, 0 of what
-            is known to be the start.
+        start: value that a search begins at, SI. size: of a change that tells, SI: the width of a range that
+            was asked for, without one of the size of the start. held: whether one was. deviation: standard
+            deviation of what is known of it before, about the start: infinite for nothing, 0 of what is
+            known to be the start.
     """
 
     start: float
-    origin: float
-    span: float
+    size: float
     held: bool = False
     deviation: float = math.inf
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Least and greatest value of the variable."""
-        low, high = sorted(map(self.variable, (self.low, self.high)))
-        return low, high
-
-    def value(self, variable: float) -> float:
-        """The value, SI."""
-        return self.origin + self.span * (variable - 1.0)
-
-    def variable(self, value: float) -> float:
-        """The variable for a value, SI."""
-        return 1.0 + (value - self.origin) / self.span
 
     def at(self, share: float) -> float | str:
         """The value at a share (0 to 1) of the range; without one the start."""
@@ -230,16 +208,12 @@ class Free(Axis):
 def free_keys(
     free: Sequence[str] | Mapping[str, Range], scene: Scene, beside: Mapping[str, Free] | None = None
 ) -> list[Free]:
-    """The free keys of a fit.
+    """The free keys of a fit, which begin at the values of a scene.
 
     Args:
         free: "NAME", "NAME=LOW:HIGH" (or log:LOW:HIGH, whose starts are even in the logarithm) or, where the
             value is known so well before, "NAME=VALUE +- DEVIATION" each, or by name such a text, (low, high)
-            or None. scene: whose values they begin at. beside: keys that are not the scene's, by name, as
-            they are free without more.
-
-    Raises:
-        Refused: nothing is free, a key twice, or one that is not a number or has no such range.
+            or None. beside: keys that are not the scene's, by name, as they are free without more.
     """
     found, known = [], beside or {}
     kinds = {name.partition(".")[0] for name in known}
@@ -250,7 +224,7 @@ def free_keys(
         elif name.partition(".")[0] in kinds:
             raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, known)}")
         else:
-            key, read = _as_given(name, scene), partial(_value, scene, name)
+            key, read = as_given(name, scene), partial(_value, scene, name)
             if given is None and not abs(key.start) > 0.0:
                 scene.with_keys({name: 1.0})  # which says so if there is no such key
                 raise Refused(
@@ -260,7 +234,7 @@ def free_keys(
     return found
 
 
-def _as_given(name: str, scene: Scene) -> Free:
+def as_given(name: str, scene: Scene) -> Free:
     """A key of the scene without a range: near the value that it has there, NaN for none."""
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
     unit, value = _unit_and_value(name, scene)
@@ -272,7 +246,7 @@ def _as_given(name: str, scene: Scene) -> Free:
         )
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     begin = math.nan if value is None else float(value)
-    return Free(name, unit, low, high, start=begin, origin=begin, span=begin)
+    return Free(name, unit, low, high, start=begin, size=abs(begin))
 
 
 def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
@@ -285,7 +259,7 @@ def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
         mean, deviation = float(read(known[1])), _number(name, key.unit, known[2])
         if deviation < 0.0:
             raise Refused(f"{name} must be known to a deviation of at least 0, is given {text!r}")
-        return replace(key, start=mean, origin=mean, span=10.0 * deviation or 1.0, deviation=deviation)
+        return replace(key, start=mean, size=10.0 * deviation or 1.0, deviation=deviation)
     if ":" not in text:
         raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
     held = _range(name, key.unit, text, read)
@@ -294,7 +268,7 @@ def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
     # of a start that is not there it is not
     inside = held.low <= key.start <= held.high
     start = key.start if inside else 0.5 * (held.low + held.high)
-    return Free(**vars(held), start=start, origin=held.low, span=held.high - held.low, held=True)
+    return Free(**vars(held), start=start, size=held.high - held.low, held=True)
 
 
 def _number(name: str, unit: str, text: str) -> float:

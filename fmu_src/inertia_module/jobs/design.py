@@ -1,8 +1,7 @@
 """Design: values of the free keys that meet the limits of a specification and are best for its goals.
 
-A specification is a scene with its free keys, limits and goals of figures, and the search. Figures of a
-mechanism by name are of steady pulses at a speed and a speed ratio, and of its size; others are of the
-summary of a run. A judge says how far a design is from meeting it, and which designs are best.
+Figures of a mechanism by name are of steady pulses at a speed and a speed ratio, and of its size; others are
+of the summary of a run. A judge says how far a design is from meeting its limits, and which ones are best.
 """
 
 from __future__ import annotations
@@ -85,12 +84,7 @@ def _farthest(d: Any) -> float:
 
 
 class Named(NamedTuple):
-    """A figure.
-
-    Attributes:
-        unit: of its values. asks: what it is to be given, of speed (rad/s) and ratio (1).
-        value: of a mechanism at a speed and a ratio.
-    """
+    """A figure: its unit, which of speed (rad/s) and ratio it asks for, and its value at these."""
 
     unit: str
     asks: tuple[str, ...]
@@ -245,11 +239,7 @@ def figure_of(row: Row, name: str, unit: str = "") -> str:
 
 
 class Limit(NamedTuple):
-    """A limit of a figure.
-
-    Attributes:
-        figure: its name. unit: of it. bound: in this unit. side: 1.0 for a maximum, -1.0 for a minimum.
-    """
+    """A limit of a figure, in its unit; side: 1.0 for a maximum, -1.0 for a minimum."""
 
     figure: str
     unit: str
@@ -272,11 +262,7 @@ class Limit(NamedTuple):
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
-    """Limits of a figure in its unit.
-
-    Raises:
-        SceneError: one is no quantity in this unit, or no number meets both.
-    """
+    """Limits of a figure in its unit; refused if one is no quantity in it, or no number meets both."""
     found = []
     for which, side in (("minimum", -1.0), ("maximum", 1.0)):
         given = getattr(demand, which)
@@ -359,14 +345,13 @@ AT_REST = math.tau
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     """Prepare for the figures of a specification at points with a LEVEL; see Task.
 
-    Args:
-        settings: "scenes": tables of the scene by fidelity; "named": as of Spec; "runs": whether it is run.
+    Of the settings "tables" are those of the scene, "named" as of Spec, "runs" whether the scene is run.
     """
-    scenes = {level: validated(Scene, tables) for level, tables in settings["scenes"].items()}
+    base = validated(Scene, settings["tables"])
 
     def figures(point: Point) -> Figures:
         keys = {name: value for name, value in point.items() if name != LEVEL}
-        scene = scenes[str(point[LEVEL])].with_keys(keys)
+        scene = base.with_keys(keys).with_fidelity(str(point[LEVEL]))
         mechanism = Mechanism(scene.parameters())
         if unbuildable := mechanism.module.warnings():
             raise Refused("; ".join(unbuildable))
@@ -381,7 +366,7 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
 
 @dataclass(frozen=True)
 class Finalist:
-    """A design that was run at the fidelity of the search and at that of the check, as a scene in a file."""
+    """A design that was run at the fidelities of search and check, as a scene in a file."""
 
     searched: Row
     checked: Row
@@ -393,8 +378,7 @@ class Finalist:
 def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[str, str]:
     """Say why a design that meets its limits may be no answer: what in short, and in a sentence.
 
-    Args:
-        figures: of its check. speed: of link 1, rad/s, at which lock-up is looked at.
+    Figures are those of its check; lock-up is looked at at a speed of link 1, rad/s.
     """
     found, mechanism = {}, Mechanism(scene.parameters())
     try:
@@ -419,13 +403,12 @@ class DesignResult:
     """Result of a design.
 
     Attributes:
-        spec: the specification. judge: its limits. rows: all designs of the search, in order.
+        judge: by the specification, its spec. rows: all designs of the search, in order.
         front: those of them that meet all limits and that no other is better than.
         finalists: those that were checked. new: how many rows were not there before. files: by kind.
         cut: whether time ended the search before it had made its starts.
     """
 
-    spec: Spec
     judge: Judge
     rows: list[Row]
     front: list[Row]
@@ -444,7 +427,7 @@ class DesignResult:
         keys = {name: shown(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
         keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
         figures = {}
-        for name in self.spec.figures:
+        for name in self.judge.spec.figures:
             checked = figure_of(one.checked, name, self.judge.unit(name))
             figures[name] = f"{figure_of(one.searched, name)} → {checked}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
@@ -453,7 +436,7 @@ class DesignResult:
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
-        finalists, search = self.finalists, self.spec.search
+        finalists, search = self.finalists, self.judge.spec.search
         # where none meets them the one that is the least beyond the limits: of those checked, if any was
         rows = [one.checked for one in self.chosen or finalists]
         rows = rows or [row for row in self.rows if not row.refused]
@@ -503,13 +486,9 @@ def design(
     for name in ("pymoo", "tomli_w"):
         library(name, "jobs")
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
-    levels = (read.search.fidelity, read.search.check)
-    scenes = {level: read.with_fidelity(level) for level in levels}
-    settings = {
-        "scenes": {level: scene.tables for level, scene in scenes.items()},
-        "named": read.named,
-        "runs": len(read.named) < len(read.figures),
-    }
+    base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
+    runs = len(read.named) < len(read.figures)
+    settings = {"tables": base.tables, "named": read.named, "runs": runs}
     task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -540,7 +519,7 @@ def design(
     for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
         if not again.refused:
             title = f"{read.title}: design {number}"
-            scene = scenes[levels[1]].with_keys({**row.point, "title": title})
+            scene = base.with_keys({**row.point, "title": title}).with_fidelity(levels[1])
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
             doubts = doubts_of(scene, again.figures, speed)
             if better := judge.better(again, others):
@@ -549,7 +528,7 @@ def design(
             finalists.append(Finalist(row, again, scene, file, doubts))
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(read, judge, rows, fronts[0], finalists, evaluator.new, files, cut)
+    return DesignResult(judge, rows, fronts[0], finalists, evaluator.new, files, cut)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:

@@ -32,12 +32,7 @@ JOURNAL = "journal.jsonl"
 
 
 class Row(NamedTuple):
-    """Result of the evaluation of a point.
-
-    Attributes:
-        point: keys of the scene by name. figures: numbers by name, none if it was refused.
-        cost: s of computing. refused: why, in a sentence, or "".
-    """
+    """Result of a point: figures by name, s of computing, and why it was refused, in a sentence, or ""."""
 
     point: Point
     figures: dict[str, float]
@@ -55,25 +50,14 @@ class Batch(NamedTuple):
     rows: list[Row]
     units: dict[str, str]
 
-    def text(self) -> str:
-        """Write as a line of JSON."""
-        return json.dumps(self._asdict())
-
-    @classmethod
-    def of(cls, text: str) -> Batch:
-        """Read what text has written."""
-        data = json.loads(text)
-        return cls([Row(*row) for row in data["rows"]], data["units"])
-
 
 @dataclass(frozen=True)
 class Task:
     """Figures of a scene at points; it is pickled.
 
     Attributes:
-        fmu: content of the FMU's file. settings: all that results depend on other than point and FMU.
-        prepare: makes a function that gives the figures of a point, or refuses it, of the settings and of
-            what runs scenes; such as summaries.
+        fmu: content of its file. settings: all that results depend on other than point and FMU.
+        prepare: makes, of these and of what runs scenes, a function that gives the figures of a point.
     """
 
     fmu: bytes
@@ -103,11 +87,11 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
     """Evaluate points one after the other; a refusal is a result."""
     batch = Batch([], {})
     for point in points:
-        began, figures, refused = time.perf_counter(), Figures(), ""
+        began = time.perf_counter()
         try:
-            figures = figures_of(point)
+            figures, refused = figures_of(point), ""
         except Refused as error:
-            refused = " ".join(str(error).split())
+            figures, refused = {}, " ".join(str(error).split())
         cost = time.perf_counter() - began
         batch.units.update({name: quantity.unit for name, quantity in figures.items()})
         values = {name: quantity.value for name, quantity in figures.items()}
@@ -116,18 +100,13 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
 
 
 class Evaluator(ExitStack):
-    """Evaluator of points, as often as it is called; a context manager that ends its workers.
-
-    Args:
-        task: what is evaluated. folder: of the journal. scheduler, workers: as in workers.pool; they start
-            when the first point is to be evaluated. progress: told the share done of the points of a call.
+    """Evaluator of points, as often as it is called, with a journal; a context manager that ends its workers.
 
     Attributes:
         rows: all results, by key. units: of their figures by name. new: how many were not there before.
 
     Raises:
-        Refused: the folder holds results of another task. NotInstalled: the extra jobs is not.
-        OSError: the folder cannot be written to.
+        Refused: the folder holds results of another task. OSError: it cannot be written to.
     """
 
     def __init__(
@@ -153,8 +132,8 @@ class Evaluator(ExitStack):
                 " scene, or of another version"
             )
         *whole, cut = results.split("\n")  # a kill may have cut the last line: what it held is done again
-        for line in whole:
-            self._take(Batch.of(line))
+        for line in map(json.loads, whole):
+            self._take(Batch([Row(*row) for row in line["rows"]], line["units"]))
         if cut or not there:
             write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
         self.task, self.new = task, 0
@@ -172,7 +151,7 @@ class Evaluator(ExitStack):
     def keep(self, batch: Batch) -> None:
         """Keep a batch, from now on through kills."""
         with self.path.open("a", encoding="utf-8") as stream:
-            stream.write(batch.text() + "\n")
+            stream.write(json.dumps(batch._asdict()) + "\n")
         self._take(batch)
 
     def __call__(self, points: Sequence[Point]) -> list[Row]:
@@ -212,12 +191,9 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
     columns = {name: [one.get(name) for one in own] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
-    arrays = {title: arrow.array(values) for title, values in columns.items()}
-    schema = arrow.schema(
-        [arrow.field(t, array.type, metadata={"unit": units[t]}) for t, array in arrays.items()]
-    )
-    buffer = arrow.BufferOutputStream()
-    parquet.write_table(arrow.table(arrays, schema=schema), buffer)
+    table, buffer = arrow.table(columns), arrow.BufferOutputStream()
+    fields = [field.with_metadata({"unit": units[field.name]}) for field in table.schema]
+    parquet.write_table(table.cast(arrow.schema(fields)), buffer)
     tables = {"parquet": folder / f"{name}.parquet", "csv": folder / f"{name}.csv"}
     write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
 

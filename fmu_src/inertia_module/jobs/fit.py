@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic_core import to_jsonable_python
 
 from ..common.errors import Refused
 from ..common.extras import library
@@ -184,8 +185,6 @@ class FitResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Give the result for machines: what is not known is None."""
-        from pydantic_core import to_jsonable_python
-
         units = self.measurement.table.units
         told: dict[str, Any] = to_jsonable_python(
             {
@@ -326,7 +325,7 @@ def _run(
     places: list[Point] = [{key.name: key.start for key in keys}]
     if starts and any(key.held for key in keys):
         places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
-    points = np.array([[key.variable(float(place[key.name])) for key in keys] for place in places])
+    points = np.array([[place[key.name] for key in keys] for place in places], dtype=float)
     costs = []
     for n, point in enumerate(points):
         progress(LOOKED * n / len(points))
@@ -342,7 +341,7 @@ def _run(
     best = _of_influence(ends[0]).settled()
     values = best.problem.values(best.point)
     scene = rig.scene.with_keys({name: value for name, value in values.items() if name not in data.sensors})
-    start = np.array([key.variable(key.start) for key in best.problem.keys])
+    start = np.array([key.start for key in best.problem.keys])
     # their values are those of the scene as it is
     freed = suspected(scene, data, values)
     suspects = tried(best, freed, start, lambda share: progress(2.0 * LOOKED + (1.0 - 2.0 * LOOKED) * share))
@@ -387,9 +386,9 @@ def _fitted(key: Free, best: End, suspects: Sequence[Suspect]) -> Fitted:
     width, doubts = narrow[1] - narrow[0], list[str]()
     if not key.held and width > 2.0 * abs(value):
         doubts.append("not identifiable from the data: the interval is wider than twice the value")
-    elif key.held and width >= (1.0 - AT_END) * key.span:
+    elif key.held and width >= (1.0 - AT_END) * key.size:
         doubts.append("not identifiable from the data: the interval is as wide as its range")
-    elif key.held and min(value - key.low, key.high - value) < AT_END * key.span:
+    elif key.held and min(value - key.low, key.high - value) < AT_END * key.size:
         doubts.append("is at the end of its range")
     named = causes(suspects)
     following = named[0].autocorrelation if named else best.following

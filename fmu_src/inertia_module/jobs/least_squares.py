@@ -1,7 +1,6 @@
 """Least squares over free keys of a scene: where chi-squared is least, and how far off a key may be.
 
-By SciPy's trust-region reflective search, over variables that are near 1 (axes.Free), weighted by the noise
-of each column.
+By SciPy's trust-region reflective search, weighted by the noise of each column.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ class Problem:
     """Which keys are free, and what weighs how much.
 
     Attributes:
-        rig: what is fitted. keys: those that are free; a point is an array of their variables, shape (keys,).
+        rig: what is fitted. keys: those that are free; a point is an array of their values, shape (keys,).
         sigma: noise of each value, shape (rows, columns). fixed: values of keys that stay, SI, by name.
     """
 
@@ -48,14 +47,13 @@ class Problem:
     fixed: dict[str, float] = field(default_factory=dict)
 
     @property
-    def limits(self) -> tuple[Array, Array]:
-        """Least and greatest variables."""
-        low, high = np.transpose([key.limits for key in self.keys])
-        return low, high
+    def spans(self) -> Array:
+        """Least and greatest values, and changes that tell, shape (3, keys)."""
+        return np.array([(key.low, key.high, key.size) for key in self.keys], dtype=float).T
 
     def values(self, point: Array) -> dict[str, float]:
         """Values at a point, SI, by name."""
-        return self.fixed | {key.name: key.value(u) for key, u in zip(self.keys, point.tolist(), strict=True)}
+        return self.fixed | {key.name: value for key, value in zip(self.keys, point.tolist(), strict=True)}
 
     def residuals(self, point: Array) -> Array:
         """Computed less measured over noise, column by column, and behind them what was known before."""
@@ -70,21 +68,21 @@ class Problem:
         return replace(self, keys=(*self.keys, key))
 
     def solve(self, start: Array, steps: ArrayLike | None = None) -> End:
-        """Search from a point.
-
-        Args:
-            start: a point. steps: of differences to both sides, one a variable; without, STEP to one side.
-
-        Raises:
-            Refused: the scene refuses the point, or so much about it that there are no slopes.
-        """
+        """Search from a point, by differences over steps to both sides, in sizes, or else STEP to one."""
         from scipy.optimize import least_squares
+
+        low, high, sizes = self.spans
+        # variables that are near 1, for SciPy's steps are shares of them
+        zero = np.array([key.low if key.held else key.start for key in self.keys]) - sizes
+
+        def point(variables: Array) -> Array:
+            return np.asarray(np.clip(zero + sizes * variables, low, high))
 
         try:
             end = least_squares(
-                self.residuals,
-                np.clip(start, *self.limits),
-                bounds=self.limits,
+                lambda variables: self.residuals(point(variables)),
+                (np.clip(start, low, high) - zero) / sizes,
+                bounds=[(limit - zero) / sizes for limit in (low, high)],
                 jac="2-point" if steps is None else "3-point",
                 diff_step=STEP if steps is None else steps,
                 x_scale="jac",
@@ -96,7 +94,7 @@ class Problem:
         except ValueError as error:
             said = self.rig.refused or error
             raise Refused(f"ranges must be such that the scene takes them: {said}") from error
-        return End(self, end.x, end.fun, end.jac, bool(end.success))
+        return End(self, point(end.x), end.fun, end.jac / sizes, bool(end.success))
 
 
 @dataclass(frozen=True)
@@ -105,7 +103,7 @@ class End:
 
     Attributes:
         problem: that was solved. point: shape (keys,). residuals: over noise, shape (residuals,). slopes: of
-            them along each variable, shape (residuals, keys). ended: whether the search came to an end.
+            them along each key, shape (residuals, keys). ended: whether the search came to an end.
     """
 
     problem: Problem
@@ -152,23 +150,29 @@ class End:
         return np.repeat(1.0 / np.append(self.scatter, 1.0), [part.size for part in self.parts])
 
     @property
+    def weighed(self) -> Array:
+        """The slopes, over the noise that is left."""
+        return self.slopes * self.weights[:, None]
+
+    @property
     def changes(self) -> Array:
-        """How far each variable moves the residuals, of the noise that is left."""
-        return np.asarray(np.linalg.norm(self.slopes * self.weights[:, None], axis=0))
+        """How far each key, changed by its size, moves the residuals, of the noise that is left."""
+        return np.asarray(np.linalg.norm(self.weighed, axis=0) * self.problem.spans[2])
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the variables, infinite where they cannot be told."""
-        size = np.outer(self.changes, self.changes)
-        weighed = self.slopes * self.weights[:, None]
+        """Covariance of the keys, infinite where they cannot be told."""
+        lengths = np.linalg.norm(self.weighed, axis=0)
+        size = np.outer(lengths, lengths)
+        squares = self.weighed.T @ self.weighed / np.where(size > 0.0, size, 1.0)
         try:
-            return np.asarray(np.linalg.inv(weighed.T @ weighed / np.where(size > 0.0, size, 1.0)) / size)
+            return np.asarray(np.linalg.inv(squares) / size)
         except np.linalg.LinAlgError:
             return np.full(size.shape, math.inf)
 
     @property
     def deviations(self) -> Array:
-        """Standard error of each variable, infinite where it cannot be told."""
+        """Standard error of each key, infinite where it cannot be told."""
         squares = np.diag(self.covariance)
         return np.sqrt(np.where(squares > 0.0, squares, math.inf))
 
@@ -176,18 +180,16 @@ class End:
     def errors(self) -> dict[str, float]:
         """Standard error of each key, SI, by name; infinite where it cannot be told."""
         pairs = zip(self.problem.keys, self.deviations.tolist(), strict=True)
-        return {key.name: abs(key.span) * one for key, one in pairs}
+        return {key.name: deviation for key, deviation in pairs}
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
         """Correlation of each pair of keys whose errors are known, by their names."""
-        # a span may be below 0
-        size = np.copysign(self.deviations, [key.span for key in self.problem.keys])
-        pairs = itertools.combinations(enumerate(self.problem.keys), 2)
+        errors = self.errors
+        places = {name: n for n, name in enumerate(errors) if math.isfinite(errors[name])}
         return {
-            (first.name, second.name): float(self.covariance[n, m] / (size[n] * size[m]))
-            for (n, first), (m, second) in pairs
-            if math.isfinite(size[n] * size[m])
+            (one, other): float(self.covariance[places[one], places[other]]) / (errors[one] * errors[other])
+            for one, other in itertools.combinations(places, 2)
         }
 
     @property
@@ -199,14 +201,14 @@ class End:
         """
         from scipy.special import stdtrit
 
-        keys, weights, deviations = self.problem.keys, self.weights, self.deviations
+        keys, deviations = self.problem.keys, self.deviations
         if not np.isfinite(deviations).all():
             return {key.name: (key.low, key.high) for key in keys}
         most, last = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)), deviations[-1]
         share = self.covariance[:, -1] / last
         # of the last one, where chi-squared is least, and its limits from there, in its standard errors
-        least = -last * float(self.slopes[:, -1] * weights @ (self.residuals * weights))
-        low, high = ((limit - self.point[-1]) / last - least for limit in keys[-1].limits)
+        least = -last * float(self.weighed[:, -1] @ (self.residuals * self.weights))
+        low, high = ((end - self.point[-1]) / last - least for end in (keys[-1].low, keys[-1].high))
         reach = math.hypot(most, np.clip(0.0, low, high))
         # an end of the ellipse, or where it meets the limit
         held = np.clip(np.outer([-reach, reach], share / deviations), low, high)
@@ -214,7 +216,7 @@ class End:
         across = np.array([[-1.0], [1.0]]) * alone * np.sqrt(np.maximum(reach**2 - held**2, 0.0))
         found = {}
         for key, ends in zip(keys, (self.point + share * (least + held) + across).T.tolist(), strict=True):
-            lower, upper = sorted(min(max(key.value(end), key.low), key.high) for end in ends)
+            lower, upper = (min(max(end, key.low), key.high) for end in ends)
             found[key.name] = lower, upper
         return found
 
@@ -233,9 +235,10 @@ class End:
         """The end with slopes over REACH standard errors to both sides, along the axes of their ellipse."""
         if not np.isfinite(self.deviations).all():
             return self
-        squares, axes = np.linalg.eigh(self.covariance)
-        ways = np.minimum(REACH * np.sqrt(np.abs(squares)), LARGEST_STEP)[:, None] * axes.T
-        low, high = (np.clip(self.point + side * ways, *self.problem.limits) for side in (-1.0, 1.0))
+        least, greatest, sizes = self.problem.spans
+        squares, axes = np.linalg.eigh(self.covariance / np.outer(sizes, sizes))
+        ways = sizes * np.minimum(REACH * np.sqrt(np.abs(squares)), LARGEST_STEP)[:, None] * axes.T
+        low, high = (np.clip(self.point + side * ways, least, greatest) for side in (-1.0, 1.0))
         before, after = ([self.problem.residuals(point) for point in points] for points in (low, high))
-        slopes = np.asarray((np.linalg.pinv(high - low) @ np.subtract(after, before)).T, dtype=float)
+        slopes = (np.linalg.pinv((high - low) / sizes) @ np.subtract(after, before)).T / sizes
         return replace(self, slopes=slopes) if np.isfinite(slopes).all() else self

@@ -1,9 +1,8 @@
 """Measurements: columns over time with their noise, and a scene read at the same times, as sensors show it.
 
-The times need not be communication points. The loop keeps its communication step, which is part of what is
-simulated: controllers sample at it. The FMU stops within a step at each time and is read there, so nothing is
-interpolated that jumps with the freewheels. A mean or peak over a step is that since the time before, the
-first since the start.
+The loop keeps its communication step, for controllers sample at it. The FMU stops within a step at each time
+and is read there: nothing is interpolated that jumps with the freewheels. A mean or peak over a step is that
+since the time before, the first since the start.
 """
 
 from __future__ import annotations
@@ -113,7 +112,7 @@ class Measurement:
             found.append((f"{GAIN}.{name}", "", 1.0, 1.0, math.inf))
             found.append((f"{SHIFT}.{name}", "s", 0.0, row, late))
         return {
-            name: Free(name, unit, usual - most, usual + most, start=usual, origin=usual, span=size)
+            name: Free(name, unit, usual - most, usual + most, start=usual, size=size)
             for name, unit, usual, size, most in found
         }
 
@@ -181,9 +180,6 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
 
 class Rig(SceneRunner):
     """A scene as the sensors of a measurement see it: an FMU that stops at their times within its steps.
-
-    Args:
-        scene: what stands in the rig. data: the measurement. fmu_path: the FMU of the module.
 
     Attributes:
         runs: of the scene so far. refused: why the scene refused values the last time, or "".

@@ -31,9 +31,8 @@ from ..common.terminal import Progress
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME
 from ..harness.results import write_columns, write_mat
-from ..harness.simulate import Result, communication_points
+from ..harness.simulate import Result
 from ..kernel.codes import AVERAGED
-from ..loops.sources import evaluate
 from ..scene import Scene, run_scene
 from .evaluation import read
 
@@ -44,8 +43,6 @@ LINK1, DRIVE = "link1", "drive_angle"
 BASES = {LINK1: "turn of link 1", DRIVE: "turn of the drive angle"}
 # an angle comes without whole turns, and these
 ANGLES = ("input_angle", "input_turns", "drive_angle", "drive_turns")
-# steps that are tried before the run
-TRIED = 20
 # components, in the fixed frame, of the force of imbalance 0 on its bearing, which is that mass times
 BEARING = {f"satellite_force_{axis}": f"imbalance_acceleration_{axis}" for axis in "xyz"}
 # what is looked at where nothing is asked for
@@ -160,24 +157,17 @@ class Orders:
 
     def lines(self, number: int = 5, hz: bool = False) -> dict[str, dict[str, str]]:
         """The largest lines as text, by signal and order; hz: speeds in rpm, with the frequency."""
-        rpm = factor_between("rad/s", "rpm")
         found: dict[str, dict[str, str]] = {}
         for name, lines in self.largest(number).items():
             unit, rows = self.units[name], found.setdefault(name, {})
             for line in lines:
                 several = f"{line.low:.4g} to {line.high:.4g}"
                 order = f"{line.order:.4g}" if line.low == line.high else several
-                place = f"{line.speed:.4g} rad/s"
-                if hz:
-                    place = f"{line.speed * rpm:.4g} rpm, {line.frequency:.4g} Hz"
+                speed = f"{line.speed * factor_between('rad/s', 'rpm'):.4g} rpm, {line.frequency:.4g} Hz"
+                place = speed if hz else f"{line.speed:.4g} rad/s"
                 most = f"most at {place}: {line.greatest:.4g} {unit}"
                 rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
         return found
-
-    @property
-    def bends(self) -> bool:
-        """Tell whether lines bend that are straight over the drive angle."""
-        return any(line.low < line.high for lines in self.largest().values() for line in lines)
 
     def _found(self, name: str) -> list[Line]:
         """The lines of a signal, the largest first.
@@ -231,7 +221,6 @@ class Orders:
             "of": BASES[self.of],
             "turns": self.turns,
             "windows": self.time.size,
-            "bends": self.bends,
             "signals": {
                 name: {
                     "unit": self.units.get(name, ""),
@@ -311,18 +300,33 @@ def spectra(
     Raises:
         Refused: turned does not rise, is too little for a window, or rows are too far apart.
     """
-    highest, per_window = highest_order(table.time, turned, highest), turns_of_window(turned, of, turns)
-    steps = np.diff(turned)
+    steps, all_turns = np.diff(turned), float(turned[-1] - turned[0])
+    still = np.flatnonzero(steps <= 0.0)
+    if still.size:
+        raise Refused(
+            f"the angle that orders are counted over must rise, does not at {table.time[still[0]]:g} s:"
+            " choose other times"
+        )
+    shown = 1.0 / (RECORDED * float(steps.max()))
+    if highest is not None and not 0.0 < highest <= shown * (1.0 + ROUNDING):
+        raise Refused(
+            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
+            " run.communication_step there are higher ones"
+        )
+    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
+    if not LEAST_TURNS <= per_window <= all_turns:
+        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
+        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
-    angle = np.arange(math.floor((turned[-1] - turned[0]) * samples) + 1) / samples
+    angle = np.arange(math.floor(all_turns * samples) + 1) / samples
     options: dict[str, Any] = {"fs": samples, "window": WINDOW, "nperseg": size, "noverlap": size // 2}
     options |= {"nfft": PADDING * size, "detrend": "linear", "scaling": "spectrum"}
     spectrum = {}
     for name in names:
         values = CubicSpline(turned - turned[0], table[name])(angle)
         order, middle, half = signal.spectrogram(values, mode="complex", **options)
-        order = order[order <= highest]
+        order = order[order <= (shown if highest is None else highest)]
         edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
         # half a line is at its negative order; phases from where the angle is 0, not from the window's begin
         whole = np.where(order > 0.0, 2.0, math.sqrt(2.0)) * half.T[:, : order.size]
@@ -344,33 +348,6 @@ def spectra(
         spectrum=spectrum,
         units={name: table.units.get(name, "") for name in names},
     )
-
-
-def turns_of_window(turned: Array, of: str, turns: float | None) -> float:
-    """Turns in a window, as asked for or as there are; see spectra."""
-    all_turns = float(turned[-1] - turned[0])
-    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
-    if not LEAST_TURNS <= per_window <= all_turns:
-        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
-        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
-    return per_window
-
-
-def highest_order(time: Array, turned: Array, highest: float | None) -> float:
-    """The highest order, as asked for or as the rows allow; see spectra."""
-    still = np.flatnonzero(np.diff(turned) <= 0.0)
-    if still.size:
-        raise Refused(
-            f"the angle that orders are counted over must rise, does not at {time[still[0]]:g} s: choose"
-            " other times"
-        )
-    shown = 1.0 / (RECORDED * float(np.diff(turned).max()))
-    if highest is not None and not 0.0 < highest <= shown * (1.0 + ROUNDING):
-        raise Refused(
-            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
-            " run.communication_step there are higher ones"
-        )
-    return shown if highest is None else highest
 
 
 def rounding(table: Result, name: str) -> float:
@@ -426,37 +403,14 @@ def orders(
     looked = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
     wanted = dict.fromkeys([*(BEARING.get(name, name) for name in looked), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(wanted)})
-
-    def looked_at(table: Result) -> Result:
-        """The rows that are looked at: without the rest that they begin with, if no begin is given."""
-        low, high = np.searchsorted(table.time, (first - 1e-9, last + 1e-9))
-        if begin is None:
-            low += int(np.argmax(np.diff(_turned(table, of)[low:high]) != 0.0))
-        return Result({name: values[low:high] for name, values in table.columns.items()}, table.units)
-
-    # what is sure to be refused after the run is refused now: by the speed that is given, else by first steps
-    step, before = scene.run.communication_step, None
-    told = of == LINK1 and not scene.parameters().get("input_hold")
-    given = scene.prescribed.get("omega1") if told else None
-    if given is not None:
-        times = communication_points(scene.run.stop_time, step)
-        held = [step * evaluate(given, at) for at in times[:-1]]  # the speed is held over a step
-        before = Result(
-            {"time": times, "input_angle": np.append(0.0, np.cumsum(held)), "input_turns": 0.0 * times}
-        )
-    elif record is None and first == 0.0 and TRIED * step < last:
-        before = run_scene(scene.replaced(run={"stop_time": TRIED * step}), fmu_path).record
-    if before is not None:
-        part = looked_at(before)
-        turned = _turned(part, of)
-        if begin is not None or np.ptp(turned) > 0.0:
-            highest_order(part.time, turned, highest)
-            if given is not None:
-                turns_of_window(turned, of, turns)
     record = run_scene(scene, fmu_path, progress).record if record is None else record
     mass = scene.parameters().get("imbalance_mass", BY_NAME["imbalance_mass"].start or 0.0)
     forces = {name: -mass * record[BEARING[name]] for name in looked if name in BEARING}
-    table = looked_at(Result(record.columns | forces, record.units | dict.fromkeys(forces, "N")))
+    low, high = np.searchsorted(record.time, (first - 1e-9, last + 1e-9))
+    if begin is None:  # without the rest that it begins with
+        low += int(np.argmax(np.diff(_turned(record, of)[low:high]) != 0.0))
+    columns = {name: values[low:high] for name, values in (record.columns | forces).items()}
+    table = Result(columns, record.units | dict.fromkeys(forces, "N"))
     swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
     if not swinging and signals is None:
         raise Refused(f"signals must swing, of {', '.join(looked)} none does")

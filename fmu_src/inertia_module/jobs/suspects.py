@@ -1,9 +1,8 @@
 """Suspects of a fit: what is not free in it and would, if it were, explain what the fit leaves.
 
-Each is freed by one more column of the Jacobian, which takes some runs: how far the residuals sink, with the
-noise of each column found anew, and where the answers go is then linear algebra. What counts is the ratio of
-the likelihoods with and without, less as far as the residuals that are left follow one another: rows that do
-say less. What explains much is then fitted in full.
+Each is freed by one more column of the Jacobian; how far the residuals sink and where answers go is then
+linear algebra. What counts is the ratio of the likelihoods with and without, less as far as the residuals
+that are left follow one another. What explains much is then fitted in full.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.variables import PARAMETER, REAL, VARIABLES, Group
 from ..scene import Scene
-from ..scene.keys import MECHANISM, unit_of
-from .axes import Free
+from ..scene.keys import MECHANISM
+from .axes import Free, as_given
 from .least_squares import Array, End, Problem
 from .measurement import CLOCK, GAIN, OFFSET, SHIFT, Measurement, lag_one
 
@@ -46,8 +45,8 @@ class Suspect:
     """Something that is not free in a fit, if it were.
 
     Attributes:
-        name: by dots. value, error: at which the residuals are least, and its standard error, SI; infinite
-            where it is told only together with what is free. usual: the value in the fit. unit: "" for none.
+        value, error: at which the residuals are least, and its standard error, SI; infinite where it is told
+            only together with what is free. usual: the value in the fit.
         other_unit: of a gain, that it is that of another unit, or "".
         evidence: twice the logarithm of the ratio of likelihoods; as chi-squared where it is chance.
         chi_squared: of the residuals before and after, by the noise that is left.
@@ -103,28 +102,18 @@ class Suspect:
 
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:
-    """The suspects of a fit: sensors, losses, masses and inertias, numbers of drive and load.
-
-    Args:
-        scene: as fitted. data: what is fitted. out: names of what is free in the fit, or known.
-    """
-    found = [one for one in data.sensors.values() if one.name != CLOCK or len(data.columns) > 1]
-    rows = [
-        (f"{MECHANISM}{one.name}", one.unit, one.ends, float(scene.given.get(one.name, one.start or 0.0)))
+    """The suspects of a fitted scene but those out: sensors, losses, masses, numbers of drive and load."""
+    names = [
+        f"{MECHANISM}{one.name}"
         for one in VARIABLES
         if one.causality == PARAMETER and one.kind == REAL and one.group in GROUPS
     ]
     for part in ("drive", "load"):
         table = getattr(scene, part)
-        for name, field in type(table).model_fields.items():
-            value = getattr(table, name)
-            if isinstance(value, float) and value:
-                rows.append((f"{part}.{name}", unit_of(field), (-math.inf, math.inf), value))
-    found += [
-        Free(name, unit, *ends, start=value, origin=value, span=abs(value) or FIRST)
-        for name, unit, ends, value in rows
-    ]
-    return [dataclasses.replace(one, span=0.01 * one.span) for one in found if one.name not in out]
+        names += [f"{part}.{name}" for name, value in table if isinstance(value, float) and value]
+    found = [one for one in data.sensors.values() if one.name != CLOCK or len(data.columns) > 1]
+    found += [as_given(name, scene) for name in names]
+    return [dataclasses.replace(one, size=0.01 * (one.size or FIRST)) for one in found if one.name not in out]
 
 
 def causes(suspects: Iterable[Suspect]) -> list[Suspect]:
@@ -183,14 +172,14 @@ def _freed(end: End, key: Free) -> End | None:
     The others give way to it, and a step that is as long as the data then allow counts what a tangent does
     not: where the others make up for nearly all of it, the little that is left is not of the curvature alone.
     """
-    problem, (low, high) = end.problem.with_key(key), key.limits
-    low, high = max(low - 1.0, -LONGEST), min(high - 1.0, LONGEST)
-    step = 1.0 if high > 0.0 else -1.0
+    problem, longest = end.problem.with_key(key), LONGEST * key.size
+    low, high = max(key.low - key.start, -longest), min(key.high - key.start, longest)
+    step = key.size if high > 0.0 else -key.size
     along, back = np.zeros(end.point.size), -np.linalg.pinv(end.slopes)
     slope: Array | None = None
     for _ in range(TRIES):
         step = min(max(step, low), high)
-        change = problem.residuals(np.append(end.point + step * along, 1.0 + step)) - end.residuals
+        change = problem.residuals(np.append(end.point + step * along, key.start + step)) - end.residuals
         if not np.isfinite(change).all():
             # what the scene refuses, it may take nearer
             step *= 0.1
@@ -212,11 +201,8 @@ def _freed(end: End, key: Free) -> End | None:
     last = min(max(least, low), high)
     point = back @ (end.residuals + slope * last)
     residuals = end.residuals + end.slopes @ point + slope * last
-    # a variable is to be near 1
-    size = last or 1.0
-    key = dataclasses.replace(key, span=size * key.span)
-    slopes = np.column_stack([end.slopes, size * slope])
-    point = np.append(end.point + point, 2.0 if last else 1.0)
+    key = dataclasses.replace(key, size=abs(last) or key.size)
+    slopes, point = np.column_stack([end.slopes, slope]), np.append(end.point + point, key.start + last)
     return End(end.problem.with_key(key), point, residuals, slopes, False)
 
 
@@ -228,7 +214,6 @@ def tried(end: End, keys: Sequence[Free], start: Array, progress: Progress) -> l
 
     Args:
         end: of the fit. keys: the suspects. start: point at which the fit began, of the keys at its end.
-        progress: told the share of them that was looked at.
     """
     freed, full = dict[str, End](), dict[str, End]()
     for n, key in enumerate(keys):
@@ -260,7 +245,7 @@ def tried(end: End, keys: Sequence[Free], start: Array, progress: Progress) -> l
     if not whole:
         for key in end.problem.rig.data.sensors.values():
             if key.name in {one.name for one in keys}:
-                fit(end.problem.with_key(key), np.append(start, 1.0))
+                fit(end.problem.with_key(key), np.append(start, key.start))
     for cause in causes(found.values()):
         if whole and cause.name in full:
             # with it anything else may be otherwise too

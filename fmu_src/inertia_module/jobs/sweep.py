@@ -25,13 +25,9 @@ CONSTANT = 1e-9
 
 
 class Share(NamedTuple):
-    """Sobol indices of a figure and a key: shares of the variance.
+    """Sobol indices of a figure and a key: shares of its variance, alone, and with what it does with others.
 
     Source: Saltelli et al. (2010), Variance based sensitivity analysis of model output, table 2.
-
-    Attributes:
-        figure, key: names. first_order: share that the key makes alone. total: with all that it does together
-            with others.
     """
 
     figure: str
@@ -65,11 +61,7 @@ class SweepResult:
         return [row for row in self.rows if row.refused]
 
     def figure(self, name: str) -> NDArray[np.float64]:
-        """Values of a figure, NaN where refused, shape (rows,).
-
-        Raises:
-            Refused: no row has it.
-        """
+        """Values of a figure, NaN where refused, shape (rows,); one that no row has is refused."""
         known = self.figures
         if name not in known:
             raise Refused(f"a figure must be one of the summary, is {name!r} {did_you_mean(name, known)}")
@@ -151,13 +143,9 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
 def indices(
     axes: Sequence[Axis], number: int, seed: int, evaluate: Evaluate
 ) -> tuple[list[Share], list[Row]]:
-    """Compute Sobol indices of all figures that vary from n (d + 2) runs; with the rows of these.
+    """Compute Sobol indices of all figures that vary over d independent, uniform ranges; with n (d + 2) rows.
 
-    Args:
-        axes: the d ranges, independent and uniform. number: n, a power of 2. seed: of the points.
-
-    Raises:
-        Refused: number is no power of 2, or a point was refused: indices take whole ranges.
+    Refused are a number n that is no power of 2, and a point that is refused: indices take whole ranges.
     """
     from scipy.stats import sobol_indices, uniform
 

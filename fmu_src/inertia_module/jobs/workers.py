@@ -59,10 +59,10 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         return evaluate(self.local.figures_of, points)
 
 
-def _evaluated_here(name: str, points: list[Point]) -> str:
-    """Evaluate points on this worker; the rows as text, which is how they are kept."""
+def _evaluated_here(name: str, points: list[Point]) -> Batch:
+    """Evaluate points on this worker."""
     plugin: TaskPlugin = get_worker().plugins[name]
-    return plugin.evaluate(points).text()
+    return plugin.evaluate(points)
 
 
 @contextlib.contextmanager
@@ -70,9 +70,8 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
     """Connect a client whose workers know a task.
 
     Args:
-        task: what is evaluated. scheduler: address of one that runs, such as tcp://host:8786; without it a
-            cluster of processes is started on this machine. workers: how many of them; by default one for
-            each core.
+        task: what is evaluated. scheduler: address of one that runs; without it a cluster of processes is
+            started on this machine. workers: how many of them; by default one for each core.
 
     Raises:
         OSError: there is no scheduler at this address.
@@ -116,7 +115,7 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
             suspects = max(suspects - 1, 0)
         try:
             future = wait(list(under_way), timeout=PATIENCE, return_when="FIRST_COMPLETED").done.pop()
-            found = Batch.of(future.result(timeout=PATIENCE))
+            found: Batch = future.result(timeout=PATIENCE)
             del under_way[future]
         except TimeoutError:
             if client.cluster is not None:

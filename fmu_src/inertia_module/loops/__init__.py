@@ -2,7 +2,6 @@
 
 Loads, controllers and sources are systems in discrete time, which closed_loop.py connects, with systems of
 python-control too. What an engine in front of the module needs is in engine.py.
-Each file says what is public of it.
 """
 
 from . import closed_loop, controllers, engine, loads, sources

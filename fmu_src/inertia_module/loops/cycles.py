@@ -15,39 +15,26 @@ TIME_TOLERANCE = 1.0
 
 
 @dataclass(frozen=True)
-class Operation:
-    """One operation of a driving cycle; the speed changes linearly to the one reached at its end.
-
-    Attributes:
-        duration: s. speed: reached at the end, km/h as published. kind: in the words of the regulation.
-    """
-
-    duration: float
-    speed: float
-    kind: str
-
-
-@dataclass(frozen=True)
 class Cycle:
     """A driving cycle: vehicle speed, linear between breakpoints.
 
     Attributes:
-        name: as scenes call it. operations: one after the other, from standstill. source: where published.
+        name: as scenes call it. operations: one after the other, from standstill: how long each takes, s, and
+            the speed that is reached at its end, km/h as published.
     """
 
     name: str
-    operations: tuple[Operation, ...]
-    source: str
+    operations: tuple[tuple[float, float], ...]
 
     @property
     def time(self) -> NDArray[np.float64]:
         """Breakpoints, s, one more than operations."""
-        return np.concatenate([[0.0], np.cumsum([operation.duration for operation in self.operations])])
+        return np.concatenate([[0.0], np.cumsum([duration for duration, _ in self.operations])])
 
     @property
     def speed(self) -> NDArray[np.float64]:
         """Speeds at the breakpoints, m/s."""
-        published = [0.0, *(operation.speed for operation in self.operations)]
+        published = [0.0, *(speed for _, speed in self.operations)]
         return np.array(published) * KILOMETRE_PER_HOUR
 
     @property
@@ -79,45 +66,20 @@ class Cycle:
         return np.maximum(speeds.min(axis=1) - SPEED_TOLERANCE, 0.0), speeds.max(axis=1) + SPEED_TOLERANCE
 
 
-_IDLING = "idling"
-_ACCELERATION = "acceleration"
-_STEADY = "steady speed"
-_GEAR_CHANGE = "gear-changing"
-_DECELERATION = "deceleration"
-_CLUTCH_OPEN = "deceleration, clutch disengaged"
-
-# An inertia module has no gears: the gear-changing operations are driven at constant speed, and the
-# clutch that is to be disengaged is the output freewheel, which opens by itself. The way is 1.018 km
-# so; the regulation gives 1.013 km and a mean speed of 19 km/h (18.8 km/h here).
+# UN Regulation No. 83 (Directive 70/220/EEC), type I test, part one, table 1. An inertia module has no gears:
+# the gear-changing operations are driven at constant speed, and the clutch that is to be disengaged is the
+# output freewheel, which opens by itself. The way is 1.018 km so; the regulation gives 1.013 km and a mean
+# speed of 19 km/h (18.8 km/h here).
 ELEMENTARY_URBAN_CYCLE = Cycle(
     name="ECE R15",
-    source="UN Regulation No. 83 (Directive 70/220/EEC), type I test, part one, table 1",
     operations=(
-        Operation(11.0, 0.0, _IDLING),
-        Operation(4.0, 15.0, _ACCELERATION),
-        Operation(8.0, 15.0, _STEADY),
-        Operation(2.0, 10.0, _DECELERATION),
-        Operation(3.0, 0.0, _CLUTCH_OPEN),
-        Operation(21.0, 0.0, _IDLING),
-        Operation(5.0, 15.0, _ACCELERATION),
-        Operation(2.0, 15.0, _GEAR_CHANGE),
-        Operation(5.0, 32.0, _ACCELERATION),
-        Operation(24.0, 32.0, _STEADY),
-        Operation(8.0, 10.0, _DECELERATION),
-        Operation(3.0, 0.0, _CLUTCH_OPEN),
-        Operation(21.0, 0.0, _IDLING),
-        Operation(5.0, 15.0, _ACCELERATION),
-        Operation(2.0, 15.0, _GEAR_CHANGE),
-        Operation(9.0, 35.0, _ACCELERATION),
-        Operation(2.0, 35.0, _GEAR_CHANGE),
-        Operation(8.0, 50.0, _ACCELERATION),
-        Operation(12.0, 50.0, _STEADY),
-        Operation(8.0, 35.0, _DECELERATION),
-        Operation(13.0, 35.0, _STEADY),
-        Operation(2.0, 35.0, _GEAR_CHANGE),
-        Operation(7.0, 10.0, _DECELERATION),
-        Operation(3.0, 0.0, _CLUTCH_OPEN),
-        Operation(7.0, 0.0, _IDLING),
+        # idling, acceleration, steady speed, deceleration, and the last of it with the clutch disengaged
+        *((11.0, 0.0), (4.0, 15.0), (8.0, 15.0), (2.0, 10.0), (3.0, 0.0)),
+        # with a change of gears on the way up
+        *((21.0, 0.0), (5.0, 15.0), (2.0, 15.0), (5.0, 32.0), (24.0, 32.0), (8.0, 10.0), (3.0, 0.0)),
+        # with two, and one on the way down from a second steady speed; idling at the end
+        *((21.0, 0.0), (5.0, 15.0), (2.0, 15.0), (9.0, 35.0), (2.0, 35.0), (8.0, 50.0), (12.0, 50.0)),
+        *((8.0, 35.0), (13.0, 35.0), (2.0, 35.0), (7.0, 10.0), (3.0, 0.0), (7.0, 0.0)),
     ),
 )
 

@@ -226,31 +226,26 @@ def vehicle_load(
             radius * max(brake_force, 0.0),
         )
 
-    if coupling is None:
-        advance = step * radius
-
-        def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
-            speed = radius * u[0]
-            drag, climb, rolling, brake = road(speed, x[0], u[1])
-            friction = rolling + brake
-            if not one_way:
-                # the drive's part of the free speed is not known here: it shows in the next step
-                effect = step / inertia
-                friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
-            parts = drag, climb, *_shared(friction, rolling, brake)
-            return (drag + climb + friction, u[0], speed, x[0], *parts), [x[0] + advance * u[0]]
-
-    else:
+    if coupling is not None:
         a, b = sample_coupled(inertia, coupling, 0.0, step)
 
-        def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
-            drag, climb, rolling, brake = road(radius * x[1], radius * x[2], u[1])
+    def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
+        speed, distance = (u[0], x[0]) if coupling is None else (x[1], radius * x[2])
+        drag, climb, rolling, brake = road(radius * speed, distance, u[1])
+        friction = rolling + brake
+        if coupling is not None:
             free = a @ x + b @ [u[0], drag + climb]
-            friction = dry_friction(free[1], -b[1, 1], rolling + brake)
-            parts = drag, climb, *_shared(friction, rolling, brake)
-            torque = coupling.torque(x[0], u[0] - x[1])
-            following = a @ x + b @ [u[0], sum(parts)]
-            return (torque, x[1], radius * x[1], radius * x[2], *parts), following.tolist()
+            friction = dry_friction(free[1], -b[1, 1], friction)
+        elif not one_way:
+            # the drive's part of the free speed is not known here: it shows in the next step
+            effect = step / inertia
+            friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
+        parts = drag, climb, *_shared(friction, rolling, brake)
+        torque, following = drag + climb + friction, [distance + step * radius * speed]
+        if coupling is not None:
+            torque = coupling.torque(x[0], u[0] - speed)
+            following = (a @ x + b @ [u[0], sum(parts)]).tolist()
+        return (torque, speed, radius * speed, distance, *parts), following
 
     states = ("distance",) if coupling is None else COUPLED
     inputs = ["omega_out", "brake_force"]
