@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
@@ -73,7 +74,7 @@ def _at_start(model: Model) -> tuple[Any, ...]:
 class Run(ctypes.Structure):
     """Many steps in one call: struct run of fmu/shell/instance.h, and with its end that of compiling/entry.c.
 
-    Args: as of harness.fmu.Fmu.take_steps, with addresses of what says which inputs and outputs they are.
+    Args: as of Plant.take_steps, with addresses of what says which inputs and outputs they are.
     """
 
     _fields_: ClassVar[Any] = (
@@ -91,7 +92,42 @@ class Run(ctypes.Structure):
         self.row_size = rows.strides[0] // rows.itemsize
 
 
-class ModelInstance:
+class Plant(ABC):
+    """A plant, stepped and read by names: an FMU, a model in memory, or one of these with more around it."""
+
+    @abstractmethod
+    def set(self, **values: float) -> None:
+        """Set inputs."""
+
+    @abstractmethod
+    def advance(self, step: float) -> None:
+        """Advance by a communication step, s."""
+
+    @abstractmethod
+    def read(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Read values."""
+
+    def take_steps(
+        self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
+    ) -> None:
+        """Take many steps: one by one, unless a kind of plant has one call for them, with the same bits.
+
+        Args:
+            lengths: of the steps, s, shape (steps,). inputs: names. given: values, shape (steps, inputs).
+            outputs: names. rows: for values at the start and after each step, shape (steps + 1, outputs).
+                Each array, and each of the rows, lies in one piece.
+
+        Raises:
+            Refused: an unknown name, a value or a step; the plant is as it was before that step.
+        """
+        rows[0] = self.read(outputs)
+        for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
+            self.set(**dict(zip(inputs, values, strict=True)))
+            self.advance(length)
+            row[:] = self.read(outputs)
+
+
+class ModelInstance(Plant):
     """A model in memory: set parameters and inputs, start, step, read.
 
     Args:
@@ -236,21 +272,16 @@ class ModelInstance:
 
     def take_steps(
         self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
-    ) -> bool:
-        """Take steps in one call of a compiled kernel; tell whether that can be, else nothing is done.
-
-        Args: as of harness.fmu.Fmu.take_steps.
-
-        Raises:
-            Refused: bad inputs or a bad step, or work without end; the state is as it was before that step.
-        """
+    ) -> None:
+        """Take steps, in one call of a compiled kernel: see Plant."""
         ends = {one.name: one.ends for one in self.model.with_causality(INPUT)}
         within = ends.keys() >= set(inputs) and all(
             ((ends[name][0] <= values) & (values <= ends[name][1])).all()
             for name, values in zip(inputs, given.T, strict=True)
         )
         if self._compiled is None or not self.started or not within:
-            return False
+            super().take_steps(lengths, inputs, given, outputs, rows)
+            return
         places = [(ctypes.c_void_p * len(names))(*map(self._address, names)) for names in (inputs, outputs)]
         set_at, read_at = map(ctypes.addressof, places)
         asked = Run(lengths, set_at, given, read_at, rows)
@@ -260,7 +291,6 @@ class ModelInstance:
         status = self._compiled.inertia_module_kernel_run(ctypes.addressof(asked))
         if status != codes.OK:
             raise Refused(self.explain(status, float(lengths[asked.steps])))
-        return True
 
     def _address(self, name: str) -> int:
         record = RECORD_OF[self.model.by_name[name].causality]

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import FmuError, did_you_mean
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
-from ..memory import Run
+from ..memory import Plant, Run
 
 if TYPE_CHECKING:
     from .loading import Unpacked
@@ -60,19 +60,6 @@ class Closing:
         self.close()
 
 
-class Plant(Protocol):
-    """Plant of a loop: the part of Fmu that a loop needs."""
-
-    def set(self, **values: float) -> None:
-        """Set inputs by name."""
-
-    def advance(self, step: float) -> None:
-        """Advance by a communication step, s."""
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Read values by name."""
-
-
 def run(
     plant: Plant,
     lengths: Array,
@@ -98,25 +85,11 @@ def run(
     done, number = 0, FIRST_STEPS
     while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
-        take_steps(plant, lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1])
+        plant.take_steps(lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1])
         number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
         done = end
         if progress is not None:
             progress(done / lengths.size)
-
-
-def take_steps(
-    plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-) -> None:
-    """Take steps, in one call if the plant offers it, else one by one; arguments as of Fmu.take_steps."""
-    in_one_call = getattr(plant, "take_steps", None)
-    if in_one_call is not None and in_one_call(lengths, inputs, given, outputs, rows):
-        return
-    rows[0] = plant.read(outputs)
-    for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
-        plant.set(**dict(zip(inputs, values, strict=True)))
-        plant.advance(length)
-        row[:] = plant.read(outputs)
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -213,7 +186,7 @@ class Kept(NamedTuple):
     time: float
 
 
-class Fmu(Closing):
+class Fmu(Plant, Closing):
     """One co-simulation instance of an FMU, 2.0 or 3.0, initialised and ready to step; a context manager.
 
     Those of FMI 3.0 run without event mode and early return.
@@ -253,7 +226,6 @@ class Fmu(Closing):
         self._kept: list[Kept] = []
         self._unpacked: Unpacked | None = None
         self._instance: Any = None
-        self._readers: dict[tuple[str, ...], tuple[Array, Run]] = {}
         self._arrays: dict[tuple[str, ...], Any] = {}
         try:
             self._load()
@@ -351,16 +323,13 @@ class Fmu(Closing):
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
         """Read values by names, or one alone, of any type, as floats."""
         key = as_names(names)
-        if key not in self._readers:
-            row = np.empty((1, len(key)))
-            self._readers[key] = row, Run(NO_STEPS, 0, NO_INPUTS, self._address(key), row)
-        row, reading = self._readers[key]
+        row = np.empty((1, len(key)))
         if getattr(self._instance, RUN, None) is not None:
-            self._call(RUN, self._instance.component, byref(reading))
+            Fmu.take_steps(self, NO_STEPS, (), NO_INPUTS, key, row)
             return tuple(row[0].tolist())
         kinds: dict[str, list[int]] = {}
         for place, name in enumerate(key):
-            kinds.setdefault(self._kind(self.variables[name]), []).append(place)
+            kinds.setdefault(self._kind(self._variable(name)), []).append(place)
         for kind, places in kinds.items():
             row[0, places] = self._call(f"get{kind}", self._references([key[place] for place in places]))
         return tuple(row[0].tolist())
@@ -392,18 +361,11 @@ class Fmu(Closing):
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-    ) -> bool:
-        """Take steps in one call, and tell whether the FMU offers that; else nothing is done.
-
-        Args:
-            lengths: of the steps, s; like outputs and rows as of run. inputs: names. given: their values,
-                shape (steps, inputs). Each array, and each of the rows, lies in one piece.
-
-        Raises:
-            FmuError: an unknown name, or the FMU refused a value or a step; it is as it was before that.
-        """
+    ) -> None:
+        """Take steps, in one call where the FMU offers that: see Plant."""
         if getattr(self._instance, RUN, None) is None:
-            return False
+            super().take_steps(lengths, inputs, given, outputs, rows)
+            return
         asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
         asked.time = self.time
         try:
@@ -412,7 +374,6 @@ class Fmu(Closing):
             raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
         finally:
             self.time = asked.time
-        return True
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""

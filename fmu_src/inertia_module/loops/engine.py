@@ -11,7 +11,7 @@ linear under a constant load T, and a step of any length is exact, works and imp
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -22,7 +22,7 @@ import numpy as np
 from ..harness.fmu import Fmu, FmuError
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..kernel.links import inertia_at_input
-from ..memory import Module
+from ..memory import Module, Plant
 from .sources import Table, between
 
 __all__ = [
@@ -265,7 +265,7 @@ class Ledger:
         return self.fmu_steps + 2 * self.derivatives
 
 
-class EnginePlant(ABC):
+class EnginePlant(Plant):
     """An engine in front of a module: a plant whose omega1 is the speed the governor is asked for.
 
     Args:
