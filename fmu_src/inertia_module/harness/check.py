@@ -200,9 +200,9 @@ def check_fmu(path: Path) -> Report:
     _step(path, description, report)
     if getattr(description.coSimulation, "hasEventMode", False):
         _step(path, description, report, events=True)
-    content, step = unpacked(path), getattr(description.defaultExperiment, "stepSize", None)
+    folder, step = Path(unpacked(path.read_bytes())), getattr(description.defaultExperiment, "stepSize", None)
     try:
-        carried = experiments(Path(content.folder))
+        carried = experiments(folder)
     except UNREADABLE as error:
         report.problems.append(f"the experiments that it carries along cannot be read: {error}")
         return report

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from ..common.errors import FmuError, did_you_mean
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
 from ..memory import Plant, Run
-
-if TYPE_CHECKING:
-    from .loading import Unpacked
 
 __all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu", "run"]
 
@@ -224,7 +221,6 @@ class Fmu(Plant, Closing):
         self._log = Log()
         self.messages, self.warnings = self._log.messages, self._log.warnings
         self._kept: list[Kept] = []
-        self._unpacked: Unpacked | None = None
         self._instance: Any = None
         self._arrays: dict[tuple[str, ...], Any] = {}
         try:
@@ -244,7 +240,7 @@ class Fmu(Plant, Closing):
 
         description = read_description(self.path)
         try:
-            self._unpacked = unpacked(self.path)
+            folder = unpacked(self.path.read_bytes())
         except Exception as error:
             raise FmuError(f"{self.path} must be an FMU: {error}") from error
         if description.fmiVersion not in _CALLS or description.coSimulation is None:
@@ -253,7 +249,7 @@ class Fmu(Plant, Closing):
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
-            self._instance = instantiate(description, self._unpacked.folder, self.path.stem, self._log)
+            self._instance = instantiate(description, folder, self.path.stem, self._log)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
             raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error
@@ -262,14 +258,13 @@ class Fmu(Plant, Closing):
         """Prepare what a kind of instance needs before the end of its initialisation."""
 
     def close(self) -> None:
-        """Terminate and free the instance; the last one of its FMU removes what was unpacked."""
+        """Terminate and free the instance."""
         if self._instance is not None and getattr(self._instance, "component", None):
             with contextlib.suppress(Exception):
                 self._instance.terminate()
             self._instance.freeInstance()
         self._instance = None
         self._kept.clear()
-        self._unpacked = None
 
     def _call(self, function: str, *arguments: Any) -> Any:
         """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""

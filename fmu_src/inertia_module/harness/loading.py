@@ -5,15 +5,13 @@ Importing it imports fmpy.
 
 from __future__ import annotations
 
-import hashlib
 import io
 import shutil
 import tempfile
-import threading
 import weakref
 from ctypes import byref, c_void_p
+from functools import cache
 from multiprocessing.util import Finalize
-from pathlib import Path
 from typing import Any
 
 from fmpy import extract, fmi2
@@ -24,38 +22,15 @@ from fmpy.logging import addLoggerProxy
 from .fmu import DISCARD, RUN, WARNING, Log
 
 
-class Unpacked:
-    """Folder with an FMU's content: removed with the last reference to it, or when the process ends.
-
-    Args:
-        content: of the FMU's file.
-    """
-
-    def __init__(self, content: bytes) -> None:
-        self.folder = tempfile.mkdtemp(prefix="fmu-")
-        # also at the end of processes that multiprocessing has forked, which atexit knows nothing of; after
-        # those that this one has forked, which leave the folder to it
-        remove = Finalize(self, shutil.rmtree, args=(self.folder, True), exitpriority=-1)
-        try:
-            extract(io.BytesIO(content), self.folder)
-        except BaseException:
-            remove()
-            raise
-
-
-_lock = threading.Lock()
-# by the content of the FMU's file
-_copies: weakref.WeakValueDictionary[str, Unpacked] = weakref.WeakValueDictionary()
-
-
-def unpacked(path: Path) -> Unpacked:
-    """Unpack an FMU, or find the copy that another instance in this process holds."""
-    content = path.read_bytes()
-    key = hashlib.sha256(content).hexdigest()
-    with _lock:
-        copy = _copies.get(key) or Unpacked(content)
-        _copies[key] = copy
-        return copy
+@cache
+def unpacked(content: bytes) -> str:
+    """Unpack the content of an FMU's file, once for this process, to a folder that goes when it ends."""
+    folder = tempfile.mkdtemp(prefix="fmu-")
+    # also at the end of processes that multiprocessing has forked, which atexit knows nothing of; after
+    # those that this one has forked, which leave the folder to it
+    Finalize(None, shutil.rmtree, args=(folder, True), exitpriority=-1)
+    extract(io.BytesIO(content), folder)
+    return folder
 
 
 # of the environment that callbacks carry; of instances that fmpy makes itself, which carry none
