@@ -37,7 +37,7 @@ from .common.files import (
     write_text,
 )
 from .common.terminal import progress_bar, terminal
-from .common.units import factor_between, split_quantity, to_si
+from .common.units import factor_between, number_of, split_quantity
 
 if TYPE_CHECKING:
     from .fidelity.trials import Choice
@@ -161,7 +161,7 @@ def turning(text: str) -> float:
     from .contract.variables import LARGEST_SPEED
 
     try:
-        omega1 = to_si(text, "rad/s")
+        omega1 = number_of(text, "rad/s")
         if not 0.0 < abs(omega1) <= LARGEST_SPEED:
             raise ValueError("it is at rest or too fast")
     except ValueError as error:

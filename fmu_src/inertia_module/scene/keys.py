@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
 from ..common.errors import Refused, did_you_mean, must_be
-from ..common.units import allowed_number, number_of, to_si
+from ..common.units import allowed_number, number_of
 from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
 from ..harness.results import TableError, read_columns
 from ..loops.sources import Signal, Table
@@ -48,7 +48,7 @@ def checked(
     """
     sentence = f"must be {allowed_number(unit, minimum, maximum, above)}, is {value!r}"
     try:
-        number = to_si(value, unit)
+        number = number_of(value, unit)
     except ValueError as error:
         raise ValueError(f"{sentence}: {error}") from None
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
