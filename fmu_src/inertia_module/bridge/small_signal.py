@@ -6,21 +6,10 @@ its own functions:
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
 At lock-up (omega_out = omega1) the FMU holds the two together; here the torque drops to zero above ratio 1,
-and a solver would chatter there: it is for ratios below. omega1 is an input; of a module driven by torque
-there is the FMU itself (fmu_system).
+and a solver would chatter there: it is for ratios below.
 
 A response is measured as on a test bed: a plant runs at constant inputs until it has settled, then a small
 sine is added to one input, and after the transient the sine of that frequency in the outputs is fitted.
-
-- **Input.** The load torque is held over a step at its value at the middle of the step; omega1 goes linearly
-  from sample to sample (by input derivatives: a native FMU is needed). Neither lags; the loss of amplitude,
-  sinc(f h) or its square, is divided out.
-- **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
-  as well.
-- **Fit.** Least squares under a Hann window over a whole number of periods. The pulses are no multiple of the
-  sine, but a record of N periods separates frequencies that differ by more than 2/N of it, and beyond that
-  leakage falls with the cube of the distance. The step has to be so short that pulses do not alias: some 20
-  steps to a pulse.
 """
 
 from __future__ import annotations
@@ -165,7 +154,11 @@ MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torq
 
 
 def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
-    """Fit z of Im(z exp(2 pi i f t)) in values over whole periods, and their mean, under a Hann window."""
+    """Fit z of Im(z exp(2 pi i f t)) in values over whole periods, and their mean, under a Hann window.
+
+    Pulses are no multiple of the sine, but of N periods the window separates what is more than 2/N of the
+    frequency apart, and leakage beyond falls with the cube of the distance.
+    """
     window = 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(time.size) + 0.5) / time.size)
     angle = 2.0 * math.pi * frequency * time
     drift = (time - time.mean()) / float(np.ptp(time))
@@ -192,6 +185,8 @@ class SineBench:
         before = math.ceil(settling / step)
         periods = max(10, math.ceil(record * frequency))
         last = before + round(periods / (frequency * step))
+        # omega1 goes linearly from sample to sample, the load is held at its value at the middle of a step:
+        # neither lags, nor does a mean at the middle of its step; all lose amplitude by powers of sinc(f h)
         ramped = excited == SPEED
         turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
         values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * turns)).tolist()
