@@ -12,8 +12,8 @@ from .files import PACKAGE_FOLDER
 # in a wheel they are in the package, in a clone beside it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
 KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "studies/*.py")
-# a part of another example
-PARTS = ("speed_control_report.py",)
+# parts of another example
+PARTS = ("speed_control_margins.py", "speed_control_report.py")
 
 
 @cache
