@@ -37,14 +37,7 @@ def cache_folder() -> Path:
 
 
 def sources(*patterns: str) -> dict[str, bytes]:
-    """Files of this package: path within it, and content.
-
-    Args:
-        patterns: paths within the package; `*` stands for any name.
-
-    Raises:
-        FileNotFoundError: a pattern finds no file.
-    """
+    """Files of this package by path within it; `*` in a pattern stands for any name, each finds a file."""
     found: dict[str, bytes] = {}
     for pattern in patterns:
         paths = [path for path in PACKAGE_FOLDER.glob(pattern) if path.is_file()]
@@ -71,11 +64,7 @@ def _is_there(path: Path) -> bool:
 
 
 def writable_folder(folder: Path) -> Path:
-    """The folder, if files can be written to it or it can be made; it is not made yet.
-
-    Raises:
-        OSError: they cannot; why, in a sentence.
-    """
+    """The folder, if files can be written to it or it can be made; else an OSError. It is not made yet."""
     demand = f"{folder} must be a folder that can be written to"
     try:
         place = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
@@ -89,11 +78,7 @@ def writable_folder(folder: Path) -> Path:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is either whole or not there, whoever else writes it.
-
-    Raises:
-        OSError: its folder cannot be written to.
-    """
+    """Write a file so that it is either whole or not there, whoever else writes it."""
     writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
     try:
@@ -137,9 +122,6 @@ def kept(name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes]) -
     Args:
         name: of the file, to which a hash is added. made_from: all that the content depends on, by names.
         make: gives the content.
-
-    Raises:
-        OSError: the folder cannot be written to.
     """
     path = cache_folder() / name
     path = path.with_stem(f"{path.stem}-{content_hash(made_from)[:16]}")

@@ -47,11 +47,7 @@ _SYMBOLS: dict[str, tuple[float, Dimension]] = {
 
 
 def parse_unit(text: str) -> tuple[float, Dimension]:
-    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m^2 or km/h.
-
-    Raises:
-        ValueError: a symbol is unknown.
-    """
+    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m^2 or km/h."""
     factor = 1.0
     dimension: Counter[str] = Counter()
     for place, group in enumerate(text.split("/")):
@@ -69,11 +65,7 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
 
 
 def factor_between(unit: str, wanted: str) -> float:
-    """Factor from a unit to the unit wanted.
-
-    Raises:
-        ValueError: they are not of one dimension, or one of them is not known.
-    """
+    """Factor from a unit to the unit wanted; a ValueError where these are unknown or of two dimensions."""
     if unit == wanted:
         return 1.0
     (factor, dimension), (to, needed) = parse_unit(unit), parse_unit(wanted)
@@ -83,11 +75,7 @@ def factor_between(unit: str, wanted: str) -> float:
 
 
 def split_quantity(text: str) -> tuple[float, str]:
-    """The number and the unit ("" if there is none) of a string such as '1000 rpm'.
-
-    Raises:
-        ValueError: it does not begin with a number.
-    """
+    """The number and the unit ("" if there is none) of a string such as '1000 rpm'; else a ValueError."""
     match = _NUMBER.match(text)
     if match is None:
         raise ValueError("it is not a number with a unit")

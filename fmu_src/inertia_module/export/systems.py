@@ -89,10 +89,9 @@ def make_plan(
     """Plan the system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
 
     Args:
-        title: of the system.
         values: parameters of the module that differ from their start values.
         inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
-        step: communication step, s. stop_time: s.
+        title, step, stop_time: as of Plan.
     """
     own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
     own.setdefault("tolerance", 1e-6)
@@ -249,16 +248,9 @@ def with_integers(fmu: bytes) -> bytes:
 
 
 def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) -> list[Path]:
-    """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder.
+    """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder; the paths of these files.
 
-    Args:
-        plan: the system. folder: made if it is not there. progress: called with each stage as it begins.
-
-    Returns:
-        Paths of the files.
-
-    Raises:
-        CompilationUnavailable: the native FMUs cannot be built here.
+    CompilationUnavailable is raised where the native FMUs cannot be built. Progress is told each stage.
     """
     fmus = {}
     for part in plan.parts:

@@ -96,11 +96,7 @@ def _experiment(one: ElementTree.Element, folder: Path) -> Experiment:
 
 
 def experiments(folder: Path) -> list[Experiment]:
-    """Experiments with results that an FMU carries along; folder: with its content.
-
-    Raises:
-        OSError, SyntaxError, LookupError, ValueError: a file is missing or not as the standards have it.
-    """
+    """Experiments with results that an FMU carries along in the folder of its content; else UNREADABLE."""
     manifest, found, results = folder / MANIFEST, list[Experiment](), list[Path]()
     if not manifest.is_file():
         return found
@@ -116,11 +112,7 @@ def experiments(folder: Path) -> list[Experiment]:
 
 
 def deviations(one: Experiment, expected: Result, table: Result) -> Iterator[Deviation]:
-    """Worst deviations of the table of a run, up to its end, from what its experiment has for results.
-
-    Raises:
-        TableError: the table has not all of their columns.
-    """
+    """Worst deviations of the table of a run, up to its end, from what its experiment has for results."""
     rows = max(int(np.searchsorted(expected.time, table.time[-1], "right")), 1)
     for name in expected.names[1:]:
         apart = np.abs(np.interp(expected.time, table.time, table[name]) - expected[name])[:rows]

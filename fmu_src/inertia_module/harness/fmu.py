@@ -65,17 +65,7 @@ def run(
     rows: Array,
     progress: Progress | None = None,
 ) -> None:
-    """Run a plant with given inputs: many steps in one call where it can do so, with the same bits.
-
-    Args:
-        plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
-        inputs: by name, for each step, shape (steps,). outputs: names.
-        rows: for the outputs at the start and after each step, shape (steps + 1, outputs).
-        progress: called with the share of the run that is done, 0 to 1.
-
-    Raises:
-        Refused: as set, advance and read of the plant.
-    """
+    """Run a started plant with inputs by name, shape (steps,) each; all else as of Plant.take_steps."""
     lengths, given = np.ascontiguousarray(lengths), np.empty((lengths.size, len(inputs)))
     for column, values in zip(given.T, inputs.values(), strict=True):
         column[:] = values
@@ -95,11 +85,7 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def fmu_file(path: Path | str | None) -> Path:
-    """The path of an FMU file; without one that of the module, as it comes with the package or is built.
-
-    Raises:
-        RuntimeError: it is to be compiled, and cannot be.
-    """
+    """The path of an FMU file; without one that of the module, as it comes with the package or is built."""
     if path is not None:
         return Path(path)
     from ..fmu.builder import current_fmu
@@ -110,11 +96,7 @@ def fmu_file(path: Path | str | None) -> Path:
 def read_description(path: Path, validate: bool = True) -> Any:
     """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
 
-    Args:
-        path: of the file. validate: whether what is against the standard is refused.
-
-    Raises:
-        FmuError: there is no such file, or it is no FMU.
+    Refused where there is no FMU, and with validate what is against the standard too.
     """
     from fmpy import read_model_description
 

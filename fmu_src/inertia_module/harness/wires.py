@@ -123,13 +123,8 @@ def check_wiring(
 ) -> None:
     """Refuse wires that cannot work, before anything runs.
 
-    Args:
-        nodes: FMUs by name. descriptions: fmpy's model description of each. wires: between them.
-        step: at which values are exchanged, s.
-
-    Raises:
-        WiringError: an unknown name, another kind or unit, an input driven twice or not at all, an algebraic
-            loop, or a step that is none.
+    That is an unknown name, another kind or unit, an input driven twice or not at all, an algebraic loop, or
+    a step, s, that is none. The descriptions are fmpy's.
     """
     if not (math.isfinite(step) and step > 0.0):
         raise WiringError(must_be("step", "a positive number of seconds", step))

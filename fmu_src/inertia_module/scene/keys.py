@@ -41,11 +41,7 @@ def checked(
     maximum: float | None = None,
     above: float | None = None,
 ) -> float:
-    """Convert a quantity to SI and check its range.
-
-    Raises:
-        ValueError: what the value must be and what it is, to be said after its name.
-    """
+    """Convert a quantity to SI and check its range; the ValueError is to be said after its name."""
     sentence = f"must be {allowed_number(unit, minimum, maximum, above)}, is {value!r}"
     try:
         number = number_of(value, unit)
@@ -308,14 +304,7 @@ Keys = Mapping[str, Any] | Iterable[str] | None
 
 
 def keys_of(given: Keys) -> dict[str, Any]:
-    """Values by dotted key.
-
-    Args:
-        given: these, or KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
-
-    Raises:
-        SceneError: a text is not of this form.
-    """
+    """Values by dotted key, of these or of texts KEY=VALUE as in a scene file; strings need no quotes."""
     if isinstance(given, Mapping):
         return dict(given)
     found = {}
@@ -341,14 +330,11 @@ def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str
 
 
 def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
-    """Tables as a scene of a kind.
+    """Tables as a scene of a kind, refused in one line: the key, the value and what is allowed.
 
     Args:
-        model: Scene, or another kind. tables: as read from TOML, or Scene.tables; some may be checked ones.
+        tables: as read from TOML, or Scene.tables; some may be checked ones.
         folder: where paths of CSV files in them start.
-
-    Raises:
-        SceneError: in one line, the key, the value and what is allowed.
     """
     load = tables.get("load")
     kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)

@@ -375,11 +375,7 @@ class SceneResult:
 
 
 def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
-    """Start of a scene: parameters, with the tolerance, and inputs of the FMU.
-
-    Raises:
-        SceneError: its fidelity is still to be chosen.
-    """
+    """Start of a scene, whose fidelity is chosen: parameters, with the tolerance, and inputs of the FMU."""
     if scene.chooses_fidelity:
         raise SceneError(
             "mechanism.fidelity must be one by name, or be chosen first (fidelity.trials.choose), is 'auto'"
@@ -394,11 +390,7 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def scene_plan(scene: Scene) -> Plan:
-    """Plan the export of a scene: the FMUs of its mechanism with the values at its start.
-
-    Raises:
-        SceneError: its fidelity is still to be chosen, or its freewheels wind up.
-    """
+    """Plan the export of a scene: the FMUs of its mechanism with the values at its start."""
     from ..export.systems import make_plan  # imports the builder of FMUs
 
     values, inputs = start_of(scene)

@@ -136,15 +136,7 @@ class ShaftScene(Strict):
 
 
 def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
-    """Run a scene with an FMU of the driven shaft.
-
-    Args:
-        scene: of load_any_scene. fmu_path: DrivenShaft.fmu.
-        progress: called with the share of the run that is done, 0 to 1.
-
-    Raises:
-        FmuError: the FMU cannot be loaded, or refuses a value or a step.
-    """
+    """Run a scene with an FMU of the driven shaft; all else as of run_scene."""
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
     torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
