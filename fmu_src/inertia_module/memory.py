@@ -136,6 +136,10 @@ class ModelInstance(Plant):
     Attributes:
         kernel: which kernel runs, and why; chosen at the start.
         started: whether start has been called with good parameters.
+
+    Raises:
+        Refused: by its methods, which then change nothing: an unknown name, a value out of its range, alone
+            or with others, a parameter that is fixed after the start, a call before it, a bad step.
     """
 
     model: ClassVar[Model]
@@ -165,10 +169,6 @@ class ModelInstance(Plant):
 
         Args:
             values: numbers, strings with a unit, names of items of enumerations.
-
-        Raises:
-            Refused: an unknown name, a value out of its range, a parameter that is not tunable after start,
-                or tunable ones that do not go with the others.
         """
         numbers = {}
         known = self.model.by_name
@@ -183,11 +183,7 @@ class ModelInstance(Plant):
         self.assign(numbers)
 
     def assign(self, numbers: Mapping[str, float]) -> None:
-        """Set parameters and inputs; what follows from parameters tuned after start is derived anew.
-
-        Raises:
-            Refused: a tuned parameter out of its range, alone or with others; nothing is changed.
-        """
+        """Set parameters and inputs; what follows from parameters tuned after start is derived anew."""
         changed = [name for name, number in numbers.items() if self.started and number != self[name]]
         tuned = [name for name in changed if self.record(name) is self.parameters]
         for name in tuned:
@@ -210,11 +206,7 @@ class ModelInstance(Plant):
         return self._records[RECORD_OF[self.model.by_name[name].causality]]
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs a constant rate over the coming step, per second: they start it from their values.
-
-        Raises:
-            Refused: an unknown input; no rate is set.
-        """
+        """Give inputs a constant rate over the coming step, per second: they start it from their values."""
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
@@ -224,11 +216,7 @@ class ModelInstance(Plant):
             setattr(self.inputs, f"{name}_rate_given", 1.0)
 
     def rates(self) -> dict[str, float]:
-        """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0.
-
-        Raises:
-            Refused: the instance has not been started, or a step from here is refused.
-        """
+        """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0."""
         if not self.started:
             raise Refused("rates must come after the start, the module has not been started")
         copy = type(self)("plain" if self._compiled is None else "compiled")
@@ -237,11 +225,7 @@ class ModelInstance(Plant):
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
 
     def start(self, **values: float | str) -> Self:
-        """Set values, check the parameters alone and together, and take the initial state.
-
-        Raises:
-            Refused: with one line for each thing that is wrong.
-        """
+        """Set values, check the parameters alone and together, and take the initial state."""
         self._prepare(values)
         self._begin()
         self.started = True
@@ -258,17 +242,13 @@ class ModelInstance(Plant):
         self.load_kernel()
 
     def advance(self, step_size: float) -> None:
-        """Advance by a communication step, s.
-
-        Raises:
-            Refused: bad inputs or step, or work without end; the state is as it was.
-        """
+        """Advance by a communication step, s."""
         if not self.started:
             raise Refused("a step must come after the start, the module has not been started")
         self._check(self.call(codes.STEP, step_size), step_size)
-        for variable in self.model.with_causality(INPUT):
-            setattr(self.inputs, f"{variable.name}_rate", 0.0)
-            setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
+        # rates of inputs, and whether they are given, come after the inputs
+        rates = len(self.inputs.numbers) // 3
+        self.inputs.numbers[rates:] = (0.0,) * (2 * rates)
 
     def take_steps(
         self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
@@ -333,13 +313,10 @@ class ModelInstance(Plant):
         return f"{self.model.name}{int(started)}{self.model.source_hash}".encode()
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
-        """Take over a state of save.
+        """Take over a state of save; refused is what is none, is damaged or of another build.
 
         Args:
             saved: the state. must_be_started: refuse one that was saved before the start.
-
-        Raises:
-            Refused: it is not one, is damaged or of another build; nothing is changed.
         """
         start = len(self._head(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
@@ -380,11 +357,7 @@ class Module(ModelInstance):
     model = INERTIA_MODULE
 
     def check(self, **values: float | str) -> None:
-        """Set values and check the parameters, alone and together, without starting.
-
-        Raises:
-            Refused: as start.
-        """
+        """Set values and check the parameters, alone and together, without starting."""
         self._prepare(values)
         self._check(self.call(codes.CHECK, 0.0), 0.0)
 

@@ -339,7 +339,7 @@ class Fmu(Plant, Closing):
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
     ) -> None:
-        """Take steps, in one call where the FMU offers that: see Plant."""
+        """Take steps of given lengths and inputs for rows of outputs, in one call where the FMU has one."""
         if getattr(self._instance, RUN, None) is None:
             super().take_steps(lengths, inputs, given, outputs, rows)
             return

@@ -34,8 +34,9 @@ class WiredFmus(Closing):
         time: reached, s. fmus: instances by name.
 
     Raises:
-        WiringError: the wires cannot work; nothing has been started.
-        FmuError: an FMU cannot be loaded, or refuses its values.
+        WiringError: the wires cannot work; nothing has been started. Or by its methods: a wire drives what is
+            set, or a stop time is no whole number of steps away.
+        FmuError: an FMU cannot be loaded, or refuses something: which, and why. UnknownName: there is none.
     """
 
     def __init__(
@@ -58,11 +59,7 @@ class WiredFmus(Closing):
             raise
 
     def set(self, name: str, **values: float | str) -> None:
-        """Set inputs of one FMU that no wire drives.
-
-        Raises:
-            WiringError: a wire drives it. UnknownName, FmuError: there is no such FMU, or no such input.
-        """
+        """Set inputs of one FMU that no wire drives."""
         for wire in self._wires:
             if wire.sink == name and wire.input in values:
                 raise WiringError(
@@ -77,11 +74,7 @@ class WiredFmus(Closing):
             self.fmus[wire.sink].set(**{wire.input: value})
 
     def advance(self) -> None:
-        """Advance all by the communication step.
-
-        Raises:
-            FmuError: one of them refused it: which, and why. Those before it have been stepped.
-        """
+        """Advance all by the communication step; where one refuses it, those before it have been stepped."""
         if self.order == JACOBI:
             self._pass_on(self._wires)
         for name, fmu in self.fmus.items():
@@ -101,10 +94,6 @@ class WiredFmus(Closing):
 
         Returns:
             Table of the outputs, named name.variable, shape (steps + 1,) each.
-
-        Raises:
-            UnknownName: there is no such FMU. WiringError: stop_time is no whole number of steps away.
-            FmuError: there is no such variable, or an FMU refuses a step.
         """
         steps = whole_steps(stop_time - self.time, self.step)
         if not steps:
