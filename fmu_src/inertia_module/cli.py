@@ -437,9 +437,6 @@ def tradeoff(
     recommend: Annotated[
         Text, option('Recommend the cheapest level for an error: 1e-3, "1 %".', "ERROR")
     ] = None,
-    wanted: Annotated[
-        Texts, option("Output to judge by, instead of the scene's; may be repeated.", "NAME")
-    ] = None,
     keys: Keys = None,
 ) -> Answer:
     """Measure error against cost of a scene.
@@ -452,7 +449,6 @@ def tradeoff(
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", **ERROR)
         read = inertia_module.load_scene(scene, keys)
-        read = read.replaced(run={"outputs": wanted}) if wanted else read
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
         rows = trials.with_worst(measure(read, progress), names)
