@@ -204,6 +204,7 @@ class Fmu(Plant, Closing):
         self.messages, self.warnings = self._log.messages, self._log.warnings
         self._kept: list[Kept] = []
         self._instance: Any = None
+        self._readers: dict[tuple[str, ...], tuple[Array, Run]] = {}
         self._arrays: dict[tuple[str, ...], Any] = {}
         try:
             self._load()
@@ -221,16 +222,13 @@ class Fmu(Plant, Closing):
         from .loading import instantiate, unpacked
 
         description = read_description(self.path)
-        try:
-            folder = unpacked(self.path.read_bytes())
-        except Exception as error:
-            raise FmuError(f"{self.path} must be an FMU: {error}") from error
         if description.fmiVersion not in _CALLS or description.coSimulation is None:
             raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
         self._calls = _CALLS[description.fmiVersion]
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
+            folder = unpacked(self.path.read_bytes())
             self._instance = instantiate(description, folder, self.path.stem, self._log)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
@@ -300,13 +298,16 @@ class Fmu(Plant, Closing):
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
         """Read values by names, or one alone, of any type, as floats."""
         key = as_names(names)
-        row = np.empty((1, len(key)))
+        if key not in self._readers:
+            row = np.empty((1, len(key)))
+            self._readers[key] = row, Run(NO_STEPS, 0, NO_INPUTS, self._address(key), row)
+        row, reading = self._readers[key]
         if getattr(self._instance, RUN, None) is not None:
-            Fmu.take_steps(self, NO_STEPS, (), NO_INPUTS, key, row)
+            self._call(RUN, self._instance.component, byref(reading))
             return tuple(row[0].tolist())
         kinds: dict[str, list[int]] = {}
         for place, name in enumerate(key):
-            kinds.setdefault(self._kind(self._variable(name)), []).append(place)
+            kinds.setdefault(self._kind(self.variables[name]), []).append(place)
         for kind, places in kinds.items():
             row[0, places] = self._call(f"get{kind}", self._references([key[place] for place in places]))
         return tuple(row[0].tolist())
