@@ -29,12 +29,6 @@ WARNING, DISCARD = 1, 2
 TERMINATED = 3
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
-# calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
-_CALLS = {
-    "2.0": {"Real": "Real", "Boolean": "Boolean", "": "Integer"},
-    "3.0": {"Real": "Float64", "Boolean": "Boolean", "Enumeration": "Int64", "": "Int32"},
-}
-
 
 # a run begins with a call of so many steps; others take about so long, s: progress and Ctrl-C come in between
 FIRST_STEPS = 8
@@ -222,9 +216,8 @@ class Fmu(Plant, Closing):
         from .loading import instantiate, unpacked
 
         description = read_description(self.path)
-        if description.fmiVersion not in _CALLS or description.coSimulation is None:
+        if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
             raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
-        self._calls = _CALLS[description.fmiVersion]
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
@@ -273,9 +266,6 @@ class Fmu(Plant, Closing):
             raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
         return variable
 
-    def _kind(self, variable: Any) -> str:
-        return self._calls.get(variable.type, self._calls[""])
-
     def _references(self, names: str | Sequence[str]) -> list[int]:
         return [self._variable(name).valueReference for name in as_names(names)]
 
@@ -291,7 +281,7 @@ class Fmu(Plant, Closing):
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
             number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
-            calls.setdefault(self._kind(variable), {})[variable.valueReference] = number
+            calls.setdefault(variable.type, {})[variable.valueReference] = number
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
 
@@ -307,7 +297,7 @@ class Fmu(Plant, Closing):
             return tuple(row[0].tolist())
         kinds: dict[str, list[int]] = {}
         for place, name in enumerate(key):
-            kinds.setdefault(self._kind(self.variables[name]), []).append(place)
+            kinds.setdefault(self.variables[name].type, []).append(place)
         for kind, places in kinds.items():
             row[0, places] = self._call(f"get{kind}", self._references([key[place] for place in places]))
         return tuple(row[0].tolist())

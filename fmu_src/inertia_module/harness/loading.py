@@ -81,6 +81,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
     if description.fmiVersion == "2.0":
         instance = fmi2.FMU2Slave(**arguments)
         instance.instantiate(callbacks=callbacks_of(log), loggingOn=True)
+        instance.getEnumeration, instance.setEnumeration = instance.getInteger, instance.setInteger
     else:
         instance = Slave(**arguments)
         instance.instantiate(logMessage=log.take, loggingOn=True)
@@ -98,7 +99,7 @@ def _check_status(status: int) -> None:
 
 
 class Slave(FMU3Slave):  # type: ignore[misc]
-    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names, but for values.
+    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names.
 
     Event mode and early return only if instantiate is asked for them. Names are those of the standards.
     """
@@ -115,6 +116,9 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     def enterInitializationMode(self) -> None:
         super().enterInitializationMode(*self._experiment)
 
+    getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
+    getInteger, setInteger = FMU3Slave.getInt32, FMU3Slave.setInt32
+    getEnumeration, setEnumeration = FMU3Slave.getInt64, FMU3Slave.setInt64
     getFMUstate, setFMUstate = FMU3Slave.getFMUState, FMU3Slave.setFMUState
     freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
     deSerializeFMUstate = FMU3Slave.deserializeFMUState
