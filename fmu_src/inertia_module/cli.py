@@ -304,16 +304,11 @@ def run(
     """
     from .contract.variables import COMPUTED
     from .page.html import html_file, template
-    from .scene import Scene, load_any_scene
 
-    choice, folder = None, writable_folder(output or OUTPUT_FOLDER / scene.stem)
-    read = load_any_scene(scene, keys)
-    if isinstance(read, Scene):
-        if view:
-            template()
-        read, choice = _at_fidelity(read, fidelity, error)
-    elif fidelity is not None or error is not None or view:
-        raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+    folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
+    if view:
+        template()
+    read, choice = _read(scene, keys, fidelity, error, view)
     result, _ = _ran(read, fmu, COMPUTED if view else ())
     page = html_file(result.scene, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
@@ -343,10 +338,18 @@ def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -
         return inertia_module.run_scene(read, path, progress, also), path
 
 
-def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
-    """Scene at the requested fidelity, or at one chosen by measuring, with the choice."""
+def _read(
+    scene: Path, keys: Texts, fidelity: Text = None, error: Text = None, view: bool = False
+) -> tuple[Scene | ShaftScene, Choice | None]:
+    """Scene at the requested fidelity, or at one chosen by measuring, with the choice; or a driven shaft."""
     from .fidelity.trials import choose
+    from .scene import Scene, load_any_scene
 
+    read = load_any_scene(scene, keys)
+    if not isinstance(read, Scene):
+        if view or fidelity is not None or error is not None:
+            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+        return read, None
     allowed = quantity_of("--error", error, "1", **ERROR)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
         read = read.with_fidelity(fidelity or "auto", allowed)
@@ -373,14 +376,13 @@ def view(
     """
     from .contract.variables import COMPUTED
     from .page.html import checked_path, html_file, is_exact, template
-    from .scene import Scene, load_any_scene
+    from .scene import Scene
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE, "the page")
     template()
-    found = load_any_scene(scene, keys)
-    if not isinstance(found, Scene):
+    read, _ = _read(scene, keys)
+    if not isinstance(read, Scene):
         raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
-    read, _ = _at_fidelity(found, None, None)
     outcome = None
     if not is_exact(read):
         outcome, _ = _ran(read, fmu, COMPUTED)
@@ -413,14 +415,10 @@ def report(
     """
     from .figures.report import RECORDED, report_file
     from .page.html import checked_path
-    from .scene import Scene, load_any_scene
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / REPORT, "the report")
-    chosen = list[str]()
-    read = load_any_scene(scene, keys)
-    if isinstance(read, Scene):
-        read, choice = _at_fidelity(read, None, None)
-        chosen = choice.lines() if choice else chosen
+    read, choice = _read(scene, keys)
+    chosen = choice.lines() if choice else []
     result, used = _ran(read, fmu, RECORDED)
     asked = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
     words = [word for name, values in asked.items() for value in values for word in (name, value)]

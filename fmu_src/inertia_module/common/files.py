@@ -55,19 +55,13 @@ def content_hash(files: Mapping[str, bytes]) -> str:
     return digest.hexdigest()[:32]
 
 
-def _is_there(path: Path) -> bool:
-    try:
-        path.lstat()
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    return True
-
-
 def writable_folder(folder: Path) -> Path:
     """The folder, if files can be written to it or it can be made; else an OSError. It is not made yet."""
     demand = f"{folder} must be a folder that can be written to"
     try:
-        place = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
+        # a link to nothing is there too
+        there = (one for one in (folder, *folder.absolute().parents) if one.exists() or one.is_symlink())
+        place = next(there)
         if not place.is_dir():
             raise OSError(f"{demand}: {place} is not a folder")
         with tempfile.TemporaryFile(dir=place):

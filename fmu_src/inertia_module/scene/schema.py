@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
@@ -124,12 +124,11 @@ class Run(Strict):
     communication_step: Annotated[float, quantity("s", maximum=variables.LARGEST_STEP, above=0.0)]
     outputs: list[str] = Field(default=[one.name for one in with_causality(variables.OUTPUT)], min_length=1)
 
-    def check_outputs(self, known: Iterable[str]) -> None:
+    def check_outputs(self, known: Sequence[str]) -> None:
         """Refuse an output that is not one of those known."""
-        names = dict.fromkeys(known)
         for name in self.outputs:
-            if name not in names:
-                hint = did_you_mean(name, names)
+            if name not in known:
+                hint = did_you_mean(name, known)
                 raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
 
     @model_validator(mode="after")
