@@ -170,11 +170,7 @@ def _replay(path: Path, step: float | None, report: Report, one: Experiment) -> 
 
 
 def check_fmu(path: Path) -> Report:
-    """Validate an FMU file with fmpy, step it, with event mode too where it has one, replay its references.
-
-    Raises:
-        FmuError: the file is no FMU that could be read at all.
-    """
+    """Validate an FMU file by fmpy, step it, with event mode too where it has one, replay its references."""
     report, description = Report(), read_description(path, validate=False)
     platforms = supported_platforms(str(path))
     kinds = {"co-simulation": description.coSimulation, "model exchange": description.modelExchange}

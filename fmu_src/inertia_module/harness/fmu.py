@@ -400,14 +400,7 @@ class Fmu(Plant, Closing):
             self.free_state(kept)
 
     def restore(self, saved: bytes, time: float | None = None) -> None:
-        """Take over a state of save; time, s, is the communication point it belongs to.
-
-        Args:
-            saved: the state. time: None to leave it as it is.
-
-        Raises:
-            FmuError: it is not one; the state is as it was.
-        """
+        """Take over a saved state, at the time, s, that it belongs to; None leaves that as it is."""
         if not isinstance(saved, bytes):
             raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
         before = self.get_state()
@@ -432,8 +425,6 @@ class RestartedFmu(Fmu):
 
     It goes back to a state kept in initialisation mode, after everything that follows from the parameters
     (the map of fidelity averaged) has been found: without the cost of a new instance.
-
-    Args: as Fmu.
     """
 
     def _before_start(self) -> None:
@@ -442,11 +433,7 @@ class RestartedFmu(Fmu):
         self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float]) -> None:
-        """Start anew with values by name, parameters and inputs; all others are those of the first start.
-
-        Raises:
-            FmuError: a value is refused, alone or with others.
-        """
+        """Start anew with values by name, parameters and inputs; all others are those of the first start."""
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.set_state(self._blank)
         self.set(**values)

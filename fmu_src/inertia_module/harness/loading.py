@@ -67,11 +67,7 @@ def callbacks_of(log: Log, environment: int | None = None) -> Any:
 
 
 def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
-    """Make an instance for co-simulation, with FMPy's FMI 2.0 method names.
-
-    Args:
-        description: fmpy's. folder: with its content. name: of the instance. log: takes its messages.
-    """
+    """Make an instance of what is unpacked in a folder, with FMPy's FMI 2.0 method names."""
     arguments = {
         "guid": description.guid,
         "unzipDirectory": folder,

@@ -65,9 +65,6 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
     Args:
         scene: whose fidelity is chosen.
         outcome: its run with all of variables.COMPUTED, or None where the page is to integrate.
-
-    Raises:
-        Refused: the template has not been made. CompilationUnavailable: the kernel cannot be compiled.
     """
     record, run = None, None
     if outcome is not None:

@@ -141,8 +141,7 @@ def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
 def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
     """Find the largest frequency, Hz, of IN_A_ROW events in a row, or of all if they are fewer.
 
-    Args:
-        time: of the rows, s, shape (n,): events are placed to a row. count: of events up to each, from 0 on.
+    Events are counted up to each row, from 0 on, whose time is in s: they are placed to a row. Shapes (n,).
     """
     rows, number = np.flatnonzero(np.diff(count)), int(count[-1])
     together = min(IN_A_ROW, number - 1)
@@ -156,13 +155,9 @@ def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
 def freewheel_duty(
     table: Result, parameters: Mapping[str, float]
 ) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find how often each freewheel engages, and the most that it carries and overruns with.
+    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not.
 
-    Args:
-        table: all of SUMMARISED. parameters: of the module.
-
-    Returns:
-        (numbers, remark why there are none), by name.
+    Numbers and remarks are by name; the table has all of SUMMARISED.
     """
     fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
     for need in BY_NAME["output_engagements"].needs:
@@ -196,11 +191,7 @@ def time_to(speed: float) -> str:
 
 
 def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find the time, s, to each speed, m/s, since the car last stood, or the run began.
-
-    Returns:
-        (times, remarks why there is no time), by the names of the times.
-    """
+    """Find the time, s, to each speed, m/s, since the car last stood or the run began, else why not."""
     found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
     shown = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
@@ -450,8 +441,6 @@ class SceneRunner(RestartedFmu):
 
     That costs a tenth of what an instance for each run does. The results are those of run_scene, bit for
     bit; but not its warnings.
-
-    Args: as Fmu.
     """
 
     def run(self, scene: Scene) -> SceneResult:

@@ -52,11 +52,7 @@ def is_elastic(values: Mapping[str, float]) -> bool:
 
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
-    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub.
-
-    Args:
-        values: parameters by name, those that differ from the defaults. fidelity: its number.
-    """
+    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub."""
     changed = {**values, FIDELITY: float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
         known = {**variables.default_parameters(), **values}
@@ -218,26 +214,20 @@ class Scene(Strict):
         return {name: one[name] for one in given for name in PLANT_INPUTS if name in one}
 
     def replaced(self, **tables: Mapping[str, Any]) -> Scene:
-        """The scene with other keys, checked anew.
+        """The scene with other keys, checked anew and refused as by load_scene.
 
         Args:
             tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
-
-        Raises:
-            SceneError: as load_scene.
         """
         return self.with_keys(
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
         )
 
     def with_keys(self, keys: Mapping[str, Any]) -> Scene:
-        """The scene with other values by dotted key, checked anew.
+        """The scene with other values by dotted key, checked anew and refused as by load_scene.
 
         Args:
             keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
-
-        Raises:
-            SceneError: as load_scene.
         """
         anew = {name.partition(".")[0] for name in keys}
         # units of a controller depend on the load
@@ -266,9 +256,6 @@ class Scene(Strict):
         """The scene at a named fidelity, or at one to be chosen for this error.
 
         A scene that describes an elastic output has its driven mass rigid with the hub elsewhere.
-
-        Raises:
-            SceneError: there is no such fidelity, or it cannot be.
         """
         asked = {} if error is None else {"error": error}
         if fidelity == AUTO:
