@@ -181,8 +181,6 @@ def speed_text(omega1: float) -> str:
 
 # range of an error that is allowed
 ERROR = {"maximum": 1.0, "above": 0.0}
-# names of the page and of the report of a scene
-PAGE, REPORT = "page.html", "report.html"
 
 # --- FMU files ---
 
@@ -319,8 +317,7 @@ def run(
         "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
     }
     if page is not None:
-        files["page"] = folder / PAGE
-        write_atomically(files["page"], page)
+        files["page"] = write_atomically(folder / "page.html", page)
 
     shown: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
     return Answer(told, shown, files, warnings=result.warnings)
@@ -378,7 +375,7 @@ def view(
     from .page.html import checked_path, html_file, is_exact, template
     from .scene import Scene
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE, "the page")
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "the page")
     template()
     read, _ = _read(scene, keys)
     if not isinstance(read, Scene):
@@ -416,7 +413,7 @@ def report(
     from .figures.report import RECORDED, report_file
     from .page.html import checked_path
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / REPORT, "the report")
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "the report")
     read, choice = _read(scene, keys)
     chosen = choice.lines() if choice else []
     result, used = _ran(read, fmu, RECORDED)

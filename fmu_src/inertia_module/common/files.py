@@ -71,7 +71,7 @@ def writable_folder(folder: Path) -> Path:
     return folder
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes) -> Path:
     """Write a file so that it is either whole or not there, whoever else writes it."""
     writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
@@ -83,12 +83,12 @@ def write_atomically(path: Path, content: bytes) -> None:
     except BaseException:
         os.unlink(name)
         raise
+    return path
 
 
 def write_text(path: Path, text: str) -> Path:
     """Write a text file, whole or not at all."""
-    write_atomically(path, text.encode())
-    return path
+    return write_atomically(path, text.encode())
 
 
 def picture_of(figure: Any, ending: str) -> bytes:
@@ -106,8 +106,7 @@ def picture_of(figure: Any, ending: str) -> bytes:
 
 def write_figure(path: Path, figure: Any) -> Path:
     """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
-    write_atomically(path, picture_of(figure, path.suffix))
-    return path
+    return write_atomically(path, picture_of(figure, path.suffix))
 
 
 def kept(name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes]) -> Path:

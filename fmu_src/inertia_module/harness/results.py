@@ -288,5 +288,4 @@ def write_mat(path: Path, name: str, values: Mapping[str, Any], units: Mapping[s
     stream = io.BytesIO()
     struct = {**values, "units": {field: units.get(field) or "1" for field in values}}
     savemat(stream, {name: struct}, oned_as="column", long_field_names=True)
-    write_atomically(path, stream.getvalue())
-    return path
+    return write_atomically(path, stream.getvalue())

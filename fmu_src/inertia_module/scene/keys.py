@@ -21,7 +21,6 @@ from ..loops.sources import Signal, Table
 
 # --- quantities, alone, in lists and in columns ---
 
-FIDELITY = "fidelity"
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
 VEHICLE_SPEED = "vehicle_speed"
@@ -110,9 +109,9 @@ def in_range(variable: Variable) -> InUnit:
     """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
 
     def check(value: Any) -> float | str:
-        if variable.name == FIDELITY and value == AUTO:
+        if variable.name == "fidelity" and value == AUTO:
             return AUTO
-        also = f", or {AUTO}" if variable.name == FIDELITY else ""
+        also = f", or {AUTO}" if variable.name == "fidelity" else ""
         sentence = f"must be {variable.allowed}{also}, is {value!r}"
         try:
             number = number_of(value, variable.unit or "1", variable.items)
@@ -129,8 +128,8 @@ def fields_of(variables: Sequence[Variable]) -> Any:
     """Optional fields of a table for variables, for pydantic.create_model."""
     number: Any = float | None
     types = {variable.name: number for variable in variables}
-    if FIDELITY in types:
-        types[FIDELITY] = number | Literal["auto"]
+    if "fidelity" in types:
+        types["fidelity"] = number | Literal["auto"]
     return {one.name: (Annotated[types[one.name], in_range(one)], None) for one in variables}
 
 

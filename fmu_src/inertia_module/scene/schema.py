@@ -20,7 +20,6 @@ from ..loops.sources import Signal, Sources
 from ..memory import Module
 from .keys import (
     AUTO,
-    FIDELITY,
     SPEED_UNITS,
     VEHICLE_SPEED,
     Duration,
@@ -53,7 +52,7 @@ def is_elastic(values: Mapping[str, float]) -> bool:
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
     """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub."""
-    changed = {**values, FIDELITY: float(fidelity)}
+    changed = {**values, "fidelity": float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
         known = {**variables.default_parameters(), **values}
         changed["output_inertia"] = known["output_inertia"] + known["driven_inertia"]
@@ -166,7 +165,7 @@ class Scene(Strict):
     @property
     def chooses_fidelity(self) -> bool:
         """Tell whether the fidelity is still to be chosen from measurements."""
-        return bool(getattr(self.mechanism, FIDELITY) == AUTO)
+        return bool(vars(self.mechanism)["fidelity"] == AUTO)
 
     @property
     def cycle(self) -> Cycle | None:
@@ -242,14 +241,13 @@ class Scene(Strict):
     @cached_property
     def given(self) -> dict[str, float]:
         """Parameters of the mechanism that the scene gives, without a fidelity still to be chosen."""
-        table: BaseModel = self.mechanism
-        values = table.model_dump(exclude_none=True, exclude={"satellite"})
-        return {name: value for name, value in values.items() if value != AUTO}
+        values = {name: value for name, value in vars(self.mechanism).items() if name != "satellite"}
+        return {name: value for name, value in values.items() if value not in (None, AUTO)}
 
     @cached_property
     def following(self) -> dict[str, float]:
         """Parameters of the mechanism that follow from sizes and materials of its satellites."""
-        satellite: Satellite | None = getattr(self.mechanism, "satellite")  # noqa: B009  # of create_model
+        satellite: Satellite | None = vars(self.mechanism)["satellite"]
         return {} if satellite is None else satellite.parameters(self.given)
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
@@ -261,10 +259,10 @@ class Scene(Strict):
         if fidelity == AUTO:
             chosen_too = {"method": None, "max_step": None}
             return self.replaced(
-                mechanism={FIDELITY: AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
+                mechanism={"fidelity": AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
             )
-        scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
-        return scene.replaced(mechanism=at_fidelity(scene.given, scene.given[FIDELITY]))
+        scene = self.replaced(mechanism={"fidelity": fidelity}, accuracy=asked)
+        return scene.replaced(mechanism=at_fidelity(scene.given, scene.given["fidelity"]))
 
     @property
     def _carrying(self) -> tuple[str, float]:
