@@ -14,8 +14,7 @@ docs/coupling.md. Run `inertia-module build` first. The last line is the elastic
 from pathlib import Path
 
 from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.system import JACOBI, Node, WiredFmus
-from inertia_module.harness.wires import Wire
+from inertia_module.harness.system import JACOBI, Node, Wire, WiredFmus
 
 BUILD = Path("build")  # of `inertia-module build`
 MODULE = {"output_inertia": 0.02, "fidelity": "rigid"}

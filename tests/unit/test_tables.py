@@ -11,7 +11,7 @@ from refused import REFUSED
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
 from inertia_module.harness.results import Result, TableError
-from inertia_module.harness.wires import WiringError
+from inertia_module.harness.system import WiringError
 from inertia_module.scene import SceneError, load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]

@@ -8,7 +8,7 @@ from refused import REFUSED, assert_refused
 
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.fmu.description import model_description
-from inertia_module.harness.wires import Node, Wire, WiringError, check_wiring
+from inertia_module.harness.system import Node, Wire, WiringError, check_wiring
 
 SPEED = Wire("module", "omega_out", "shaft", "hub_speed")
 TORQUE = Wire("shaft", "shaft_torque_mean", "module", "load_torque")

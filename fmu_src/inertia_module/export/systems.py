@@ -26,7 +26,7 @@ from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_d
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import Build, NativeFmu
-from ..harness.wires import Wire
+from ..harness.system import Wire
 from ..kernel.codes import ELASTIC, RIGID
 
 MODULE, SHAFT = "module", "shaft"
