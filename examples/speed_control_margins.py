@@ -93,7 +93,6 @@ def measured_margins(fmu, surrounding, point, kick, expected, limits):
         late = stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * WITHIN))
     finally:
         fmu.set_state(begin)
-        fmu.free_state(begin)
     return Margins(gain, late * step, expected.crossover)
 
 

@@ -127,9 +127,6 @@ class Pulsing:
     def set_state(self, state):
         self.speed, self.steps = state
 
-    def free_state(self, state):
-        self.set_state((0.0, -1))
-
 
 def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_though_pulses_never_settle():
     """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""

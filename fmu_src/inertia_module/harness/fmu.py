@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,11 +152,15 @@ class Ended(FmuError):
     """The FMU itself ends the simulation: in the step from the time of its instance on."""
 
 
-class Kept(NamedTuple):
-    """A state kept by an instance, and its time, s."""
+class Kept:
+    """A state kept by an instance of an FMU, and its time, s; freed with the last reference to it."""
 
-    state: c_void_p
-    time: float
+    def __init__(self, fmu: Fmu, state: c_void_p) -> None:
+        self.fmu, self.state, self.time = fmu, state, fmu.time
+
+    def __del__(self) -> None:
+        if self.fmu._instance is not None:
+            self.fmu._instance.freeFMUstate(self.state)
 
 
 class Fmu(Plant, Closing):
@@ -196,7 +200,6 @@ class Fmu(Plant, Closing):
         self.time = start_time
         self._log = Log()
         self.messages, self.warnings = self._log.messages, self._log.warnings
-        self._kept: list[Kept] = []
         self._instance: Any = None
         self._readers: dict[tuple[str, ...], tuple[Array, Run]] = {}
         self._arrays: dict[tuple[str, ...], Any] = {}
@@ -237,7 +240,6 @@ class Fmu(Plant, Closing):
                 self._instance.terminate()
             self._instance.freeInstance()
         self._instance = None
-        self._kept.clear()
 
     def _call(self, function: str, *arguments: Any) -> Any:
         """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
@@ -371,33 +373,20 @@ class Fmu(Plant, Closing):
 
     def get_state(self) -> Kept:
         """Keep the state to go back to; cheaper than save, and good for this instance only."""
-        self._kept.append(Kept(self._call("getFMUstate"), self.time))
-        return self._kept[-1]
-
-    def _check_kept(self, kept: Kept) -> None:
-        # some FMUs crash on a state that is not theirs
-        if not any(kept is known for known in self._kept):
-            raise FmuError("a state must be one of get_state of this instance, not freed since")
+        return Kept(self, self._call("getFMUstate"))
 
     def set_state(self, kept: Kept) -> None:
         """Take over a kept state of get_state, and its time."""
-        self._check_kept(kept)
+        # some FMUs crash on a state that is not theirs
+        if not isinstance(kept, Kept) or kept.fmu is not self:
+            raise FmuError("a state must be one of get_state of this instance")
         self._call("setFMUstate", kept.state)
         self.time = kept.time
-
-    def free_state(self, kept: Kept) -> None:
-        """Free a kept state of get_state; closing the instance frees all."""
-        self._check_kept(kept)
-        self._kept = [known for known in self._kept if known is not kept]
-        self._call("freeFMUstate", kept.state)
 
     def save(self) -> bytes:
         """Serialise the whole state of the instance."""
         kept = self.get_state()
-        try:
-            return bytes(self._call("serializeFMUstate", kept.state))
-        finally:
-            self.free_state(kept)
+        return bytes(self._call("serializeFMUstate", kept.state))
 
     def restore(self, saved: bytes, time: float | None = None) -> None:
         """Take over a saved state, at the time, s, that it belongs to; None leaves that as it is."""
@@ -405,17 +394,12 @@ class Fmu(Plant, Closing):
             raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
         before = self.get_state()
         try:
-            state = self._call("deSerializeFMUstate", saved)
-            try:
-                self._call("setFMUstate", state)
-            finally:
-                self._instance.freeFMUstate(state)
+            after = Kept(self, self._call("deSerializeFMUstate", saved))
+            self._call("setFMUstate", after.state)
         except FmuError:
             # the Python FMU else refuses all steps from now on
             self._call("setFMUstate", before.state)
             raise
-        finally:
-            self.free_state(before)
         if time is not None:
             self.time = time
 

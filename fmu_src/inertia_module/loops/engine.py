@@ -496,8 +496,6 @@ class CoupledEngine(EnginePlant):
         except FmuError:
             self.fmu.set_state(kept)
             raise
-        finally:
-            self.fmu.free_state(kept)
         self._inertia = inertia
         return engine.after(h, answer.torque), answer
 
