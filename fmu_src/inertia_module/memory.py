@@ -348,11 +348,7 @@ class ModelInstance(Plant):
 
 
 class Module(ModelInstance):
-    """An inertia module.
-
-    Args:
-        kernel: see choose_kernel.
-    """
+    """An inertia module; kernel: see choose_kernel."""
 
     model = INERTIA_MODULE
 
@@ -375,10 +371,6 @@ class Module(ModelInstance):
 
 
 class DrivenShaft(ModelInstance):
-    """The elastic output alone: hub of given speed, shaft, driven mass.
-
-    Args:
-        kernel: see choose_kernel.
-    """
+    """The elastic output alone: hub of given speed, shaft, driven mass; kernel: see choose_kernel."""
 
     model = DRIVEN_SHAFT
