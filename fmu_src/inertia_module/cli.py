@@ -467,19 +467,10 @@ def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
     speed: Annotated[
-        Text,
-        option(
-            "Torques at this speed, and converter tables for lookup blocks, CSV, MAT and VECTO: 3000 rpm.",
-            "SPEED",
-        ),
+        Text, option("Torques at this speed, and converter tables for lookup blocks: 3000 rpm.", "SPEED")
     ] = None,
     mapped: Annotated[
-        bool,
-        option(
-            "Maps over speed and ratio up to that speed, in its unit, CSV and MAT, and converter tables.",
-            None,
-            "--map",
-        ),
+        bool, option("Maps over ratio and speed up to that, and converter tables.", None, "--map")
     ] = False,
     keys: Keys = None,
 ) -> Answer:
@@ -499,37 +490,36 @@ def chart(
     read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
     make = partial(inertia_module.torque_converter_chart, omega1=at, engagements=True)
     charts = {name: make(one.parameters()) for name, one in read.items()}
-    maps = {}
     lossy = [name for name, found in charts.items() if not found.lossless]
-    for name in charts if mapped else lossy:
-        with progress_bar(f"map of {name}") as progress:
-            maps[name] = steady.steady_map(steady.SteadyMachine(read[name].parameters()), at, progress)
-    files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
-    for name, one in maps.items():
-        files += steady.save_map(one, folder / f"{name}_map", unit, mapped)
-    if mapped or omega1 is not None:
-        for name, found in charts.items():
-            table = steady.converter_table(steady.SteadyMachine(read[name].parameters()), found, at)
+    files, shown, maps, allowed = list[Path](), list[Shown](), {}, {}
+    told: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
+    for name, found in charts.items():
+        machine = steady.SteadyMachine(read[name].parameters())
+        files.append(found.save(folder / f"{name}.csv"))
+        if mapped or name in lossy:
+            with progress_bar(f"map of {name}") as progress:
+                maps[name] = steady.steady_map(machine, at, progress)
+            files += steady.save_map(maps[name], folder / f"{name}_map", unit, mapped)
+        if mapped or omega1 is not None:
+            table = steady.converter_table(machine, found, at)
             files += steady.save_converter(table, at, folder / f"{name}_converter")
-    drawn = {name: maps[name] for name in lossy}
-    indexing = {name: one.freewheels.of("indexing_frequency") for name, one in read.items()}
-    allowed = {name: min(limits.values()) * math.tau / abs(at) for name, limits in indexing.items() if limits}
-    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
-    files.append(write_figure(folder / "chart.png", figure))
-    summaries = {name: found.summary(omega1, indexing[name]) for name, found in charts.items()}
-    units = {name: found.units(omega1) for name, found in charts.items()}
-    listed = [str(file) for file in files]
-
-    shown: list[Shown] = []
-    for name, numbers in summaries.items():
-        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+        limits = read[name].freewheels.of("indexing_frequency")
+        if limits:
+            allowed[name] = min(limits.values()) * math.tau / abs(at)
+        numbers, units = found.summary(omega1, limits), found.units(omega1)
+        told["charts"][name], told["units"][name] = numbers, units
         title = f"{name}, losses at {speed_text(at)}" if name in lossy else name
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
+        rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
         shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    drawn = {name: maps[name] for name in lossy}
+    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    files.append(write_figure(folder / "chart.png", figure))
+
     if mapped:
         shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
-    told = {"omega1": omega1, "charts": summaries, "units": units, "files": listed}
-    return Answer(told, [*shown, *listed])
+    listed = [str(file) for file in files]
+    return Answer({**told, "files": listed}, [*shown, *listed])
 
 
 # --- the engineer's jobs ---

@@ -60,9 +60,8 @@ def run(
     progress: Progress | None = None,
 ) -> None:
     """Run a started plant with inputs by name, shape (steps,) each; all else as of Plant.take_steps."""
-    lengths, given = np.ascontiguousarray(lengths), np.empty((lengths.size, len(inputs)))
-    for column, values in zip(given.T, inputs.values(), strict=True):
-        column[:] = values
+    table = np.reshape([*inputs.values()], (len(inputs), lengths.size))
+    lengths, given = np.ascontiguousarray(lengths), np.ascontiguousarray(table.T)
     done, number = 0, FIRST_STEPS
     while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
