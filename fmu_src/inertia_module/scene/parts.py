@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
-from ..common.errors import did_you_mean, must_be
+from ..common.errors import must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
@@ -371,17 +371,14 @@ class TableReference(Tabulated):
     speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
 
 
-def _known_cycle(name: Any) -> str:
-    if name not in CYCLES:
-        raise ValueError(f"must be a driving cycle, is {name!r} {did_you_mean(name, CYCLES)}")
-    return str(name)
+CycleName: Any = Literal[tuple(CYCLES)]
 
 
 class CycleReference(Strict):
     """A driving cycle."""
 
     kind: Literal["cycle"]
-    cycle: Annotated[str, BeforeValidator(_known_cycle)]
+    cycle: CycleName
 
     def signal(self) -> Signal:
         """The speed over time, m/s."""
