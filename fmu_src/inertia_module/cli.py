@@ -28,14 +28,7 @@ import typer
 
 import inertia_module
 
-from .common.files import (
-    BUILD_FOLDER,
-    OUTPUT_FOLDER,
-    writable_folder,
-    write_atomically,
-    write_figure,
-    write_text,
-)
+from .common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from .common.terminal import progress_bar, terminal
 from .common.units import factor_between, number_of, split_quantity
 
@@ -313,7 +306,7 @@ def run(
     told = {"scene": str(scene), **result.as_dict(), **chosen}
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
-        "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
+        "summary": write_atomically(folder / "summary.json", f"{json.dumps(told, indent=2)}\n".encode()),
         "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
     }
     if page is not None:

@@ -23,14 +23,6 @@ from ..loops.sources import Signal, Table
 
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
-VEHICLE_SPEED = "vehicle_speed"
-SHAFT_SPEED = "omega_out"
-SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
-
-
-def measured_speed(load_kind: Any) -> str:
-    """Name of the controlled speed for a kind of load."""
-    return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
 
 
 def checked(
@@ -98,7 +90,6 @@ def quantity(
     return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit)
 
 
-Time = Annotated[float, quantity("s", 0.0)]
 Duration = Annotated[float, quantity("s", above=0.0)]
 Times = list[Annotated[float, quantity("s")]]
 AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
@@ -338,7 +329,7 @@ def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path())
     load = tables.get("load")
     kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)
     try:
-        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
+        return model.model_validate(tables, context={"folder": folder, "vehicle": kind == "vehicle"})
     except ValidationError as failure:
         # an unknown key before others: what is missing may only be misspelt
         first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")

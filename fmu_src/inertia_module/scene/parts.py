@@ -18,19 +18,7 @@ from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
 from ..loops.sources import Sampled, Signal, Table
-from .keys import (
-    VEHICLE_SPEED,
-    AngularSpeed,
-    ConstantOrTable,
-    Duration,
-    Strict,
-    Tabulated,
-    Time,
-    Times,
-    Torque,
-    checked,
-    quantity,
-)
+from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, checked, quantity
 
 # --- drives ---
 
@@ -83,7 +71,7 @@ class RampDrive(AnyDrive):
     kind: Literal["ramp"]
     initial: AngularSpeed
     final: AngularSpeed
-    start: Time = 0.0
+    start: Annotated[float, quantity("s", 0.0)] = 0.0
     duration: Duration
 
     def signal(self) -> Signal:
@@ -346,8 +334,8 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
     """Validator of a quantity whose unit depends on the speed that is controlled."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
-        measured = (info.context or {}).get("measured")
-        return checked(value, vehicle_unit if measured == VEHICLE_SPEED else shaft_unit, minimum)
+        vehicle = (info.context or {}).get("vehicle")
+        return checked(value, vehicle_unit if vehicle else shaft_unit, minimum)
 
     return BeforeValidator(check)
 

@@ -18,20 +18,7 @@ from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.cycles import CYCLES, Cycle
 from ..loops.sources import Signal, Sources
 from ..memory import Module
-from .keys import (
-    AUTO,
-    SPEED_UNITS,
-    VEHICLE_SPEED,
-    Duration,
-    SceneError,
-    Strict,
-    changed,
-    fields_of,
-    in_range,
-    measured_speed,
-    quantity,
-    validated,
-)
+from .keys import AUTO, Duration, SceneError, Strict, changed, fields_of, in_range, quantity, validated
 from .parts import Controller, Drive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
@@ -160,7 +147,7 @@ class Scene(Strict):
     @property
     def measured(self) -> str:
         """Name of the controlled speed."""
-        return measured_speed(self.load.kind)
+        return "vehicle_speed" if self.load.kind == "vehicle" else "omega_out"
 
     @property
     def chooses_fidelity(self) -> bool:
@@ -175,7 +162,7 @@ class Scene(Strict):
     @property
     def signal_units(self) -> dict[str, str]:
         """Units of signals that depend on the scene."""
-        return {"reference": SPEED_UNITS[self.measured]}
+        return {"reference": "m/s" if self.load.kind == "vehicle" else "rad/s"}
 
     @cached_property
     def built_load(self) -> loops.Load:
@@ -332,7 +319,7 @@ class Scene(Strict):
 
     def _check_vehicle(self) -> None:
         """Refuse a controller that can only drive a vehicle with another load."""
-        if self.controller is None or self.measured == VEHICLE_SPEED:
+        if self.controller is None or self.load.kind == "vehicle":
             return
         for key, given in (("reference.kind = 'cycle'", self.cycle), ("brake", self.controller.brake)):
             if given is not None:
