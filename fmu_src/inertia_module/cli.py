@@ -49,9 +49,7 @@ def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> A
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
-OutputFolder = Annotated[
-    File, option("Folder to write to; made if it is not there.", "DIR", "--output", "-o")
-]
+OutputFolder = Annotated[File, option("Folder to write to, made if missing.", "DIR", "--output", "-o")]
 FmuToRun = Annotated[File, option("FMU to run instead of the package's own.", "FILE.fmu")]
 Keys = Annotated[Texts, option("Instead of the scene's: load.torque='8 N.m'; repeat.", "KEY=VALUE", "--set")]
 Json = Annotated[bool, option("Print one JSON object for machines.", None, "--json")]
@@ -282,9 +280,7 @@ def run(
     fidelity: Annotated[
         Text, option("Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose.")
     ] = None,
-    error: Annotated[
-        Text, option('Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.')
-    ] = None,
+    error: Annotated[Text, option('Error allowed in the outputs, such as "1 %", for fidelity auto.')] = None,
     fmu: FmuToRun = None,
     view: Annotated[bool, option("Write page.html too: see view.", None, "--view")] = False,
     keys: Keys = None,
@@ -392,9 +388,7 @@ def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Seque
 @command
 def report(
     scene: SceneFile,
-    output: Annotated[
-        File, option("The report (out/SCENE/report.html).", "FILE.html", "--output", "-o")
-    ] = None,
+    output: Annotated[File, option("File (out/SCENE/report.html).", "FILE.html", "--output", "-o")] = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -422,9 +416,7 @@ def report(
 def tradeoff(
     scene: SceneFile,
     output: OutputFolder = None,
-    recommend: Annotated[
-        Text, option('Recommend the cheapest level for an error: 1e-3, "1 %".', "ERROR")
-    ] = None,
+    recommend: Annotated[Text, option('Tell the cheapest level for an error: "1 %".', "ERROR")] = None,
     keys: Keys = None,
 ) -> Answer:
     """Measure error against cost of a scene.

@@ -28,14 +28,7 @@ def examples() -> dict[str, Path]:
 
 
 def example(name: str) -> Path:
-    """The file of an example.
-
-    Args:
-        name: such as "planar", or "tutorial"; or that of its file, such as "planar.py".
-
-    Raises:
-        Refused: there is none of this name; which there are.
-    """
+    """The file of an example by its name, such as "planar" or "tutorial", or by that of its file."""
     files = {path.name: path for path in examples().values()}
     found = examples().get(name) or files.get(name)
     if found is None:
