@@ -12,7 +12,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -271,7 +270,7 @@ class TorqueConverterChart:
         return float(self.speed_ratio[-1])
 
     def summary(
-        self, omega1: float | None = None, indexing: Mapping[str, float] = MappingProxyType({})
+        self, omega1: float | None = None, indexing: Mapping[str, float] | None = None
     ) -> dict[str, float]:
         """Characteristic numbers of the chart, for comparing mechanisms.
 
@@ -293,7 +292,7 @@ class TorqueConverterChart:
         if self.output_engagements is not None:
             most = {name: float(getattr(self, name).max()) for name in ENGAGEMENTS}
             numbers |= {f"{name}_maximum": value for name, value in most.items()}
-            shares = [most[f"{name}_engagements"] / limit for name, limit in indexing.items()]
+            shares = [most[f"{name}_engagements"] / limit for name, limit in (indexing or {}).items()]
             numbers |= {"indexing_speed": math.tau / max(shares)} if any(shares) else {}
         return {name: _scale(name, omega1)[0] * value for name, value in numbers.items()}
 

@@ -382,11 +382,7 @@ class Brake(Strict):
 
 
 class PiController(Strict):
-    """PI controller of the speed that commands omega1, with limits and anti-windup.
-
-    Attributes:
-        COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that it commands.
-    """
+    """PI controller of the speed, with limits and anti-windup: it commands COMMAND by a drive of kind DRIVE."""
 
     COMMAND: ClassVar[str] = "omega1"
     DRIVE: ClassVar[str] = "controlled"

@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -221,10 +220,7 @@ def _vehicle(table: Result) -> dict[str, Quantity]:
 
 
 def summarise(
-    table: Result,
-    cycle: Cycle | None,
-    wall_time: float,
-    also: Mapping[str, Quantity] = MappingProxyType({}),
+    table: Result, cycle: Cycle | None, wall_time: float, also: Mapping[str, Quantity]
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
@@ -273,9 +269,6 @@ def summarise(
 
 
 # --- runs ---
-
-# of the speed of link 1: below it the output shaft rests
-RESTING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -424,7 +417,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
     braked = "brake_torque" in record and record["brake_torque"][end].any()
     turns = abs(speed) * float(np.ptp(record.time)) / math.tau
-    if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
+    if braked or turns < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
         return {}
     from ..harness.chart import SteadyMachine  # imports scipy
 
