@@ -90,7 +90,7 @@ def test_a_sine_is_found_among_pulses_and_drift():
     time = np.arange(20000) * 1e-3
     pulses = np.abs(np.sin(2.0 * np.pi * 17.3 * time)) * 50.0
     values = 0.3 * np.sin(2.0 * np.pi * time + 0.5) + 2.0 + 0.1 * time + pulses
-    sine, _ = fit_sine(time, values, 1.0)
+    (sine,), _ = fit_sine(time, values[:, None], 1.0)
     assert abs(sine) == pytest.approx(0.3, rel=1e-3)
     assert np.angle(sine) == pytest.approx(0.5, abs=1e-3)
 

@@ -151,8 +151,8 @@ MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torq
 # --- a sine on an input of a plant ---
 
 
-def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
-    """Fit z of Im(z exp(2 pi i f t)) in values over whole periods, and their mean, under a Hann window.
+def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Complex, Array]:
+    """Fit z of Im(z exp(2 pi i f t)) in columns over whole periods, and their means, under a Hann window.
 
     Pulses are no multiple of the sine, but of N periods the window separates what is more than 2/N of the
     frequency apart, and leakage beyond falls with the cube of the distance.
@@ -161,9 +161,9 @@ def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, flo
     angle = 2.0 * math.pi * frequency * time
     drift = (time - time.mean()) / float(np.ptp(time))
     basis = np.stack([np.sin(angle), np.cos(angle), np.ones(time.size), drift], axis=1)
-    root = np.sqrt(window)
-    found = np.linalg.lstsq(basis * root[:, None], values * root, rcond=None)[0]
-    return complex(found[0], found[1]), float(found[2])
+    root = np.sqrt(window)[:, None]
+    sine, cosine, mean, _ = np.linalg.lstsq(basis * root, values * root, rcond=None)[0]
+    return sine + 1j * cosine, mean
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ class SineBench:
         periods = max(10, math.ceil(record * frequency))
         last = before + round(periods / (frequency * step))
         # omega1 goes linearly from sample to sample, the load is held at its value at the middle of a step:
-        # neither lags, nor does a mean at the middle of its step; all lose amplitude by powers of sinc(f h)
+        # neither lags; both lose amplitude by powers of sinc(f h)
         ramped = excited == SPEED
         turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
         values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * turns)).tolist()
@@ -198,13 +198,10 @@ class SineBench:
         ends: Array = np.arange(before + 1, last + 1, dtype=np.float64) * step
         sinc = float(np.sinc(frequency * step))
         held = amplitude * (sinc**2 if ramped else sinc)
-        found, means = np.empty(len(self.outputs), dtype=complex), np.empty(len(self.outputs))
-        for n, name in enumerate(self.outputs):
-            is_mean = name.endswith("_mean")
-            time: Array = ends - 0.5 * step if is_mean else ends
-            sine, means[n] = fit_sine(time, rows[before:, n], frequency)
-            found[n] = sine / (held * sinc if is_mean else held)
-        return found, means
+        sines, means = fit_sine(ends, rows[before:], frequency)
+        # a mean is that of the middle of its step
+        of_mean = sinc * np.exp(-1j * math.pi * frequency * step)
+        return sines / [held * (of_mean if name.endswith("_mean") else 1.0) for name in self.outputs], means
 
     def settle(self, time: float) -> float:
         """Run at constant inputs for a time, s; torque pulses per second in its last half (0: not two)."""

@@ -382,7 +382,7 @@ class Brake(Strict):
 
 
 class PiController(Strict):
-    """PI controller of the speed, with limits and anti-windup: it commands COMMAND by a drive of kind DRIVE."""
+    """PI controller of the speed with limits and anti-windup: gives COMMAND, by a drive of kind DRIVE."""
 
     COMMAND: ClassVar[str] = "omega1"
     DRIVE: ClassVar[str] = "controlled"
