@@ -170,9 +170,6 @@ def speed_text(omega1: float) -> str:
     return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
 
 
-# range of an error that is allowed
-ERROR = {"maximum": 1.0, "above": 0.0}
-
 # --- FMU files ---
 
 
@@ -336,7 +333,7 @@ def _read(
         if view or fidelity is not None or error is not None:
             raise ValueError("--fidelity, --error and --view must come with a scene of the module")
         return read, None
-    allowed = quantity_of("--error", error, "1", **ERROR)
+    allowed = quantity_of("--error", error, "1", maximum=1.0, above=0.0)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
         read = read.with_fidelity(fidelity or "auto", allowed)
     if not read.chooses_fidelity:
@@ -427,7 +424,7 @@ def tradeoff(
 
     with progress_bar("measuring the trade") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
-        allowed = quantity_of("--recommend", recommend, "1", **ERROR)
+        allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
         read = inertia_module.load_scene(scene, keys)
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows

@@ -112,9 +112,7 @@ def write_figure(path: Path, figure: Any) -> Path:
 def kept(name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes]) -> Path:
     """A file of the cache folder, made where it is not there yet, whoever else makes it.
 
-    Args:
-        name: of the file, to which a hash is added. made_from: all that the content depends on, by names.
-        make: gives the content.
+    To its name a hash of all that the content depends on is added.
     """
     path = cache_folder() / name
     path = path.with_stem(f"{path.stem}-{content_hash(made_from)[:16]}")

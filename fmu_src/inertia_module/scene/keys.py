@@ -46,12 +46,7 @@ def checked(
 
 @dataclass(frozen=True)
 class InUnit:
-    """Pydantic validator of a quantity that JSON has as text with its unit.
-
-    Attributes:
-        check: gives its value, or refuses it. unit: that it comes in, "1" or "" for none.
-        variable: that it is a value of, or None.
-    """
+    """Pydantic validator of a quantity, maybe of a variable, that JSON has as text with its unit."""
 
     check: Callable[[Any], Any]
     unit: str

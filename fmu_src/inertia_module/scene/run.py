@@ -138,10 +138,7 @@ def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
 
 
 def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
-    """Find the largest frequency, Hz, of IN_A_ROW events in a row, or of all if they are fewer.
-
-    Events are counted up to each row, from 0 on, whose time is in s: they are placed to a row. Shapes (n,).
-    """
+    """Find the largest frequency, Hz, of IN_A_ROW events in a row, by their count up to each time, s."""
     rows, number = np.flatnonzero(np.diff(count)), int(count[-1])
     together = min(IN_A_ROW, number - 1)
     if together < 1:
@@ -154,10 +151,7 @@ def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
 def freewheel_duty(
     table: Result, parameters: Mapping[str, float]
 ) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not.
-
-    Numbers and remarks are by name; the table has all of SUMMARISED.
-    """
+    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not."""
     fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
