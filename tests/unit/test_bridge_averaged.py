@@ -1,8 +1,6 @@
 """The averaged module as a continuous system, and what is found out without an FMU."""
 
 import runpy
-from pathlib import Path
-from types import SimpleNamespace
 
 import control as ct
 import numpy as np
@@ -16,7 +14,6 @@ from inertia_module.bridge.fmu_system import bytes_of, numbers_of
 from inertia_module.bridge.small_signal import fit_sine
 from inertia_module.memory import Module
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
 LOSSY = MECHANISMS["planar"] | REALISTIC
@@ -130,8 +127,8 @@ class Pulsing:
 
 def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_though_pulses_never_settle():
     """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
-    margins = SimpleNamespace(**runpy.run_path(str(EXAMPLES / "speed_control_margins.py")))
-    expected = margins.predicted_margins(ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
+    margins = runpy.run_path("examples/speed_control_margins.py")
+    expected = margins["predicted_margins"](ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
     assert expected.gain == pytest.approx(10.0, rel=1e-2)
     crossover = 2.0 * np.arcsin(0.05)
     assert expected.crossover == pytest.approx(crossover, rel=1e-3)
@@ -139,9 +136,9 @@ def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_t
     # the surrounding itself is one step late
     around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
     point, limits = {"omega_out": 0.0, "omega1": 0.0}, (-1e9, 1e9)
-    found = margins.measured_margins(Pulsing(), around, point, [1.0], expected, limits)
+    found = margins["measured_margins"](Pulsing(), around, point, [1.0], expected, limits)
     assert found.gain == pytest.approx(expected.gain, rel=0.05)
     assert found.delay == pytest.approx(expected.delay, rel=0.03)
-    too_low = margins.Margins(0.4 * expected.gain, expected.delay, expected.crossover)
+    too_low = margins["Margins"](0.4 * expected.gain, expected.delay, expected.crossover)
     with pytest.raises(ValueError, match=r"limits must be a stable and an unstable one, .* is not unstable"):
-        margins.measured_margins(Pulsing(), around, point, [1.0], too_low, limits)
+        margins["measured_margins"](Pulsing(), around, point, [1.0], too_low, limits)
