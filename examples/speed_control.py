@@ -201,16 +201,18 @@ def controllers_of(operating):
 
 def margins(fmu_path, operating, controllers):
     """Rows (controller, plant, predicted margins, measured margins)."""
+    from speed_control_margins import measured_margins, predicted_margins
+
     rows = []
     point = {"omega1": OMEGA1, "omega_out": operating}
     for name, (controller, _) in controllers.items():
         around = surrounding(controller)
         kick = [KICK] + [0.0] * (around.nstates - 1)
         for kind in PLANTS:
-            predicted = bridge.predicted_margins(open_loop(controller, linear_plant(kind, operating)))
+            predicted = predicted_margins(open_loop(controller, linear_plant(kind, operating)))
             start = {"omega1": OMEGA1, "load_torque": HILL}
             with Fmu(fmu_path, start_values(kind, operating), start, tolerance=1e-6) as fmu:
-                measured = bridge.measured_margins(fmu, around, point, kick, predicted, limits=LIMITS)
+                measured = measured_margins(fmu, around, point, kick, predicted, LIMITS)
             rows.append((name, kind, predicted, measured))
     return rows
 
@@ -264,6 +266,7 @@ def compare_loops(fmu_path, operating, controller):
 
 def main(fmu_path, folder):
     """The whole study; writes its table and figure into the folder."""
+    from speed_control_margins import predicted_margins
     from speed_control_report import figure_of, report, step_numbers
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -278,7 +281,7 @@ def main(fmu_path, folder):
     report(margins(fmu_path, operating, controllers))
     exact = plant_with_transient(operating)
     for name, (controller, _) in controllers.items():
-        found = bridge.predicted_margins(open_loop(controller, exact))
+        found = predicted_margins(open_loop(controller, exact))
         print(f"{name} with transient inertia: gain {found.gain:.2f}, phase {found.phase:.1f} degrees")
     table = responses(fmu_path, operating, {name: gains for name, (_, gains) in controllers.items()})
     step_numbers(table, PLANTS)

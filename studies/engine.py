@@ -11,7 +11,7 @@ linear under a constant load T, and a step of any length is exact, works and imp
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 from inertia_module.harness.fmu import Fmu, FmuError
 from inertia_module.loops import EngineMap, Governor
+from inertia_module.memory import Plant
 
 # of a sample time: the end of a step this close to a sample is at the sample
 _ROUNDING = 1e-9
@@ -145,7 +146,7 @@ class Ledger:
         return self.fmu_steps + 2 * self.derivatives
 
 
-class EnginePlant(ABC):
+class EnginePlant(Plant):
     """An engine in front of a module: a plant whose omega1 is the speed the governor is asked for.
 
     Args:
@@ -311,8 +312,6 @@ class CoupledEngine(EnginePlant):
         except FmuError:
             self.fmu.set_state(kept)
             raise
-        finally:
-            self.fmu.free_state(kept)
         self._inertia = inertia
         return engine.after(h, answer.torque), answer
 

@@ -28,16 +28,9 @@ import typer
 
 import inertia_module
 
-from .common.files import (
-    BUILD_FOLDER,
-    OUTPUT_FOLDER,
-    writable_folder,
-    write_atomically,
-    write_figure,
-    write_text,
-)
+from .common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from .common.terminal import progress_bar, terminal
-from .common.units import factor_between, split_quantity, to_si
+from .common.units import factor_between, number_of, split_quantity
 
 if TYPE_CHECKING:
     from .fidelity.trials import Choice
@@ -56,9 +49,7 @@ def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> A
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
-OutputFolder = Annotated[
-    File, option("Folder to write to; made if it is not there.", "DIR", "--output", "-o")
-]
+OutputFolder = Annotated[File, option("Folder to write to, made if missing.", "DIR", "--output", "-o")]
 FmuToRun = Annotated[File, option("FMU to run instead of the package's own.", "FILE.fmu")]
 Keys = Annotated[Texts, option("Instead of the scene's: load.torque='8 N.m'; repeat.", "KEY=VALUE", "--set")]
 Json = Annotated[bool, option("Print one JSON object for machines.", None, "--json")]
@@ -161,7 +152,7 @@ def turning(text: str) -> float:
     from .contract.variables import LARGEST_SPEED
 
     try:
-        omega1 = to_si(text, "rad/s")
+        omega1 = number_of(text, "rad/s")
         if not 0.0 < abs(omega1) <= LARGEST_SPEED:
             raise ValueError("it is at rest or too fast")
     except ValueError as error:
@@ -178,11 +169,6 @@ def speed_text(omega1: float) -> str:
     """A speed, rad/s, in the units in which speeds are given."""
     return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
 
-
-# range of an error that is allowed
-ERROR = {"maximum": 1.0, "above": 0.0}
-# names of the page and of the report of a scene
-PAGE, REPORT = "page.html", "report.html"
 
 # --- FMU files ---
 
@@ -291,9 +277,7 @@ def run(
     fidelity: Annotated[
         Text, option("Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose.")
     ] = None,
-    error: Annotated[
-        Text, option('Error allowed in the outputs, such as 0.01 or "1 %", for fidelity auto.')
-    ] = None,
+    error: Annotated[Text, option('Error allowed in the outputs, such as "1 %", for fidelity auto.')] = None,
     fmu: FmuToRun = None,
     view: Annotated[bool, option("Write page.html too: see view.", None, "--view")] = False,
     keys: Keys = None,
@@ -304,28 +288,22 @@ def run(
     """
     from .contract.variables import COMPUTED
     from .page.html import html_file, template
-    from .scene import Scene, load_any_scene
 
-    choice, folder = None, writable_folder(output or OUTPUT_FOLDER / scene.stem)
-    read = load_any_scene(scene, keys)
-    if isinstance(read, Scene):
-        if view:
-            template()
-        read, choice = _at_fidelity(read, fidelity, error)
-    elif fidelity is not None or error is not None or view:
-        raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+    folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
+    if view:
+        template()
+    read, choice = _read(scene, keys, fidelity, error, view)
     result, _ = _ran(read, fmu, COMPUTED if view else ())
     page = html_file(result.scene, result) if view else None
     chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     told = {"scene": str(scene), **result.as_dict(), **chosen}
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
-        "summary": write_text(folder / "summary.json", json.dumps(told, indent=2) + "\n"),
+        "summary": write_atomically(folder / "summary.json", f"{json.dumps(told, indent=2)}\n".encode()),
         "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
     }
     if page is not None:
-        files["page"] = folder / PAGE
-        write_atomically(files["page"], page)
+        files["page"] = write_atomically(folder / "page.html", page)
 
     shown: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
     return Answer(told, shown, files, warnings=result.warnings)
@@ -343,11 +321,19 @@ def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -
         return inertia_module.run_scene(read, path, progress, also), path
 
 
-def _at_fidelity(read: Scene, fidelity: str | None, error: str | None) -> tuple[Scene, Choice | None]:
-    """Scene at the requested fidelity, or at one chosen by measuring, with the choice."""
+def _read(
+    scene: Path, keys: Texts, fidelity: Text = None, error: Text = None, view: bool = False
+) -> tuple[Scene | ShaftScene, Choice | None]:
+    """Scene at the requested fidelity, or at one chosen by measuring, with the choice; or a driven shaft."""
     from .fidelity.trials import choose
+    from .scene import Scene, load_any_scene
 
-    allowed = quantity_of("--error", error, "1", **ERROR)
+    read = load_any_scene(scene, keys)
+    if not isinstance(read, Scene):
+        if view or fidelity is not None or error is not None:
+            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+        return read, None
+    allowed = quantity_of("--error", error, "1", maximum=1.0, above=0.0)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
         read = read.with_fidelity(fidelity or "auto", allowed)
     if not read.chooses_fidelity:
@@ -373,14 +359,13 @@ def view(
     """
     from .contract.variables import COMPUTED
     from .page.html import checked_path, html_file, is_exact, template
-    from .scene import Scene, load_any_scene
+    from .scene import Scene
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / PAGE, "the page")
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "the page")
     template()
-    found = load_any_scene(scene, keys)
-    if not isinstance(found, Scene):
+    read, _ = _read(scene, keys)
+    if not isinstance(read, Scene):
         raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
-    read, _ = _at_fidelity(found, None, None)
     outcome = None
     if not is_exact(read):
         outcome, _ = _ran(read, fmu, COMPUTED)
@@ -400,9 +385,7 @@ def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Seque
 @command
 def report(
     scene: SceneFile,
-    output: Annotated[
-        File, option("The report (out/SCENE/report.html).", "FILE.html", "--output", "-o")
-    ] = None,
+    output: Annotated[File, option("File (out/SCENE/report.html).", "FILE.html", "--output", "-o")] = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -413,14 +396,10 @@ def report(
     """
     from .figures.report import RECORDED, report_file
     from .page.html import checked_path
-    from .scene import Scene, load_any_scene
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / REPORT, "the report")
-    chosen = list[str]()
-    read = load_any_scene(scene, keys)
-    if isinstance(read, Scene):
-        read, choice = _at_fidelity(read, None, None)
-        chosen = choice.lines() if choice else chosen
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "the report")
+    read, choice = _read(scene, keys)
+    chosen = choice.lines() if choice else []
     result, used = _ran(read, fmu, RECORDED)
     asked = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
     words = [word for name, values in asked.items() for value in values for word in (name, value)]
@@ -434,9 +413,7 @@ def report(
 def tradeoff(
     scene: SceneFile,
     output: OutputFolder = None,
-    recommend: Annotated[
-        Text, option('Recommend the cheapest level for an error: 1e-3, "1 %".', "ERROR")
-    ] = None,
+    recommend: Annotated[Text, option('Tell the cheapest level for an error: "1 %".', "ERROR")] = None,
     keys: Keys = None,
 ) -> Answer:
     """Measure error against cost of a scene.
@@ -447,7 +424,7 @@ def tradeoff(
 
     with progress_bar("measuring the trade") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
-        allowed = quantity_of("--recommend", recommend, "1", **ERROR)
+        allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
         read = inertia_module.load_scene(scene, keys)
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
@@ -471,19 +448,10 @@ def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
     speed: Annotated[
-        Text,
-        option(
-            "Torques at this speed, and converter tables for lookup blocks, CSV, MAT and VECTO: 3000 rpm.",
-            "SPEED",
-        ),
+        Text, option("Torques at this speed, and converter tables for lookup blocks: 3000 rpm.", "SPEED")
     ] = None,
     mapped: Annotated[
-        bool,
-        option(
-            "Maps over speed and ratio up to that speed, in its unit, CSV and MAT, and converter tables.",
-            None,
-            "--map",
-        ),
+        bool, option("Maps over ratio and speed up to that, and converter tables.", None, "--map")
     ] = False,
     keys: Keys = None,
 ) -> Answer:
@@ -503,37 +471,36 @@ def chart(
     read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
     make = partial(inertia_module.torque_converter_chart, omega1=at, engagements=True)
     charts = {name: make(one.parameters()) for name, one in read.items()}
-    maps = {}
     lossy = [name for name, found in charts.items() if not found.lossless]
-    for name in charts if mapped else lossy:
-        with progress_bar(f"map of {name}") as progress:
-            maps[name] = steady.steady_map(steady.SteadyMachine(read[name].parameters()), at, progress)
-    files = [found.save(folder / f"{name}.csv") for name, found in charts.items()]
-    for name, one in maps.items():
-        files += steady.save_map(one, folder / f"{name}_map", unit, mapped)
-    if mapped or omega1 is not None:
-        for name, found in charts.items():
-            table = steady.converter_table(steady.SteadyMachine(read[name].parameters()), found, at)
+    files, shown, maps, allowed = list[Path](), list[Shown](), {}, {}
+    told: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
+    for name, found in charts.items():
+        machine = steady.SteadyMachine(read[name].parameters())
+        files.append(found.save(folder / f"{name}.csv"))
+        if mapped or name in lossy:
+            with progress_bar(f"map of {name}") as progress:
+                maps[name] = steady.steady_map(machine, at, progress)
+            files += steady.save_map(maps[name], folder / f"{name}_map", unit, mapped)
+        if mapped or omega1 is not None:
+            table = steady.converter_table(machine, found, at)
             files += steady.save_converter(table, at, folder / f"{name}_converter")
-    drawn = {name: maps[name] for name in lossy}
-    indexing = {name: one.freewheels.of("indexing_frequency") for name, one in read.items()}
-    allowed = {name: min(limits.values()) * math.tau / abs(at) for name, limits in indexing.items() if limits}
-    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
-    files.append(write_figure(folder / "chart.png", figure))
-    summaries = {name: found.summary(omega1, indexing[name]) for name, found in charts.items()}
-    units = {name: found.units(omega1) for name, found in charts.items()}
-    listed = [str(file) for file in files]
-
-    shown: list[Shown] = []
-    for name, numbers in summaries.items():
-        rows = {key: f"{value:.6g} {units[name][key]}".rstrip() for key, value in numbers.items()}
+        limits = read[name].freewheels.of("indexing_frequency")
+        if limits:
+            allowed[name] = min(limits.values()) * math.tau / abs(at)
+        numbers, units = found.summary(omega1, limits), found.units(omega1)
+        told["charts"][name], told["units"][name] = numbers, units
         title = f"{name}, losses at {speed_text(at)}" if name in lossy else name
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
+        rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
         shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    drawn = {name: maps[name] for name in lossy}
+    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    files.append(write_figure(folder / "chart.png", figure))
+
     if mapped:
         shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
-    told = {"omega1": omega1, "charts": summaries, "units": units, "files": listed}
-    return Answer(told, [*shown, *listed])
+    listed = [str(file) for file in files]
+    return Answer({**told, "files": listed}, [*shown, *listed])
 
 
 # --- the engineer's jobs ---

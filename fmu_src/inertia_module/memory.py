@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
@@ -73,7 +74,7 @@ def _at_start(model: Model) -> tuple[Any, ...]:
 class Run(ctypes.Structure):
     """Many steps in one call: struct run of fmu/shell/instance.h, and with its end that of compiling/entry.c.
 
-    Args: as of harness.fmu.Fmu.take_steps, with addresses of what says which inputs and outputs they are.
+    Args: as of Plant.take_steps, with addresses of what says which inputs and outputs they are.
     """
 
     _fields_: ClassVar[Any] = (
@@ -91,7 +92,42 @@ class Run(ctypes.Structure):
         self.row_size = rows.strides[0] // rows.itemsize
 
 
-class ModelInstance:
+class Plant(ABC):
+    """A plant, stepped and read by names: an FMU, a model in memory, or one of these with more around it."""
+
+    @abstractmethod
+    def set(self, **values: float) -> None:
+        """Set inputs."""
+
+    @abstractmethod
+    def advance(self, step: float) -> None:
+        """Advance by a communication step, s."""
+
+    @abstractmethod
+    def read(self, names: Sequence[str]) -> tuple[float, ...]:
+        """Read values."""
+
+    def take_steps(
+        self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
+    ) -> None:
+        """Take many steps: one by one, unless a kind of plant has one call for them, with the same bits.
+
+        Args:
+            lengths: of the steps, s, shape (steps,). inputs: names. given: values, shape (steps, inputs).
+            outputs: names. rows: for values at the start and after each step, shape (steps + 1, outputs).
+                Each array, and each of the rows, lies in one piece.
+
+        Raises:
+            Refused: an unknown name, a value or a step; the plant is as it was before that step.
+        """
+        rows[0] = self.read(outputs)
+        for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
+            self.set(**dict(zip(inputs, values, strict=True)))
+            self.advance(length)
+            row[:] = self.read(outputs)
+
+
+class ModelInstance(Plant):
     """A model in memory: set parameters and inputs, start, step, read.
 
     Args:
@@ -100,6 +136,10 @@ class ModelInstance:
     Attributes:
         kernel: which kernel runs, and why; chosen at the start.
         started: whether start has been called with good parameters.
+
+    Raises:
+        Refused: by its methods, which then change nothing: an unknown name, a value out of its range, alone
+            or with others, a parameter that is fixed after the start, a call before it, a bad step.
     """
 
     model: ClassVar[Model]
@@ -129,10 +169,6 @@ class ModelInstance:
 
         Args:
             values: numbers, strings with a unit, names of items of enumerations.
-
-        Raises:
-            Refused: an unknown name, a value out of its range, a parameter that is not tunable after start,
-                or tunable ones that do not go with the others.
         """
         numbers = {}
         known = self.model.by_name
@@ -147,11 +183,7 @@ class ModelInstance:
         self.assign(numbers)
 
     def assign(self, numbers: Mapping[str, float]) -> None:
-        """Set parameters and inputs; what follows from parameters tuned after start is derived anew.
-
-        Raises:
-            Refused: a tuned parameter out of its range, alone or with others; nothing is changed.
-        """
+        """Set parameters and inputs; what follows from parameters tuned after start is derived anew."""
         changed = [name for name, number in numbers.items() if self.started and number != self[name]]
         tuned = [name for name in changed if self.record(name) is self.parameters]
         for name in tuned:
@@ -174,11 +206,7 @@ class ModelInstance:
         return self._records[RECORD_OF[self.model.by_name[name].causality]]
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs a constant rate over the coming step, per second: they start it from their values.
-
-        Raises:
-            Refused: an unknown input; no rate is set.
-        """
+        """Give inputs a constant rate over the coming step, per second: they start it from their values."""
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
@@ -188,11 +216,7 @@ class ModelInstance:
             setattr(self.inputs, f"{name}_rate_given", 1.0)
 
     def rates(self) -> dict[str, float]:
-        """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0.
-
-        Raises:
-            Refused: the instance has not been started, or a step from here is refused.
-        """
+        """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0."""
         if not self.started:
             raise Refused("rates must come after the start, the module has not been started")
         copy = type(self)("plain" if self._compiled is None else "compiled")
@@ -201,11 +225,7 @@ class ModelInstance:
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
 
     def start(self, **values: float | str) -> Self:
-        """Set values, check the parameters alone and together, and take the initial state.
-
-        Raises:
-            Refused: with one line for each thing that is wrong.
-        """
+        """Set values, check the parameters alone and together, and take the initial state."""
         self._prepare(values)
         self._begin()
         self.started = True
@@ -222,35 +242,26 @@ class ModelInstance:
         self.load_kernel()
 
     def advance(self, step_size: float) -> None:
-        """Advance by a communication step, s.
-
-        Raises:
-            Refused: bad inputs or step, or work without end; the state is as it was.
-        """
+        """Advance by a communication step, s."""
         if not self.started:
             raise Refused("a step must come after the start, the module has not been started")
         self._check(self.call(codes.STEP, step_size), step_size)
-        for variable in self.model.with_causality(INPUT):
-            setattr(self.inputs, f"{variable.name}_rate", 0.0)
-            setattr(self.inputs, f"{variable.name}_rate_given", 0.0)
+        # rates of inputs, and whether they are given, come after the inputs
+        rates = len(self.inputs.numbers) // 3
+        self.inputs.numbers[rates:] = (0.0,) * (2 * rates)
 
     def take_steps(
         self, lengths: Any, inputs: Sequence[str], given: Any, outputs: Sequence[str], rows: Any
-    ) -> bool:
-        """Take steps in one call of a compiled kernel; tell whether that can be, else nothing is done.
-
-        Args: as of harness.fmu.Fmu.take_steps.
-
-        Raises:
-            Refused: bad inputs or a bad step, or work without end; the state is as it was before that step.
-        """
+    ) -> None:
+        """Take steps, in one call of a compiled kernel: see Plant."""
         ends = {one.name: one.ends for one in self.model.with_causality(INPUT)}
         within = ends.keys() >= set(inputs) and all(
             ((ends[name][0] <= values) & (values <= ends[name][1])).all()
             for name, values in zip(inputs, given.T, strict=True)
         )
         if self._compiled is None or not self.started or not within:
-            return False
+            super().take_steps(lengths, inputs, given, outputs, rows)
+            return
         places = [(ctypes.c_void_p * len(names))(*map(self._address, names)) for names in (inputs, outputs)]
         set_at, read_at = map(ctypes.addressof, places)
         asked = Run(lengths, set_at, given, read_at, rows)
@@ -260,7 +271,6 @@ class ModelInstance:
         status = self._compiled.inertia_module_kernel_run(ctypes.addressof(asked))
         if status != codes.OK:
             raise Refused(self.explain(status, float(lengths[asked.steps])))
-        return True
 
     def _address(self, name: str) -> int:
         record = RECORD_OF[self.model.by_name[name].causality]
@@ -303,13 +313,10 @@ class ModelInstance:
         return f"{self.model.name}{int(started)}{self.model.source_hash}".encode()
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
-        """Take over a state of save.
+        """Take over a state of save; refused is what is none, is damaged or of another build.
 
         Args:
             saved: the state. must_be_started: refuse one that was saved before the start.
-
-        Raises:
-            Refused: it is not one, is damaged or of another build; nothing is changed.
         """
         start = len(self._head(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
@@ -341,20 +348,12 @@ class ModelInstance:
 
 
 class Module(ModelInstance):
-    """An inertia module.
-
-    Args:
-        kernel: see choose_kernel.
-    """
+    """An inertia module; kernel: see choose_kernel."""
 
     model = INERTIA_MODULE
 
     def check(self, **values: float | str) -> None:
-        """Set values and check the parameters, alone and together, without starting.
-
-        Raises:
-            Refused: as start.
-        """
+        """Set values and check the parameters, alone and together, without starting."""
         self._prepare(values)
         self._check(self.call(codes.CHECK, 0.0), 0.0)
 
@@ -372,10 +371,6 @@ class Module(ModelInstance):
 
 
 class DrivenShaft(ModelInstance):
-    """The elastic output alone: hub of given speed, shaft, driven mass.
-
-    Args:
-        kernel: see choose_kernel.
-    """
+    """The elastic output alone: hub of given speed, shaft, driven mass; kernel: see choose_kernel."""
 
     model = DRIVEN_SHAFT

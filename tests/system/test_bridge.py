@@ -222,7 +222,8 @@ def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make
 # --- the study ---
 
 
-def test_margins_of_the_speed_control_are_those_of_the_full_model(fmu):
+def test_margins_of_the_speed_control_are_those_of_the_full_model(fmu, monkeypatch):
+    monkeypatch.syspath_prepend(EXAMPLE.parent)
     study = runpy.run_path(str(EXAMPLE))
     operating = 60.6858
     controllers = {"PI": study["controllers_of"](operating)["PI"]}

@@ -89,7 +89,7 @@ def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp
 
 
 def test_tradeoff_of_a_scene_for_machines(tmp_path):
-    arguments = ("--recommend", "1 %", "--set", "run.outputs=['omega_out']", "--json")
+    arguments = ("--recommend", "1 %", "--set", 'run.outputs=["omega_out"]', "--json")
     done = command("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     found = json.loads(done.stdout)

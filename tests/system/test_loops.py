@@ -11,13 +11,13 @@ from inertia_module import loops
 from inertia_module.common.examples import example
 from inertia_module.loops import cycles
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.memory import Module
+from inertia_module.memory import Module, Plant
 from inertia_module.scene import load_scene
 
 KMH = 1.0 / 3.6
 
 
-class Shaft:
+class Shaft(Plant):
     """A bare shaft that a torque accelerates, one way or both; exact for a torque that is held."""
 
     def __init__(self, inertia, speed=0.0, drive=0.0, one_way=False):

@@ -105,7 +105,7 @@ def test_load_above_stall_is_told():
 )
 def test_efficiency_is_what_is_not_lost_of_all_put_in(given, out, stored, lost, efficiency):
     energies = table(energy_in=given, energy_out=out, energy_stored=stored, energy_lost=lost)
-    found = summarise(energies, None, 1.0)
+    found = summarise(energies, None, 1.0, {})
     assert ("efficiency" in found) == (efficiency is not None)
     if efficiency is not None:
         assert found["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
@@ -114,7 +114,7 @@ def test_efficiency_is_what_is_not_lost_of_all_put_in(given, out, stored, lost, 
 def test_each_loss_is_told_where_there_is_one():
     assert len(LOSSES) == 6
     for name in LOSSES:
-        told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0)
+        told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0, {})
         assert {key: told[key] for key in told if key in LOSSES} == {name: (2.0, "J")}
         assert losses(table(**{name: 2.0})) == [name]
         assert BY_NAME[name].unit == "J"
@@ -126,7 +126,7 @@ def test_forces_are_magnitudes_of_what_is_recorded():
         "satellite_force": 5.0,
         "shaking_force": 7.0,
     }
-    found = summarise(one, None, 1.0)
+    found = summarise(one, None, 1.0, {})
     assert found["shaking_force_peak"] == (7.0, "N")
     assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
     assert "shaking_moment_peak" not in found
@@ -136,7 +136,7 @@ def test_forces_are_magnitudes_of_what_is_recorded():
     # nor is what three satellites leave of 3 kN by rounding
     balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
     assert list(forces(balanced)) == ["satellite_force"]
-    between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, 1.0)
+    between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, 1.0, {})
     assert between["satellite_force_peak"] == (8.0, "N")
 
 
@@ -242,7 +242,7 @@ def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
     time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
     lower, _ = CYCLE.tolerance_band(time)
     record = car(lower + np.array([0.1, -0.1, 0.1, 0.1, -0.1]), time, reference=CYCLE.speed_at(time))
-    found = summarise(record, CYCLE, 1.0)
+    found = summarise(record, CYCLE, 1.0, {})
     assert found["time_out_of_tolerance"] == (1.0, "s")
     assert found["share_out_of_tolerance"] == (pytest.approx(100.0 / 195.0), "%")
 

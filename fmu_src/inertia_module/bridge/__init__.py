@@ -2,29 +2,23 @@
 
 from .fmu_system import FmuSystem, fmu_system
 from .small_signal import (
-    Margins,
     SmallSignal,
     TransientInertia,
     averaged_response,
     averaged_system,
-    measured_margins,
     measured_response,
     operating_point,
-    predicted_margins,
     transient_inertia,
 )
 
 __all__ = [
     "FmuSystem",
-    "Margins",
     "SmallSignal",
     "TransientInertia",
     "averaged_response",
     "averaged_system",
     "fmu_system",
-    "measured_margins",
     "measured_response",
     "operating_point",
-    "predicted_margins",
     "transient_inertia",
 ]

@@ -1,16 +1,7 @@
-"""FMU as a discrete-time system of python-control, pure in its state.
+"""FMU as a discrete-time system of python-control, pure in its state (docs/control.md has its two kinds).
 
 A communication step is the update of the system. Outputs hold the values at the end of the last step, so
-there is no direct feedthrough. Step means belong to the step that has been taken and do not follow from
-where the motion is now: they are part of the state. There are two states (docs/control.md).
-
-**motion.** A few named numbers: what the motion is and has start parameters for, the speed the input was left
-at (a new one is a jump, and a jump is an impulse; with drive = torque input_speed stands in its place), and
-the outputs of the last step. Every update starts the FMU anew from these, so nothing outside of them can
-matter.
-
-**whole.** The serialised state of the FMU, four bytes to a number: whole numbers below 2^32, which every
-copy, print and CSV file keeps (bytes read as doubles would hold NaN and denormals).
+there is no direct feedthrough. Step means do not follow from where the motion is now, so the state has them.
 """
 
 from __future__ import annotations
@@ -80,7 +71,7 @@ def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
 
 
 class _Motion:
-    """Steps from the motion, by a fresh start each."""
+    """Steps from the motion, by a fresh start each: nothing outside of it can matter."""
 
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, inputs
@@ -119,7 +110,7 @@ class _Motion:
 
 
 def numbers_of(data: bytes) -> Array:
-    """Pack bytes as whole numbers, shape (n,); the first is the count of bytes."""
+    """Pack bytes as whole numbers, shape (n,), the first their count; read as doubles they would hold NaN."""
     padded = np.frombuffer(data + bytes(-len(data) % _BYTES), dtype="<u4")
     return np.concatenate([[float(len(data))], padded.astype(np.float64)])
 

@@ -1,4 +1,4 @@
-"""Averaged module as a system; small-signal response and margins of stability, of it and of an FMU.
+"""Averaged module as a system; small-signal response of it and of an FMU.
 
 The averaged module is a continuous system of python-control, on the map the kernel itself has found and by
 its own functions:
@@ -6,28 +6,16 @@ its own functions:
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
 At lock-up (omega_out = omega1) the FMU holds the two together; here the torque drops to zero above ratio 1,
-and a solver would chatter there: it is for ratios below. omega1 is an input; of a module driven by torque
-there is the FMU itself (fmu_system).
+and a solver would chatter there: it is for ratios below.
 
 A response is measured as on a test bed: a plant runs at constant inputs until it has settled, then a small
 sine is added to one input, and after the transient the sine of that frequency in the outputs is fitted.
-
-- **Input.** The load torque is held over a step at its value at the middle of the step; omega1 goes linearly
-  from sample to sample (by input derivatives: a native FMU is needed). Neither lags; the loss of amplitude,
-  sinc(f h) or its square, is divided out.
-- **Output.** A step mean belongs to the middle of its step and is fitted there; its sinc(f h) is divided out
-  as well.
-- **Fit.** Least squares under a Hann window over a whole number of periods. The pulses are no multiple of the
-  sine, but a record of N periods separates frequencies that differ by more than 2/N of it, and beyond that
-  leakage falls with the cube of the distance. The step has to be so short that pulses do not alias: some 20
-  steps to a pulse.
 """
 
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -35,7 +23,6 @@ from typing import Any, NamedTuple
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import detrend
 
 from ..common.errors import did_you_mean, must_be
 from ..contract.variables import BY_NAME
@@ -164,15 +151,19 @@ MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torq
 # --- a sine on an input of a plant ---
 
 
-def fit_sine(time: Array, values: Array, frequency: float) -> tuple[complex, float]:
-    """Fit z of Im(z exp(2 pi i f t)) in values over whole periods, and their mean, under a Hann window."""
+def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Complex, Array]:
+    """Fit z of Im(z exp(2 pi i f t)) in columns over whole periods, and their means, under a Hann window.
+
+    Pulses are no multiple of the sine, but of N periods the window separates what is more than 2/N of the
+    frequency apart, and leakage beyond falls with the cube of the distance.
+    """
     window = 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(time.size) + 0.5) / time.size)
     angle = 2.0 * math.pi * frequency * time
     drift = (time - time.mean()) / float(np.ptp(time))
     basis = np.stack([np.sin(angle), np.cos(angle), np.ones(time.size), drift], axis=1)
-    root = np.sqrt(window)
-    found = np.linalg.lstsq(basis * root[:, None], values * root, rcond=None)[0]
-    return complex(found[0], found[1]), float(found[2])
+    root = np.sqrt(window)[:, None]
+    sine, cosine, mean, _ = np.linalg.lstsq(basis * root, values * root, rcond=None)[0]
+    return sine + 1j * cosine, mean
 
 
 @dataclass(frozen=True)
@@ -192,6 +183,8 @@ class SineBench:
         before = math.ceil(settling / step)
         periods = max(10, math.ceil(record * frequency))
         last = before + round(periods / (frequency * step))
+        # omega1 goes linearly from sample to sample, the load is held at its value at the middle of a step:
+        # neither lags; both lose amplitude by powers of sinc(f h)
         ramped = excited == SPEED
         turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
         values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * turns)).tolist()
@@ -205,13 +198,10 @@ class SineBench:
         ends: Array = np.arange(before + 1, last + 1, dtype=np.float64) * step
         sinc = float(np.sinc(frequency * step))
         held = amplitude * (sinc**2 if ramped else sinc)
-        found, means = np.empty(len(self.outputs), dtype=complex), np.empty(len(self.outputs))
-        for n, name in enumerate(self.outputs):
-            is_mean = name.endswith("_mean")
-            time: Array = ends - 0.5 * step if is_mean else ends
-            sine, means[n] = fit_sine(time, rows[before:, n], frequency)
-            found[n] = sine / (held * sinc if is_mean else held)
-        return found, means
+        sines, means = fit_sine(ends, rows[before:], frequency)
+        # a mean is that of the middle of its step
+        of_mean = sinc * np.exp(-1j * math.pi * frequency * step)
+        return sines / [held * (of_mean if name.endswith("_mean") else 1.0) for name in self.outputs], means
 
     def settle(self, time: float) -> float:
         """Run at constant inputs for a time, s; torque pulses per second in its last half (0: not two)."""
@@ -423,129 +413,3 @@ def transient_inertia(
         gain = found[1] if excited == SPEED else found[1] / found[0]
         gains.append(float(gain.imag / turn))
     return TransientInertia(gains[0], -gains[1])
-
-
-# --- stability margins ---
-
-# margins are looked for within these shares of the expected one, to this relative width
-_WITHIN, _SHARE = np.array([0.5, 2.0]), 0.02
-
-
-@dataclass(frozen=True)
-class Margins:
-    """Margins of a loop: gain (factor), delay, s, and the crossover frequency, rad/s."""
-
-    gain: float
-    delay: float
-    crossover: float
-
-    @property
-    def phase(self) -> float:
-        """Phase margin, degrees."""
-        return math.degrees(self.delay * self.crossover)
-
-
-def predicted_margins(loop: Any) -> Margins:
-    """Compute the margins of a linear discrete-time loop (1 x 1, of negative feedback) by control.margin."""
-    step = float(loop.dt)
-    frequency = np.geomspace(1e-4, 0.999, 4000) * math.pi / step
-    response = loop(np.exp(1j * frequency * step))
-    gain, phase, _, crossover = ct.margin(ct.frd(response, frequency))
-    return Margins(float(gain), math.radians(phase) / float(crossover), float(crossover))
-
-
-def measured_margins(
-    fmu: Fmu,
-    surrounding: Any,
-    point: Mapping[str, float],
-    kick: Sequence[float],
-    expected: Margins,
-    *,
-    limits: tuple[float, float] = (-math.inf, math.inf),
-) -> Margins:
-    """Measure the margins of the loop around an FMU: it is made worse until a kick grows on, by bisection.
-
-    What is measured is multiplied (gain margin) or delayed (delay margin). A loop counts as settled if its
-    first measured signal swings less at the end than early on, or no more than twice what the pulses leave in
-    the loop as it is; as unstable also if it leaves the limits.
-
-    Args:
-        fmu: started at the operating point; it is left there.
-        surrounding: around it, of deviations: control.StateSpace in discrete time, inputs named as outputs of
-            the FMU and outputs as inputs of it, without direct feedthrough (D = 0).
-        point: values at the operating point of all signals between both.
-        kick: state of the surrounding at the start, shape (states,).
-        limits: of what the surrounding gives to the FMU.
-        expected: by predicted_margins; looked for from half to twice of them, to 2 %.
-
-    Returns:
-        The margins found, with the crossover expected.
-
-    Raises:
-        ValueError: a margin is not within half and twice of the expected one, the surrounding has direct
-            feedthrough, or a signal has no value in point.
-    """
-    if np.any(surrounding.D):
-        raise ValueError("a surrounding must have D = 0, has direct feedthrough")
-    measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
-    missing = [name for name in (*measured, *fed) if name not in point]
-    if missing:
-        raise ValueError(f"point must have {', '.join([*measured, *fed])}, is without {', '.join(missing)}")
-    a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
-    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
-    step = float(surrounding.dt)
-    # a run lasts ten periods of the crossover
-    steps = round(20.0 * math.pi / expected.crossover / step)
-    begin = fmu.get_state()
-
-    def swings(factor: float = 1.0, delay: int = 0) -> tuple[float, float]:
-        """RMS of the second and the last quarter of a run, each about its mean and drift.
-
-        What is measured reaches the surrounding times the factor, late by delay steps.
-        """
-        fmu.set_state(begin)
-        state, first = np.array(kick, dtype=float), np.empty(steps + 1)
-        under_way = deque([np.zeros(len(measured))] * delay)
-        for n in range(steps + 1):
-            deviation = np.array(fmu.read(measured)) - around
-            first[n] = deviation[0]
-            if n == steps:
-                break
-            values = (offset + c @ state).tolist()
-            if not all(limits[0] <= value <= limits[1] for value in values):
-                return 0.0, math.inf
-            fmu.set(**dict(zip(fed, values, strict=True)))
-            fmu.advance(step)
-            under_way.append(factor * deviation)
-            state = a @ state + b @ under_way.popleft()
-        quarter = first.size // 4
-        early, late = (first[n * quarter : (n + 1) * quarter] for n in (1, 3))
-        return float(np.std(detrend(early))), float(np.std(detrend(late)))
-
-    ripple = 2.0 * swings()[1]
-
-    def settles(factor: float = 1.0, delay: float = 0.0) -> bool:
-        early, late = swings(factor, round(delay))
-        return late < max(early, ripple)
-
-    try:
-        gain = _stability_limit(settles, *(expected.gain * _WITHIN))
-        late = _stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * _WITHIN))
-    finally:
-        fmu.set_state(begin)
-        fmu.free_state(begin)
-    return Margins(gain, late * step, expected.crossover)
-
-
-def _stability_limit(is_stable: Callable[[float], bool], low: float, high: float) -> float:
-    """Value between low (stable) and high (not) where stability ends, by bisection in the logarithm."""
-    for value, wanted in ((low, True), (high, False)):
-        if is_stable(value) != wanted:
-            raise ValueError(
-                f"limits must be a stable and an unstable one, are {low:g} and {high:g}: {value:g} is not"
-                f" {'stable' if wanted else 'unstable'}"
-            )
-    while high > low * (1.0 + _SHARE):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if is_stable(middle) else (low, middle)
-    return math.sqrt(low * high)

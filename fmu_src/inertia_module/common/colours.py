@@ -5,9 +5,9 @@ The colours are those that the colour-blind tell apart: Okabe and Ito (2008), Co
 
 from __future__ import annotations
 
-import io
-
 from matplotlib.figure import Figure
+
+from .files import picture_of
 
 BLACK, ORANGE, SKY, GREEN = "#222222", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
@@ -17,6 +17,4 @@ class Picture(Figure):
     """A matplotlib Figure that is its PNG in a notebook."""
 
     def _repr_png_(self) -> bytes:
-        stream = io.BytesIO()
-        self.savefig(stream, format="png")
-        return stream.getvalue()
+        return picture_of(self, ".png")

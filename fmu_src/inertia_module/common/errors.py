@@ -17,11 +17,7 @@ class Refused(ValueError):
 
 
 def must_be(name: str, allowed: str, value: float | str) -> str:
-    """The sentence for a bad value: "tolerance must be between 0 and 1, is 7".
-
-    Args:
-        name: of the value. allowed: what follows "must be". value: a number, or text that stands for it.
-    """
+    """The sentence for a bad value, or text that stands for it: "tolerance must be between 0 and 1, is 7"."""
     return f"{name} must be {allowed}, is {value if isinstance(value, str) else format(value, '.16g')}"
 
 
@@ -44,11 +40,9 @@ class UnknownName(Refused, KeyError):
 
 
 class Named(dict[str, Value]):
-    """Values by name, which tell a name that is not there.
+    """Values by name, which tell a name that is not there, and why one that might be there is missing.
 
-    Args:
-        values: by name. what: they are, such as "a number of the summary". missing: by name, why one that
-            might be there is not.
+    What they are is such as "a number of the summary".
     """
 
     def __init__(

@@ -12,8 +12,8 @@ from .files import PACKAGE_FOLDER
 # in a wheel they are in the package, in a clone beside it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
 KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "studies/*.py")
-# a part of another example
-PARTS = ("speed_control_report.py",)
+# parts of another example
+PARTS = ("speed_control_margins.py", "speed_control_report.py")
 
 
 @cache
@@ -28,14 +28,7 @@ def examples() -> dict[str, Path]:
 
 
 def example(name: str) -> Path:
-    """The file of an example.
-
-    Args:
-        name: such as "planar", or "tutorial"; or that of its file, such as "planar.py".
-
-    Raises:
-        Refused: there is none of this name; which there are.
-    """
+    """The file of an example by its name, such as "planar" or "tutorial", or by that of its file."""
     files = {path.name: path for path in examples().values()}
     found = examples().get(name) or files.get(name)
     if found is None:

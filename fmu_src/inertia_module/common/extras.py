@@ -11,14 +11,7 @@ class NotInstalled(RuntimeError):
 
 
 def library(module: str, extra: str, name: str = "") -> Any:
-    """A module of an extra.
-
-    Args:
-        module: to import. extra: that brings it. name: what to install, if it is not called like the module.
-
-    Raises:
-        NotInstalled: it is not there.
-    """
+    """A module of an extra, or NotInstalled; name: what to install, if it is not called like the module."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

@@ -37,14 +37,7 @@ def cache_folder() -> Path:
 
 
 def sources(*patterns: str) -> dict[str, bytes]:
-    """Files of this package: path within it, and content.
-
-    Args:
-        patterns: paths within the package; `*` stands for any name.
-
-    Raises:
-        FileNotFoundError: a pattern finds no file.
-    """
+    """Files of this package by path within it; `*` in a pattern stands for any name, each finds a file."""
     found: dict[str, bytes] = {}
     for pattern in patterns:
         paths = [path for path in PACKAGE_FOLDER.glob(pattern) if path.is_file()]
@@ -62,23 +55,13 @@ def content_hash(files: Mapping[str, bytes]) -> str:
     return digest.hexdigest()[:32]
 
 
-def _is_there(path: Path) -> bool:
-    try:
-        path.lstat()
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    return True
-
-
 def writable_folder(folder: Path) -> Path:
-    """The folder, if files can be written to it or it can be made; it is not made yet.
-
-    Raises:
-        OSError: they cannot; why, in a sentence.
-    """
+    """The folder, if files can be written to it or it can be made; else an OSError. It is not made yet."""
     demand = f"{folder} must be a folder that can be written to"
     try:
-        place = next(place for place in (folder, *folder.absolute().parents) if _is_there(place))
+        # a link to nothing is there too
+        there = (one for one in (folder, *folder.absolute().parents) if one.exists() or one.is_symlink())
+        place = next(there)
         if not place.is_dir():
             raise OSError(f"{demand}: {place} is not a folder")
         with tempfile.TemporaryFile(dir=place):
@@ -88,12 +71,8 @@ def writable_folder(folder: Path) -> Path:
     return folder
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is either whole or not there, whoever else writes it.
-
-    Raises:
-        OSError: its folder cannot be written to.
-    """
+def write_atomically(path: Path, content: bytes) -> Path:
+    """Write a file so that it is either whole or not there, whoever else writes it."""
     writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
     try:
@@ -104,12 +83,12 @@ def write_atomically(path: Path, content: bytes) -> None:
     except BaseException:
         os.unlink(name)
         raise
+    return path
 
 
 def write_text(path: Path, text: str) -> Path:
     """Write a text file, whole or not at all."""
-    write_atomically(path, text.encode())
-    return path
+    return write_atomically(path, text.encode())
 
 
 def picture_of(figure: Any, ending: str) -> bytes:
@@ -127,19 +106,13 @@ def picture_of(figure: Any, ending: str) -> bytes:
 
 def write_figure(path: Path, figure: Any) -> Path:
     """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
-    write_atomically(path, picture_of(figure, path.suffix))
-    return path
+    return write_atomically(path, picture_of(figure, path.suffix))
 
 
 def kept(name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes]) -> Path:
     """A file of the cache folder, made where it is not there yet, whoever else makes it.
 
-    Args:
-        name: of the file, to which a hash is added. made_from: all that the content depends on, by names.
-        make: gives the content.
-
-    Raises:
-        OSError: the folder cannot be written to.
+    To its name a hash of all that the content depends on is added.
     """
     path = cache_folder() / name
     path = path.with_stem(f"{path.stem}-{content_hash(made_from)[:16]}")

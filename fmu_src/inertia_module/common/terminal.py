@@ -21,11 +21,7 @@ PATIENCE = 2.0
 
 
 def terminal(width: int | None = None) -> Console:
-    """A console that prints texts as they are: "[fast]" is no style, ":key:" no picture, 3 no number.
-
-    Args:
-        width: in columns; by default that of the terminal, or 80.
-    """
+    """A console that prints texts as they are: "[fast]" is no style, ":key:" no picture, 3 no number."""
     from rich.console import Console
 
     return Console(markup=False, emoji=False, highlight=False, width=width)
@@ -42,11 +38,7 @@ def progress() -> rich_progress.Progress:
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Progress]:
-    """A progress bar that appears once some work has taken more than PATIENCE seconds.
-
-    Yields:
-        A function to call with the share done (0 to 1).
-    """
+    """A progress bar that appears once some work has taken more than PATIENCE seconds."""
     started = time.monotonic()
     bar = progress()
     task = bar.add_task(title, total=1.0)

@@ -47,11 +47,7 @@ _SYMBOLS: dict[str, tuple[float, Dimension]] = {
 
 
 def parse_unit(text: str) -> tuple[float, Dimension]:
-    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m^2 or km/h.
-
-    Raises:
-        ValueError: a symbol is unknown.
-    """
+    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m^2 or km/h."""
     factor = 1.0
     dimension: Counter[str] = Counter()
     for place, group in enumerate(text.split("/")):
@@ -69,11 +65,7 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
 
 
 def factor_between(unit: str, wanted: str) -> float:
-    """Factor from a unit to the unit wanted.
-
-    Raises:
-        ValueError: they are not of one dimension, or one of them is not known.
-    """
+    """Factor from a unit to the unit wanted; a ValueError where these are unknown or of two dimensions."""
     if unit == wanted:
         return 1.0
     (factor, dimension), (to, needed) = parse_unit(unit), parse_unit(wanted)
@@ -83,11 +75,7 @@ def factor_between(unit: str, wanted: str) -> float:
 
 
 def split_quantity(text: str) -> tuple[float, str]:
-    """The number and the unit ("" if there is none) of a string such as '1000 rpm'.
-
-    Raises:
-        ValueError: it does not begin with a number.
-    """
+    """The number and the unit ("" if there is none) of a string such as '1000 rpm'; else a ValueError."""
     match = _NUMBER.match(text)
     if match is None:
         raise ValueError("it is not a number with a unit")
@@ -109,46 +97,30 @@ def allowed_number(
     return f"{number} in {unit}, or a string with a unit such as '{example} {unit}'"
 
 
-def to_si(value: Any, unit: str) -> float:
-    """A quantity in the SI unit given.
-
-    Args:
-        value: number, or string with a unit of the same dimension. unit: such as rad/s.
-
-    Raises:
-        ValueError: it is neither, or of another dimension, or not finite.
-    """
-    if isinstance(value, str):
-        number, own = split_quantity(value)
-        number *= factor_between(own or unit, unit)
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        number = float(value)
-    else:
-        raise ValueError("it is no quantity")
-    if not math.isfinite(number):
-        raise ValueError("it is not finite")
-    return number
-
-
 def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = None) -> float:
-    """The number a variable takes for a value, which may yet be out of its range.
+    """The number, in the SI unit given, that a variable takes for a value; it may yet be out of its range.
 
     Args:
         value: a number, a string with a unit of the same dimension, or the name of an item.
         unit: of the variable. items: numbers by name, where it is an enumeration or a Boolean.
 
     Raises:
-        ValueError: it is none of these.
+        ValueError: it is none of these, or not finite.
     """
-    if isinstance(value, str):
-        if items is None:
-            return to_si(value, unit)
+    factor = 1.0
+    if isinstance(value, str) and items is not None:
         if value not in items:
             raise ValueError(f"there is no {value!r}")
-        return float(items[value])
-    if isinstance(value, bool) and items is not BOOLEANS:
+        value = items[value]
+    elif isinstance(value, str):
+        value, own = split_quantity(value)
+        factor = factor_between(own or unit, unit)
+    elif isinstance(value, bool) and items is not BOOLEANS:
         raise ValueError("it is not a number")
     try:
-        return float(value)
+        number = float(value) * factor
     except (TypeError, ValueError):
         raise ValueError("it is not a number") from None
+    if not math.isfinite(number):
+        raise ValueError("it is not finite")
+    return number

@@ -1,9 +1,7 @@
 """Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0, of OSP and as one FMU.
 
 A plan is the module or, if its shaft is elastic, the rigid module and its shaft as two FMUs, wired, with the
-values of a scene. Of SSP (System Structure and Parameterization) it uses what OMSimulator, libcosim, Ecos and
-FMPy all read: each component has its own values, nothing is connected to the boundary of the system, and
-only wired inputs have connectors. The one FMU is FMPy's container, a co-simulation host of its own.
+values of a scene. What of SSP is used, and why, is told in docs/systems.md. The one FMU is FMPy's container.
 """
 
 from __future__ import annotations
@@ -101,10 +99,9 @@ def make_plan(
     """Plan the system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
 
     Args:
-        title: of the system.
         values: parameters of the module that differ from their start values.
         inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
-        step: communication step, s. stop_time: s.
+        title, step, stop_time: as of Plan.
     """
     own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
     own.setdefault("tolerance", 1e-6)

@@ -28,7 +28,6 @@ from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..harness import results
-from ..harness.fmu import take_steps
 from ..harness.results import TIME
 from ..harness.simulate import Result, whole_steps
 from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID, TIMESTEPPING
@@ -394,7 +393,7 @@ def kernel_time(
 
     def steps(number: int) -> None:
         module.restore(begin)
-        take_steps(module, lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1])
+        module.take_steps(lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1])
 
     spent, none = (median_time(partial(steps, number), repeats) for number in (len(inputs), 0))
     # what can be measured takes 10 ns a call

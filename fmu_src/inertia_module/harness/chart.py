@@ -12,7 +12,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -121,21 +120,13 @@ class SteadyMachine:
             )
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
-        """Compute the steady pulses.
-
-        Args:
-            omega1: speed of link 1, rad/s, not 0. ratio: output over input speed, from 0 to below 1.
-        """
+        """Compute the steady pulses at omega1, rad/s, not 0, and a ratio to it of the output from 0 to 1."""
         return self._settled(omega1, ratio)[1]
 
     def samples(self, names: Sequence[str], omega1: float, ratio: float) -> Array:
         """Sample outputs in steady pulses, SAMPLES in the time of a turn of the drive where link 2 is held.
 
-        Args:
-            names: of the outputs. omega1, ratio: as of at.
-
-        Returns:
-            Rows over the turns of a mean, shape (m, names).
+        The rows, shape (m, names), are over the turns of a mean.
         """
         (module, _), found = self._settled(omega1, ratio), []
         turn, begun = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module)
@@ -279,7 +270,7 @@ class TorqueConverterChart:
         return float(self.speed_ratio[-1])
 
     def summary(
-        self, omega1: float | None = None, indexing: Mapping[str, float] = MappingProxyType({})
+        self, omega1: float | None = None, indexing: Mapping[str, float] | None = None
     ) -> dict[str, float]:
         """Characteristic numbers of the chart, for comparing mechanisms.
 
@@ -301,7 +292,7 @@ class TorqueConverterChart:
         if self.output_engagements is not None:
             most = {name: float(getattr(self, name).max()) for name in ENGAGEMENTS}
             numbers |= {f"{name}_maximum": value for name, value in most.items()}
-            shares = [most[f"{name}_engagements"] / limit for name, limit in indexing.items()]
+            shares = [most[f"{name}_engagements"] / limit for name, limit in (indexing or {}).items()]
             numbers |= {"indexing_speed": math.tau / max(shares)} if any(shares) else {}
         return {name: _scale(name, omega1)[0] * value for name, value in numbers.items()}
 
@@ -326,13 +317,9 @@ def _scale(number: str, omega1: float | None) -> tuple[float, str]:
 
 
 def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> dict[str, Array]:
-    """Map of a mechanism from a tenth of an input speed up to that.
+    """Map of a mechanism from a tenth of an input speed, rad/s, not 0, up to that.
 
-    Args:
-        omega1: rad/s, not 0. progress: called with the share done.
-
-    Returns:
-        Columns by name: omega1, rad/s, shape (m,), speed_ratio, shape (n,), and those MAPPED, shape (m, n).
+    Columns by name: omega1, rad/s, shape (m,), speed_ratio, shape (n,), and those MAPPED, shape (m, n).
     """
     speeds, rows = omega1 * MAP_SPEEDS, []
     for speed in speeds:

@@ -96,11 +96,7 @@ def _experiment(one: ElementTree.Element, folder: Path) -> Experiment:
 
 
 def experiments(folder: Path) -> list[Experiment]:
-    """Experiments with results that an FMU carries along; folder: with its content.
-
-    Raises:
-        OSError, SyntaxError, LookupError, ValueError: a file is missing or not as the standards have it.
-    """
+    """Experiments with results that an FMU carries along in the folder of its content; else UNREADABLE."""
     manifest, found, results = folder / MANIFEST, list[Experiment](), list[Path]()
     if not manifest.is_file():
         return found
@@ -116,11 +112,7 @@ def experiments(folder: Path) -> list[Experiment]:
 
 
 def deviations(one: Experiment, expected: Result, table: Result) -> Iterator[Deviation]:
-    """Worst deviations of the table of a run, up to its end, from what its experiment has for results.
-
-    Raises:
-        TableError: the table has not all of their columns.
-    """
+    """Worst deviations of the table of a run, up to its end, from what its experiment has for results."""
     rows = max(int(np.searchsorted(expected.time, table.time[-1], "right")), 1)
     for name in expected.names[1:]:
         apart = np.abs(np.interp(expected.time, table.time, table[name]) - expected[name])[:rows]
@@ -178,11 +170,7 @@ def _replay(path: Path, step: float | None, report: Report, one: Experiment) -> 
 
 
 def check_fmu(path: Path) -> Report:
-    """Validate an FMU file with fmpy, step it, with event mode too where it has one, replay its references.
-
-    Raises:
-        FmuError: the file is no FMU that could be read at all.
-    """
+    """Validate an FMU file by fmpy, step it, with event mode too where it has one, replay its references."""
     report, description = Report(), read_description(path, validate=False)
     platforms = supported_platforms(str(path))
     kinds = {"co-simulation": description.coSimulation, "model exchange": description.modelExchange}
@@ -200,9 +188,9 @@ def check_fmu(path: Path) -> Report:
     _step(path, description, report)
     if getattr(description.coSimulation, "hasEventMode", False):
         _step(path, description, report, events=True)
-    content, step = unpacked(path), getattr(description.defaultExperiment, "stepSize", None)
+    folder, step = Path(unpacked(path.read_bytes())), getattr(description.defaultExperiment, "stepSize", None)
     try:
-        carried = experiments(Path(content.folder))
+        carried = experiments(folder)
     except UNREADABLE as error:
         report.problems.append(f"the experiments that it carries along cannot be read: {error}")
         return report

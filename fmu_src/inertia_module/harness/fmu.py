@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,7 @@ from numpy.typing import NDArray
 from ..common.errors import FmuError, did_you_mean
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
-from ..memory import Run
-
-if TYPE_CHECKING:
-    from .loading import Unpacked
+from ..memory import Plant, Run
 
 __all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu", "run"]
 
@@ -32,12 +29,6 @@ WARNING, DISCARD = 1, 2
 TERMINATED = 3
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
-# calls that read and set a variable, by version of FMI and type; those of whole numbers for all others
-_CALLS = {
-    "2.0": {"Real": "Real", "Boolean": "Boolean", "": "Integer"},
-    "3.0": {"Real": "Float64", "Boolean": "Boolean", "Enumeration": "Int64", "": "Int32"},
-}
-
 
 # a run begins with a call of so many steps; others take about so long, s: progress and Ctrl-C come in between
 FIRST_STEPS = 8
@@ -60,19 +51,6 @@ class Closing:
         self.close()
 
 
-class Plant(Protocol):
-    """Plant of a loop: the part of Fmu that a loop needs."""
-
-    def set(self, **values: float) -> None:
-        """Set inputs by name."""
-
-    def advance(self, step: float) -> None:
-        """Advance by a communication step, s."""
-
-    def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Read values by name."""
-
-
 def run(
     plant: Plant,
     lengths: Array,
@@ -81,42 +59,17 @@ def run(
     rows: Array,
     progress: Progress | None = None,
 ) -> None:
-    """Run a plant with given inputs: many steps in one call where it can do so, with the same bits.
-
-    Args:
-        plant: a started FMU or model. lengths: of the steps, s, shape (steps,).
-        inputs: by name, for each step, shape (steps,). outputs: names.
-        rows: for the outputs at the start and after each step, shape (steps + 1, outputs).
-        progress: called with the share of the run that is done, 0 to 1.
-
-    Raises:
-        Refused: as set, advance and read of the plant.
-    """
-    lengths, given = np.ascontiguousarray(lengths), np.empty((lengths.size, len(inputs)))
-    for column, values in zip(given.T, inputs.values(), strict=True):
-        column[:] = values
+    """Run a started plant with inputs by name, shape (steps,) each; all else as of Plant.take_steps."""
+    table = np.reshape([*inputs.values()], (len(inputs), lengths.size))
+    lengths, given = np.ascontiguousarray(lengths), np.ascontiguousarray(table.T)
     done, number = 0, FIRST_STEPS
     while done < lengths.size:
         end, begun = min(done + number, lengths.size), time.perf_counter()
-        take_steps(plant, lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1])
+        plant.take_steps(lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1])
         number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
         done = end
         if progress is not None:
             progress(done / lengths.size)
-
-
-def take_steps(
-    plant: Plant, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-) -> None:
-    """Take steps, in one call if the plant offers it, else one by one; arguments as of Fmu.take_steps."""
-    in_one_call = getattr(plant, "take_steps", None)
-    if in_one_call is not None and in_one_call(lengths, inputs, given, outputs, rows):
-        return
-    rows[0] = plant.read(outputs)
-    for row, length, values in zip(rows[1:], lengths.tolist(), given.tolist(), strict=True):
-        plant.set(**dict(zip(inputs, values, strict=True)))
-        plant.advance(length)
-        row[:] = plant.read(outputs)
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
@@ -125,11 +78,7 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def fmu_file(path: Path | str | None) -> Path:
-    """The path of an FMU file; without one that of the module, as it comes with the package or is built.
-
-    Raises:
-        RuntimeError: it is to be compiled, and cannot be.
-    """
+    """The path of an FMU file; without one that of the module, as it comes with the package or is built."""
     if path is not None:
         return Path(path)
     from ..fmu.builder import current_fmu
@@ -140,11 +89,7 @@ def fmu_file(path: Path | str | None) -> Path:
 def read_description(path: Path, validate: bool = True) -> Any:
     """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
 
-    Args:
-        path: of the file. validate: whether what is against the standard is refused.
-
-    Raises:
-        FmuError: there is no such file, or it is no FMU.
+    Refused where there is no FMU, and with validate what is against the standard too.
     """
     from fmpy import read_model_description
 
@@ -206,14 +151,18 @@ class Ended(FmuError):
     """The FMU itself ends the simulation: in the step from the time of its instance on."""
 
 
-class Kept(NamedTuple):
-    """A state kept by an instance, and its time, s."""
+class Kept:
+    """A state kept by an instance of an FMU, and its time, s; freed with the last reference to it."""
 
-    state: c_void_p
-    time: float
+    def __init__(self, fmu: Fmu, state: c_void_p) -> None:
+        self.fmu, self.state, self.time = fmu, state, fmu.time
+
+    def __del__(self) -> None:
+        if self.fmu._instance is not None:
+            self.fmu._instance.freeFMUstate(self.state)
 
 
-class Fmu(Closing):
+class Fmu(Plant, Closing):
     """One co-simulation instance of an FMU, 2.0 or 3.0, initialised and ready to step; a context manager.
 
     Those of FMI 3.0 run without event mode and early return.
@@ -250,8 +199,6 @@ class Fmu(Closing):
         self.time = start_time
         self._log = Log()
         self.messages, self.warnings = self._log.messages, self._log.warnings
-        self._kept: list[Kept] = []
-        self._unpacked: Unpacked | None = None
         self._instance: Any = None
         self._readers: dict[tuple[str, ...], tuple[Array, Run]] = {}
         self._arrays: dict[tuple[str, ...], Any] = {}
@@ -271,17 +218,13 @@ class Fmu(Closing):
         from .loading import instantiate, unpacked
 
         description = read_description(self.path)
-        try:
-            self._unpacked = unpacked(self.path)
-        except Exception as error:
-            raise FmuError(f"{self.path} must be an FMU: {error}") from error
-        if description.fmiVersion not in _CALLS or description.coSimulation is None:
+        if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
             raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
-        self._calls = _CALLS[description.fmiVersion]
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
-            self._instance = instantiate(description, self._unpacked.folder, self.path.stem, self._log)
+            folder = unpacked(self.path.read_bytes())
+            self._instance = instantiate(description, folder, self.path.stem, self._log)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
             raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error
@@ -290,14 +233,12 @@ class Fmu(Closing):
         """Prepare what a kind of instance needs before the end of its initialisation."""
 
     def close(self) -> None:
-        """Terminate and free the instance; the last one of its FMU removes what was unpacked."""
+        """Terminate and free the instance."""
         if self._instance is not None and getattr(self._instance, "component", None):
             with contextlib.suppress(Exception):
                 self._instance.terminate()
             self._instance.freeInstance()
         self._instance = None
-        self._kept.clear()
-        self._unpacked = None
 
     def _call(self, function: str, *arguments: Any) -> Any:
         """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
@@ -326,9 +267,6 @@ class Fmu(Closing):
             raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
         return variable
 
-    def _kind(self, variable: Any) -> str:
-        return self._calls.get(variable.type, self._calls[""])
-
     def _references(self, names: str | Sequence[str]) -> list[int]:
         return [self._variable(name).valueReference for name in as_names(names)]
 
@@ -344,7 +282,7 @@ class Fmu(Closing):
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
             number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
-            calls.setdefault(self._kind(variable), {})[variable.valueReference] = number
+            calls.setdefault(variable.type, {})[variable.valueReference] = number
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
 
@@ -360,7 +298,7 @@ class Fmu(Closing):
             return tuple(row[0].tolist())
         kinds: dict[str, list[int]] = {}
         for place, name in enumerate(key):
-            kinds.setdefault(self._kind(self.variables[name]), []).append(place)
+            kinds.setdefault(self.variables[name].type, []).append(place)
         for kind, places in kinds.items():
             row[0, places] = self._call(f"get{kind}", self._references([key[place] for place in places]))
         return tuple(row[0].tolist())
@@ -392,18 +330,11 @@ class Fmu(Closing):
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-    ) -> bool:
-        """Take steps in one call, and tell whether the FMU offers that; else nothing is done.
-
-        Args:
-            lengths: of the steps, s; like outputs and rows as of run. inputs: names. given: their values,
-                shape (steps, inputs). Each array, and each of the rows, lies in one piece.
-
-        Raises:
-            FmuError: an unknown name, or the FMU refused a value or a step; it is as it was before that.
-        """
+    ) -> None:
+        """Take steps of given lengths and inputs for rows of outputs, in one call where the FMU has one."""
         if getattr(self._instance, RUN, None) is None:
-            return False
+            super().take_steps(lengths, inputs, given, outputs, rows)
+            return
         asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
         asked.time = self.time
         try:
@@ -412,7 +343,6 @@ class Fmu(Closing):
             raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
         finally:
             self.time = asked.time
-        return True
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""
@@ -442,58 +372,33 @@ class Fmu(Closing):
 
     def get_state(self) -> Kept:
         """Keep the state to go back to; cheaper than save, and good for this instance only."""
-        self._kept.append(Kept(self._call("getFMUstate"), self.time))
-        return self._kept[-1]
-
-    def _check_kept(self, kept: Kept) -> None:
-        # some FMUs crash on a state that is not theirs
-        if not any(kept is known for known in self._kept):
-            raise FmuError("a state must be one of get_state of this instance, not freed since")
+        return Kept(self, self._call("getFMUstate"))
 
     def set_state(self, kept: Kept) -> None:
         """Take over a kept state of get_state, and its time."""
-        self._check_kept(kept)
+        # some FMUs crash on a state that is not theirs
+        if not isinstance(kept, Kept) or kept.fmu is not self:
+            raise FmuError("a state must be one of get_state of this instance")
         self._call("setFMUstate", kept.state)
         self.time = kept.time
-
-    def free_state(self, kept: Kept) -> None:
-        """Free a kept state of get_state; closing the instance frees all."""
-        self._check_kept(kept)
-        self._kept = [known for known in self._kept if known is not kept]
-        self._call("freeFMUstate", kept.state)
 
     def save(self) -> bytes:
         """Serialise the whole state of the instance."""
         kept = self.get_state()
-        try:
-            return bytes(self._call("serializeFMUstate", kept.state))
-        finally:
-            self.free_state(kept)
+        return bytes(self._call("serializeFMUstate", kept.state))
 
     def restore(self, saved: bytes, time: float | None = None) -> None:
-        """Take over a state of save; time, s, is the communication point it belongs to.
-
-        Args:
-            saved: the state. time: None to leave it as it is.
-
-        Raises:
-            FmuError: it is not one; the state is as it was.
-        """
+        """Take over a saved state, at the time, s, that it belongs to; None leaves that as it is."""
         if not isinstance(saved, bytes):
             raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
         before = self.get_state()
         try:
-            state = self._call("deSerializeFMUstate", saved)
-            try:
-                self._call("setFMUstate", state)
-            finally:
-                self._instance.freeFMUstate(state)
+            after = Kept(self, self._call("deSerializeFMUstate", saved))
+            self._call("setFMUstate", after.state)
         except FmuError:
             # the Python FMU else refuses all steps from now on
             self._call("setFMUstate", before.state)
             raise
-        finally:
-            self.free_state(before)
         if time is not None:
             self.time = time
 
@@ -503,8 +408,6 @@ class RestartedFmu(Fmu):
 
     It goes back to a state kept in initialisation mode, after everything that follows from the parameters
     (the map of fidelity averaged) has been found: without the cost of a new instance.
-
-    Args: as Fmu.
     """
 
     def _before_start(self) -> None:
@@ -513,11 +416,7 @@ class RestartedFmu(Fmu):
         self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float]) -> None:
-        """Start anew with values by name, parameters and inputs; all others are those of the first start.
-
-        Raises:
-            FmuError: a value is refused, alone or with others.
-        """
+        """Start anew with values by name, parameters and inputs; all others are those of the first start."""
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.set_state(self._blank)
         self.set(**values)

@@ -5,15 +5,13 @@ Importing it imports fmpy.
 
 from __future__ import annotations
 
-import hashlib
 import io
 import shutil
 import tempfile
-import threading
 import weakref
 from ctypes import byref, c_void_p
+from functools import cache
 from multiprocessing.util import Finalize
-from pathlib import Path
 from typing import Any
 
 from fmpy import extract, fmi2
@@ -24,38 +22,15 @@ from fmpy.logging import addLoggerProxy
 from .fmu import DISCARD, RUN, WARNING, Log
 
 
-class Unpacked:
-    """Folder with an FMU's content: removed with the last reference to it, or when the process ends.
-
-    Args:
-        content: of the FMU's file.
-    """
-
-    def __init__(self, content: bytes) -> None:
-        self.folder = tempfile.mkdtemp(prefix="fmu-")
-        # also at the end of processes that multiprocessing has forked, which atexit knows nothing of; after
-        # those that this one has forked, which leave the folder to it
-        remove = Finalize(self, shutil.rmtree, args=(self.folder, True), exitpriority=-1)
-        try:
-            extract(io.BytesIO(content), self.folder)
-        except BaseException:
-            remove()
-            raise
-
-
-_lock = threading.Lock()
-# by the content of the FMU's file
-_copies: weakref.WeakValueDictionary[str, Unpacked] = weakref.WeakValueDictionary()
-
-
-def unpacked(path: Path) -> Unpacked:
-    """Unpack an FMU, or find the copy that another instance in this process holds."""
-    content = path.read_bytes()
-    key = hashlib.sha256(content).hexdigest()
-    with _lock:
-        copy = _copies.get(key) or Unpacked(content)
-        _copies[key] = copy
-        return copy
+@cache
+def unpacked(content: bytes) -> str:
+    """Unpack the content of an FMU's file, once for this process, to a folder that goes when it ends."""
+    folder = tempfile.mkdtemp(prefix="fmu-")
+    # also at the end of processes that multiprocessing has forked, which atexit knows nothing of; after
+    # those that this one has forked, which leave the folder to it
+    Finalize(None, shutil.rmtree, args=(folder, True), exitpriority=-1)
+    extract(io.BytesIO(content), folder)
+    return folder
 
 
 # of the environment that callbacks carry; of instances that fmpy makes itself, which carry none
@@ -92,11 +67,7 @@ def callbacks_of(log: Log, environment: int | None = None) -> Any:
 
 
 def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
-    """Make an instance for co-simulation, with FMPy's FMI 2.0 method names.
-
-    Args:
-        description: fmpy's. folder: with its content. name: of the instance. log: takes its messages.
-    """
+    """Make an instance of what is unpacked in a folder, with FMPy's FMI 2.0 method names."""
     arguments = {
         "guid": description.guid,
         "unzipDirectory": folder,
@@ -106,6 +77,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
     if description.fmiVersion == "2.0":
         instance = fmi2.FMU2Slave(**arguments)
         instance.instantiate(callbacks=callbacks_of(log), loggingOn=True)
+        instance.getEnumeration, instance.setEnumeration = instance.getInteger, instance.setInteger
     else:
         instance = Slave(**arguments)
         instance.instantiate(logMessage=log.take, loggingOn=True)
@@ -123,7 +95,7 @@ def _check_status(status: int) -> None:
 
 
 class Slave(FMU3Slave):  # type: ignore[misc]
-    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names, but for values.
+    """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names.
 
     Event mode and early return only if instantiate is asked for them. Names are those of the standards.
     """
@@ -140,6 +112,9 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     def enterInitializationMode(self) -> None:
         super().enterInitializationMode(*self._experiment)
 
+    getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
+    getInteger, setInteger = FMU3Slave.getInt32, FMU3Slave.setInt32
+    getEnumeration, setEnumeration = FMU3Slave.getInt64, FMU3Slave.setInt64
     getFMUstate, setFMUstate = FMU3Slave.getFMUState, FMU3Slave.setFMUState
     freeFMUstate, serializeFMUstate = FMU3Slave.freeFMUState, FMU3Slave.serializeFMUState
     deSerializeFMUstate = FMU3Slave.deserializeFMUState

@@ -282,15 +282,10 @@ def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]
 
 
 def write_mat(path: Path, name: str, values: Mapping[str, Any], units: Mapping[str, str]) -> Path:
-    """Write a struct of numbers and arrays with their units as MAT of version 5, whole or not at all.
-
-    Args:
-        name: of the struct. values: its fields. units: by field, of those that are no pure numbers.
-    """
+    """Write a struct of numbers and arrays, with the units of those that have one, as MAT of version 5."""
     from scipy.io import savemat  # takes half a second
 
     stream = io.BytesIO()
     struct = {**values, "units": {field: units.get(field) or "1" for field in values}}
     savemat(stream, {name: struct}, oned_as="column", long_field_names=True)
-    write_atomically(path, stream.getvalue())
-    return path
+    return write_atomically(path, stream.getvalue())

@@ -21,11 +21,7 @@ __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "driv
 
 
 def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:
-    """Inputs as a table: a Result, columns by name (scalars are constant), or a CSV file.
-
-    Raises:
-        TableError: it is no table with a column time.
-    """
+    """Inputs as a table: a Result, columns by name (scalars are constant), or a CSV file."""
     if isinstance(inputs, Result):
         return inputs
     if isinstance(inputs, str | Path):

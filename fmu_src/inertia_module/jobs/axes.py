@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from ..common.errors import Refused, did_you_mean
-from ..common.units import parse_unit, split_quantity, to_si
+from ..common.units import number_of, parse_unit, split_quantity
 from ..contract.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene, SceneError
 from ..scene.keys import MECHANISM, full_name, unit_of
@@ -274,6 +274,6 @@ def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
 def _number(name: str, unit: str, text: str) -> float:
     """A quantity in SI units."""
     try:
-        return to_si(text, unit or "1")
+        return number_of(text, unit or "1")
     except ValueError as error:
         raise Refused(f"{name}: {text.strip()!r} must be a number in {unit or '1'}: {error}") from None

@@ -23,7 +23,7 @@ from ..common.errors import Refused, did_you_mean, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
-from ..common.units import to_si
+from ..common.units import number_of
 from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..harness.chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
 from ..harness.fmu import fmu_file
@@ -269,7 +269,7 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
         if given is None:
             continue
         try:
-            found.append(Limit(name, unit, to_si(given, unit or "1"), side))
+            found.append(Limit(name, unit, number_of(given, unit or "1"), side))
         except ValueError as error:
             raise SceneError(
                 f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"

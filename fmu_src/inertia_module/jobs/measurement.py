@@ -13,7 +13,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +20,7 @@ from numpy.typing import NDArray
 from ..common.errors import Refused, did_you_mean
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME, COMPUTED
-from ..harness.fmu import take_steps
-from ..harness.simulate import Plant, Result
+from ..harness.simulate import Result
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS, SIGNAL_UNITS
 from ..scene import Scene
@@ -234,17 +232,16 @@ class Rig(SceneRunner):
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
-    ) -> bool:
-        """Take steps by way of the stops within them; arguments as of Fmu.take_steps. It always can."""
+    ) -> None:
+        """Take steps by way of the stops within them: see Plant."""
         points = self._points[self._taken : self._taken + lengths.size + 1]
         self._taken += lengths.size
         part, names = slice(points[0], points[-1] + 1), (*outputs, *self._read)
         stops, found = self._stops[part], np.empty((points[-1] + 1 - points[0], len(names)))
         held = np.repeat(given, np.diff(points), axis=0)
-        take_steps(cast(Plant, super()), np.diff(stops), inputs, held, names, found)
+        super().take_steps(np.diff(stops), inputs, held, names, found)
         rows[:] = found[points - points[0], : len(outputs)]
         self._rows[part] = found[:, len(outputs) :]
-        return True
 
     def _column(self, name: str, at: NDArray[np.int64]) -> Array:
         """Values at some stops; means and peaks are those since the one before, the first since the start."""

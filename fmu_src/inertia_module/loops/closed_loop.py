@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
-from ..harness.fmu import as_names, run, take_steps
+from ..harness.fmu import as_names, run
 from ..harness.simulate import Plant, Result, whole_steps
 from .sources import Sampled, Sources
 
@@ -195,4 +195,4 @@ class ClosedLoop:
                 progress(n / number)
             if n < number:
                 given[0] = [signals[index] for _, index in self._driven]
-                take_steps(self.plant, length, driven, given, names, ends)
+                self.plant.take_steps(length, driven, given, names, ends)

@@ -40,11 +40,7 @@ OVER_ROWS: dict[str, Callable[..., Any]] = {"_mean": np.mean, "_peak": np.max}
 
 
 def template() -> str:
-    """The page without data.
-
-    Raises:
-        Refused: it has not been made.
-    """
+    """The page without data, refused where it has not been made."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -54,11 +50,7 @@ def template() -> str:
 
 
 def checked_path(path: Path, what: str) -> Path:
-    """The path, if an HTML file, the page or the report, can be written there.
-
-    Raises:
-        Refused: its ending is another, or it is a folder. OSError: its folder cannot be written to.
-    """
+    """The path, refused where no HTML file, the page or the report, can be written."""
     if path.suffix.lower() != ".html":
         raise Refused(must_be(what, "a file with the ending .html", str(path)))
     if path.is_dir():
@@ -73,9 +65,6 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
     Args:
         scene: whose fidelity is chosen.
         outcome: its run with all of variables.COMPUTED, or None where the page is to integrate.
-
-    Raises:
-        Refused: the template has not been made. CompilationUnavailable: the kernel cannot be compiled.
     """
     record, run = None, None
     if outcome is not None:

@@ -14,24 +14,15 @@ from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
 from ..common.errors import Refused, did_you_mean, must_be
-from ..common.units import allowed_number, number_of, to_si
+from ..common.units import allowed_number, number_of
 from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
 from ..harness.results import TableError, read_columns
 from ..loops.sources import Signal, Table
 
 # --- quantities, alone, in lists and in columns ---
 
-FIDELITY = "fidelity"
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
-VEHICLE_SPEED = "vehicle_speed"
-SHAFT_SPEED = "omega_out"
-SPEED_UNITS = {VEHICLE_SPEED: "m/s", SHAFT_SPEED: "rad/s"}
-
-
-def measured_speed(load_kind: Any) -> str:
-    """Name of the controlled speed for a kind of load."""
-    return VEHICLE_SPEED if load_kind == "vehicle" else SHAFT_SPEED
 
 
 def checked(
@@ -41,14 +32,10 @@ def checked(
     maximum: float | None = None,
     above: float | None = None,
 ) -> float:
-    """Convert a quantity to SI and check its range.
-
-    Raises:
-        ValueError: what the value must be and what it is, to be said after its name.
-    """
+    """Convert a quantity to SI and check its range; the ValueError is to be said after its name."""
     sentence = f"must be {allowed_number(unit, minimum, maximum, above)}, is {value!r}"
     try:
-        number = to_si(value, unit)
+        number = number_of(value, unit)
     except ValueError as error:
         raise ValueError(f"{sentence}: {error}") from None
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
@@ -59,12 +46,7 @@ def checked(
 
 @dataclass(frozen=True)
 class InUnit:
-    """Pydantic validator of a quantity that JSON has as text with its unit.
-
-    Attributes:
-        check: gives its value, or refuses it. unit: that it comes in, "1" or "" for none.
-        variable: that it is a value of, or None.
-    """
+    """Pydantic validator of a quantity, maybe of a variable, that JSON has as text with its unit."""
 
     check: Callable[[Any], Any]
     unit: str
@@ -103,7 +85,6 @@ def quantity(
     return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit)
 
 
-Time = Annotated[float, quantity("s", 0.0)]
 Duration = Annotated[float, quantity("s", above=0.0)]
 Times = list[Annotated[float, quantity("s")]]
 AngularSpeed = Annotated[float, quantity("rad/s", -LARGEST_SPEED, LARGEST_SPEED)]
@@ -114,9 +95,9 @@ def in_range(variable: Variable) -> InUnit:
     """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
 
     def check(value: Any) -> float | str:
-        if variable.name == FIDELITY and value == AUTO:
+        if variable.name == "fidelity" and value == AUTO:
             return AUTO
-        also = f", or {AUTO}" if variable.name == FIDELITY else ""
+        also = f", or {AUTO}" if variable.name == "fidelity" else ""
         sentence = f"must be {variable.allowed}{also}, is {value!r}"
         try:
             number = number_of(value, variable.unit or "1", variable.items)
@@ -133,8 +114,8 @@ def fields_of(variables: Sequence[Variable]) -> Any:
     """Optional fields of a table for variables, for pydantic.create_model."""
     number: Any = float | None
     types = {variable.name: number for variable in variables}
-    if FIDELITY in types:
-        types[FIDELITY] = number | Literal["auto"]
+    if "fidelity" in types:
+        types["fidelity"] = number | Literal["auto"]
     return {one.name: (Annotated[types[one.name], in_range(one)], None) for one in variables}
 
 
@@ -308,14 +289,7 @@ Keys = Mapping[str, Any] | Iterable[str] | None
 
 
 def keys_of(given: Keys) -> dict[str, Any]:
-    """Values by dotted key.
-
-    Args:
-        given: these, or KEY=VALUE each; the value as in a scene file, where a string needs no quotes.
-
-    Raises:
-        SceneError: a text is not of this form.
-    """
+    """Values by dotted key, of these or of texts KEY=VALUE as in a scene file; strings need no quotes."""
     if isinstance(given, Mapping):
         return dict(given)
     found = {}
@@ -341,19 +315,16 @@ def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str
 
 
 def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
-    """Tables as a scene of a kind.
+    """Tables as a scene of a kind, refused in one line: the key, the value and what is allowed.
 
     Args:
-        model: Scene, or another kind. tables: as read from TOML, or Scene.tables; some may be checked ones.
+        tables: as read from TOML, or Scene.tables; some may be checked ones.
         folder: where paths of CSV files in them start.
-
-    Raises:
-        SceneError: in one line, the key, the value and what is allowed.
     """
     load = tables.get("load")
     kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)
     try:
-        return model.model_validate(tables, context={"folder": folder, "measured": measured_speed(kind)})
+        return model.model_validate(tables, context={"folder": folder, "vehicle": kind == "vehicle"})
     except ValidationError as failure:
         # an unknown key before others: what is missing may only be misspelt
         first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")

@@ -13,24 +13,12 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import loops
-from ..common.errors import did_you_mean, must_be
+from ..common.errors import must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
 from ..loops.sources import Sampled, Signal, Table
-from .keys import (
-    VEHICLE_SPEED,
-    AngularSpeed,
-    ConstantOrTable,
-    Duration,
-    Strict,
-    Tabulated,
-    Time,
-    Times,
-    Torque,
-    checked,
-    quantity,
-)
+from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, checked, quantity
 
 # --- drives ---
 
@@ -83,7 +71,7 @@ class RampDrive(AnyDrive):
     kind: Literal["ramp"]
     initial: AngularSpeed
     final: AngularSpeed
-    start: Time = 0.0
+    start: Annotated[float, quantity("s", 0.0)] = 0.0
     duration: Duration
 
     def signal(self) -> Signal:
@@ -346,8 +334,8 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
     """Validator of a quantity whose unit depends on the speed that is controlled."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
-        measured = (info.context or {}).get("measured")
-        return checked(value, vehicle_unit if measured == VEHICLE_SPEED else shaft_unit, minimum)
+        vehicle = (info.context or {}).get("vehicle")
+        return checked(value, vehicle_unit if vehicle else shaft_unit, minimum)
 
     return BeforeValidator(check)
 
@@ -371,17 +359,14 @@ class TableReference(Tabulated):
     speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
 
 
-def _known_cycle(name: Any) -> str:
-    if name not in CYCLES:
-        raise ValueError(f"must be a driving cycle, is {name!r} {did_you_mean(name, CYCLES)}")
-    return str(name)
+CycleName: Any = Literal[tuple(CYCLES)]
 
 
 class CycleReference(Strict):
     """A driving cycle."""
 
     kind: Literal["cycle"]
-    cycle: Annotated[str, BeforeValidator(_known_cycle)]
+    cycle: CycleName
 
     def signal(self) -> Signal:
         """The speed over time, m/s."""
@@ -397,11 +382,7 @@ class Brake(Strict):
 
 
 class PiController(Strict):
-    """PI controller of the speed that commands omega1, with limits and anti-windup.
-
-    Attributes:
-        COMMAND: the input of the module that it commands. DRIVE: kind of [drive] that it commands.
-    """
+    """PI controller of the speed with limits and anti-windup: gives COMMAND, by a drive of kind DRIVE."""
 
     COMMAND: ClassVar[str] = "omega1"
     DRIVE: ClassVar[str] = "controlled"

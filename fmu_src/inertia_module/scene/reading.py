@@ -42,14 +42,7 @@ def load_scene(path: Path | str, keys: Keys = None) -> Scene:
 
 
 def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
-    """Read and check a scene file of a kind that its tables tell.
-
-    Args:
-        path, keys: as for load_scene. kind: of scene, by the tables.
-
-    Raises:
-        SceneError: as load_scene.
-    """
+    """Read and check a scene file of a kind that its tables tell; all else as of load_scene."""
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
@@ -66,10 +59,7 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
 
 
 def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
-    """Read and check a scene file, of a module or of a driven shaft alone.
-
-    Args and raises: as load_scene.
-    """
+    """Read and check a scene file, of a module or of a driven shaft alone; all else as of load_scene."""
 
     def kind(tables: dict[str, Any]) -> type[Scene | ShaftScene]:
         return ShaftScene if "shaft" in tables else Scene
@@ -80,10 +70,7 @@ def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
 def scene_text(scene: Scene) -> str:
     """Write a scene as TOML: keys that differ from their defaults, quantities in SI with their units.
 
-    load_scene reads it back as the same scene.
-
-    Raises:
-        NotInstalled: the extra jobs is not.
+    load_scene reads it back as the same scene. It takes the extra jobs.
     """
     tables = scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     written: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)

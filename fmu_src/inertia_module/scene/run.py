@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -139,11 +138,7 @@ def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
 
 
 def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
-    """Find the largest frequency, Hz, of IN_A_ROW events in a row, or of all if they are fewer.
-
-    Args:
-        time: of the rows, s, shape (n,): events are placed to a row. count: of events up to each, from 0 on.
-    """
+    """Find the largest frequency, Hz, of IN_A_ROW events in a row, by their count up to each time, s."""
     rows, number = np.flatnonzero(np.diff(count)), int(count[-1])
     together = min(IN_A_ROW, number - 1)
     if together < 1:
@@ -156,14 +151,7 @@ def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
 def freewheel_duty(
     table: Result, parameters: Mapping[str, float]
 ) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find how often each freewheel engages, and the most that it carries and overruns with.
-
-    Args:
-        table: all of SUMMARISED. parameters: of the module.
-
-    Returns:
-        (numbers, remark why there are none), by name.
-    """
+    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not."""
     fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
@@ -196,11 +184,7 @@ def time_to(speed: float) -> str:
 
 
 def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find the time, s, to each speed, m/s, since the car last stood, or the run began.
-
-    Returns:
-        (times, remarks why there is no time), by the names of the times.
-    """
+    """Find the time, s, to each speed, m/s, since the car last stood or the run began, else why not."""
     found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
     shown = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
@@ -230,10 +214,7 @@ def _vehicle(table: Result) -> dict[str, Quantity]:
 
 
 def summarise(
-    table: Result,
-    cycle: Cycle | None,
-    wall_time: float,
-    also: Mapping[str, Quantity] = MappingProxyType({}),
+    table: Result, cycle: Cycle | None, wall_time: float, also: Mapping[str, Quantity]
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
@@ -282,9 +263,6 @@ def summarise(
 
 
 # --- runs ---
-
-# of the speed of link 1: below it the output shaft rests
-RESTING = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -375,11 +353,7 @@ class SceneResult:
 
 
 def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
-    """Start of a scene: parameters, with the tolerance, and inputs of the FMU.
-
-    Raises:
-        SceneError: its fidelity is still to be chosen.
-    """
+    """Start of a scene, whose fidelity is chosen: parameters, with the tolerance, and inputs of the FMU."""
     if scene.chooses_fidelity:
         raise SceneError(
             "mechanism.fidelity must be one by name, or be chosen first (fidelity.trials.choose), is 'auto'"
@@ -394,11 +368,7 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def scene_plan(scene: Scene) -> Plan:
-    """Plan the export of a scene: the FMUs of its mechanism with the values at its start.
-
-    Raises:
-        SceneError: its fidelity is still to be chosen, or its freewheels wind up.
-    """
+    """Plan the export of a scene: the FMUs of its mechanism with the values at its start."""
     from ..export.systems import make_plan  # imports the builder of FMUs
 
     values, inputs = start_of(scene)
@@ -441,7 +411,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
     braked = "brake_torque" in record and record["brake_torque"][end].any()
     turns = abs(speed) * float(np.ptp(record.time)) / math.tau
-    if braked or turns < 1.0 or record["omega_out"][end].min() > RESTING * abs(speed):
+    if braked or turns < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
         return {}
     from ..harness.chart import SteadyMachine  # imports scipy
 
@@ -458,8 +428,6 @@ class SceneRunner(RestartedFmu):
 
     That costs a tenth of what an instance for each run does. The results are those of run_scene, bit for
     bit; but not its warnings.
-
-    Args: as Fmu.
     """
 
     def run(self, scene: Scene) -> SceneResult:

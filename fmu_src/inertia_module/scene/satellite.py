@@ -48,13 +48,8 @@ class Satellite(Strict):
     def parameters(self, given: Mapping[str, float]) -> dict[str, float]:
         """Those of the module that follow (docs/mechanics.md, A satellite by its sizes): FOLLOWING.
 
-        The point mass is the whole satellite in its centre of mass, the inertias are about that.
-
-        Args:
-            given: parameters of the mechanism.
-
-        Raises:
-            SceneError: one of FOLLOWING is given, or the weight is outside the pitch circle.
+        The point mass is the whole satellite in its centre of mass, the inertias are about that. None of them
+        may be among the parameters given.
         """
         for name in FOLLOWING:
             if name in given:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
@@ -18,21 +18,7 @@ from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.cycles import CYCLES, Cycle
 from ..loops.sources import Signal, Sources
 from ..memory import Module
-from .keys import (
-    AUTO,
-    FIDELITY,
-    SPEED_UNITS,
-    VEHICLE_SPEED,
-    Duration,
-    SceneError,
-    Strict,
-    changed,
-    fields_of,
-    in_range,
-    measured_speed,
-    quantity,
-    validated,
-)
+from .keys import AUTO, Duration, SceneError, Strict, changed, fields_of, in_range, quantity, validated
 from .parts import Controller, Drive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
@@ -52,12 +38,8 @@ def is_elastic(values: Mapping[str, float]) -> bool:
 
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
-    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub.
-
-    Args:
-        values: parameters by name, those that differ from the defaults. fidelity: its number.
-    """
-    changed = {**values, FIDELITY: float(fidelity)}
+    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub."""
+    changed = {**values, "fidelity": float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
         known = {**variables.default_parameters(), **values}
         changed["output_inertia"] = known["output_inertia"] + known["driven_inertia"]
@@ -124,12 +106,11 @@ class Run(Strict):
     communication_step: Annotated[float, quantity("s", maximum=variables.LARGEST_STEP, above=0.0)]
     outputs: list[str] = Field(default=[one.name for one in with_causality(variables.OUTPUT)], min_length=1)
 
-    def check_outputs(self, known: Iterable[str]) -> None:
+    def check_outputs(self, known: Sequence[str]) -> None:
         """Refuse an output that is not one of those known."""
-        names = dict.fromkeys(known)
         for name in self.outputs:
-            if name not in names:
-                hint = did_you_mean(name, names)
+            if name not in known:
+                hint = did_you_mean(name, known)
                 raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
 
     @model_validator(mode="after")
@@ -166,12 +147,12 @@ class Scene(Strict):
     @property
     def measured(self) -> str:
         """Name of the controlled speed."""
-        return measured_speed(self.load.kind)
+        return "vehicle_speed" if self.load.kind == "vehicle" else "omega_out"
 
     @property
     def chooses_fidelity(self) -> bool:
         """Tell whether the fidelity is still to be chosen from measurements."""
-        return bool(getattr(self.mechanism, FIDELITY) == AUTO)
+        return bool(vars(self.mechanism)["fidelity"] == AUTO)
 
     @property
     def cycle(self) -> Cycle | None:
@@ -181,7 +162,7 @@ class Scene(Strict):
     @property
     def signal_units(self) -> dict[str, str]:
         """Units of signals that depend on the scene."""
-        return {"reference": SPEED_UNITS[self.measured]}
+        return {"reference": "m/s" if self.load.kind == "vehicle" else "rad/s"}
 
     @cached_property
     def built_load(self) -> loops.Load:
@@ -219,26 +200,20 @@ class Scene(Strict):
         return {name: one[name] for one in given for name in PLANT_INPUTS if name in one}
 
     def replaced(self, **tables: Mapping[str, Any]) -> Scene:
-        """The scene with other keys, checked anew.
+        """The scene with other keys, checked anew and refused as by load_scene.
 
         Args:
             tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
-
-        Raises:
-            SceneError: as load_scene.
         """
         return self.with_keys(
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
         )
 
     def with_keys(self, keys: Mapping[str, Any]) -> Scene:
-        """The scene with other values by dotted key, checked anew.
+        """The scene with other values by dotted key, checked anew and refused as by load_scene.
 
         Args:
             keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
-
-        Raises:
-            SceneError: as load_scene.
         """
         anew = {name.partition(".")[0] for name in keys}
         # units of a controller depend on the load
@@ -253,32 +228,28 @@ class Scene(Strict):
     @cached_property
     def given(self) -> dict[str, float]:
         """Parameters of the mechanism that the scene gives, without a fidelity still to be chosen."""
-        table: BaseModel = self.mechanism
-        values = table.model_dump(exclude_none=True, exclude={"satellite"})
-        return {name: value for name, value in values.items() if value != AUTO}
+        values = {name: value for name, value in vars(self.mechanism).items() if name != "satellite"}
+        return {name: value for name, value in values.items() if value not in (None, AUTO)}
 
     @cached_property
     def following(self) -> dict[str, float]:
         """Parameters of the mechanism that follow from sizes and materials of its satellites."""
-        satellite: Satellite | None = getattr(self.mechanism, "satellite")  # noqa: B009  # of create_model
+        satellite: Satellite | None = vars(self.mechanism)["satellite"]
         return {} if satellite is None else satellite.parameters(self.given)
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
         """The scene at a named fidelity, or at one to be chosen for this error.
 
         A scene that describes an elastic output has its driven mass rigid with the hub elsewhere.
-
-        Raises:
-            SceneError: there is no such fidelity, or it cannot be.
         """
         asked = {} if error is None else {"error": error}
         if fidelity == AUTO:
             chosen_too = {"method": None, "max_step": None}
             return self.replaced(
-                mechanism={FIDELITY: AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
+                mechanism={"fidelity": AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
             )
-        scene = self.replaced(mechanism={FIDELITY: fidelity}, accuracy=asked)
-        return scene.replaced(mechanism=at_fidelity(scene.given, scene.given[FIDELITY]))
+        scene = self.replaced(mechanism={"fidelity": fidelity}, accuracy=asked)
+        return scene.replaced(mechanism=at_fidelity(scene.given, scene.given["fidelity"]))
 
     @property
     def _carrying(self) -> tuple[str, float]:
@@ -348,7 +319,7 @@ class Scene(Strict):
 
     def _check_vehicle(self) -> None:
         """Refuse a controller that can only drive a vehicle with another load."""
-        if self.controller is None or self.measured == VEHICLE_SPEED:
+        if self.controller is None or self.load.kind == "vehicle":
             return
         for key, given in (("reference.kind = 'cycle'", self.cycle), ("brake", self.controller.brake)):
             if given is not None:

@@ -42,10 +42,9 @@ Shaft: type[BaseModel] = create_model(
 
 
 def stepping_speed(kappa: Array, kappa2: float) -> Array:
-    """Derivative of the angle of Stelmashchuk's law by the relative time t/T: rising to 2, steady, falling.
+    """Derivative of the angle of Stelmashchuk's law by the relative time kappa = t/T: up to 2, steady, down.
 
-    Args:
-        kappa: t/T, of any shape. kappa2: length of the steady phase; the others take 1/2 each.
+    The steady phase is kappa2 long, the others take 1/2 each.
     """
     up, down = np.clip(kappa, 0.0, 0.5), np.clip(kappa - (0.5 + kappa2), 0.0, 0.5)
     # 1 - cos without cancellation; after the end both terms are 2 and their difference is rest
@@ -114,11 +113,7 @@ class ShaftScene(Strict):
         return self
 
     def parameters(self) -> dict[str, float]:
-        """The parameters that the scene gives, as numbers for the FMU; nu and Pi as stiffness and friction.
-
-        Raises:
-            SceneError: a criterion without its T, or besides what it stands for.
-        """
+        """The parameters that the scene gives, as numbers; nu and Pi as stiffness and friction."""
         given: BaseModel = self.shaft
         values: dict[str, float] = given.model_dump(exclude_none=True)
         inertia = values.get("driven_inertia", DRIVEN_SHAFT.by_name["driven_inertia"].start or 0.0)
@@ -136,15 +131,7 @@ class ShaftScene(Strict):
 
 
 def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
-    """Run a scene with an FMU of the driven shaft.
-
-    Args:
-        scene: of load_any_scene. fmu_path: DrivenShaft.fmu.
-        progress: called with the share of the run that is done, 0 to 1.
-
-    Raises:
-        FmuError: the FMU cannot be loaded, or refuses a value or a step.
-    """
+    """Run a scene with an FMU of the driven shaft; all else as of run_scene."""
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
     torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
