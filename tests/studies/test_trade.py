@@ -6,16 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from inertia_module.fidelity.trials import (
-    Level,
-    Row,
-    event,
-    front,
-    read_rows,
-    slope,
-    work_precision,
-    write_rows,
-)
+from inertia_module.fidelity import trials
+from inertia_module.fidelity.trials import Level, Row, event
 from inertia_module.harness.results import write_figure
 from inertia_module.memory import Module
 from studies import trade
@@ -72,7 +64,7 @@ def failed(reference):
 
 
 def test_refused_settings_and_steps_are_rows_with_the_reason(failed, tmp_path):
-    written = write_rows(tmp_path / "rows.csv", failed).read_text()
+    written = trials.write_rows(tmp_path / "rows.csv", failed).read_text()
     for row, (_, _, words) in zip(failed, REFUSED, strict=True):
         assert words in row.failure
         assert math.isnan(row.wall_time)
@@ -114,7 +106,7 @@ def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inerti
 
 
 def test_rows_are_read_back_as_they_were_written(rows, failed, tmp_path):
-    *found, last = read_rows(write_rows(tmp_path / "rows.csv", [*rows, failed[0]]))
+    *found, last = trials.read_rows(trials.write_rows(tmp_path / "rows.csv", [*rows, failed[0]]))
     assert found == rows
     assert (last.label, last.failure) == (failed[0].label, failed[0].failure)
     assert last.worst(["omega_out_worst"]) == math.inf
@@ -124,11 +116,11 @@ def test_plots_show_the_front_and_its_slope_even_where_some_runs_failed(failed, 
     errors = {3.0: 1e-3, 1.0: 1e-1, 2.0: 1e-1, 4.0: 1e-3, 10.0: 1e-3, 0.5: 0.0, 9.0: 1e-5}
     measured = [Row("rigid", "event", "", 1.0, {"e": e}, wall_time=cost) for cost, e in errors.items()]
     refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
-    assert [row.wall_time for row in front([*measured, refused], "e", "wall_time")] == [1.0, 3.0, 9.0]
+    assert [row.wall_time for row in trials.front([*measured, refused], "e", "wall_time")] == [1.0, 3.0, 9.0]
     costs = np.array([1.0, 3.0, 10.0])
-    assert slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)
-    assert math.isnan(slope(costs[:2], costs[:2]))
-    figure = work_precision([*measured, refused, *failed], "e", "some rows")
+    assert trials.slope(costs, 5.0 * costs**-2) == pytest.approx(-2.0)
+    assert math.isnan(trials.slope(costs[:2], costs[:2]))
+    figure = trials.work_precision([*measured, refused, *failed], "e", "some rows")
     drawn = figure.axes[0]
     assert drawn.lines[0].get_xdata() == pytest.approx([1e3, 3e3, 9e3])
     assert [text.get_text() for text in drawn.texts] == ["rigid, event (slope -4.2)"]
