@@ -20,7 +20,6 @@ from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_at
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.contract.models import MODELS
 
-CAR_SCENE = Path("examples/urban.toml")
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
@@ -124,9 +123,6 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
 @app.command()
 @command
 def coupling(
-    scene: Annotated[
-        Path, typer.Argument(metavar="[SCENE.toml]", help="Scene of the car in the urban cycle.")
-    ] = CAR_SCENE,
     output: OutputFolder = None,
     quick: Annotated[bool, typer.Option("--quick", help="A corner of the map.")] = False,
     only: Annotated[str | None, typer.Option("--only", metavar="PART", help="map or urban.")] = None,
@@ -145,7 +141,7 @@ def coupling(
     fmu_path = current_fmu()
     measured: dict[str, Callable[..., Sequence[Any]]] = {
         MAP: partial(coupling_map, fmu_path, quick),
-        URBAN: partial(urban_runs, fmu_path, scene),
+        URBAN: partial(urban_runs, fmu_path),
     }
     told: dict[str, Any] = {}
     shown: list[Shown] = []

@@ -53,7 +53,6 @@ COUPLINGS: dict[str, loops.Scheme | None] = {TORQUE: None, **loops.SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
-SCENE = Path("examples") / "urban.toml"
 # the module of it, without its car
 _GIVEN = load_scene(example("urban")).parameters().items()
 URBAN_MODULE = {name: value for name, value in _GIVEN if name not in ("output_inertia", "input_hold")}
@@ -290,9 +289,9 @@ class UrbanRun(NamedTuple):
     cost: float
 
 
-def urban_scene(path: Path = SCENE) -> Scene:
+def urban_scene() -> Scene:
     """Load the scene of the car in the urban cycle, its engine idling where it would stop."""
-    return load_scene(path).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
+    return load_scene(example("urban")).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
 
 
 def urban_run(
@@ -334,11 +333,9 @@ def urban_run(
     )
 
 
-def urban_runs(
-    fmu_path: Path, scene_path: Path = SCENE, progress: Progress = lambda done: None
-) -> list[UrbanRun]:
+def urban_runs(fmu_path: Path, progress: Progress = lambda done: None) -> list[UrbanRun]:
     """Drive all of RUNS (arguments of urban_run)."""
-    scene, runs = urban_scene(scene_path), [(name, n) for name, numbers in RUNS.items() for n in numbers]
+    scene, runs = urban_scene(), [(name, n) for name, numbers in RUNS.items() for n in numbers]
 
     def tell(number: int, done: float) -> None:
         progress((number + done) / len(runs))
