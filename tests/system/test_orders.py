@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 from scipy.io import loadmat
 
 from inertia_module import jobs
@@ -284,21 +284,7 @@ def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
 RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0}
 
 
-@pytest.mark.parametrize(
-    "drive, options, words",
-    [
-        ({}, {"highest": 100.0}, "highest order must be .* at most 49.09, is 100: .*communication_step"),
-        ({}, {"highest": 100.0, "of": "drive_angle"}, "highest order must be .*, is 100"),
-        ({}, {"turns": 100.0}, "turns of a window must be of 4 to the 15.92 .*, is 100"),
-        ({}, {"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),
-        ({}, {"end": 0.1}, "turns of a window must be of 4 to the 1.592 .*, is 4"),
-        ({}, {"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
-        ({}, {"of": "wheel"}, "orders must be link1 or drive_angle, is 'wheel'"),
-        ({}, {"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
-        (RAMP, {"begin": 0.0}, "not at 0 s"),
-        ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
-    ],
-)
+@pytest.mark.parametrize("drive, options, words", [*REFUSED["orders"], (RAMP, {"begin": 0.0}, "not at 0 s")])
 def test_what_is_sure_to_be_refused_is_refused_before_the_run(fmu, monkeypatch, drive, options, words):
     steps = []
 
