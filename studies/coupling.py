@@ -30,7 +30,7 @@ from .reference.cases import OMEGA1, THETA1
 from .reference.geometry import Array
 from .reference.motion import Reference
 
-MAP, URBAN = PARTS = ("map", "urban")
+MAP, URBAN = "map", "urban"
 # of columns of their tables
 UNITS = {
     MAP: {"step": "s", "cost": "1/s"},
@@ -247,7 +247,7 @@ def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path
     return Trial(case.name, case.ratio, name, step, stable, *known)
 
 
-def coupling_map(fmu_path: Path, quick: bool, progress: Progress = lambda done: None) -> list[Trial]:
+def coupling_map(fmu_path: Path, progress: Progress = lambda done: None, quick: bool = False) -> list[Trial]:
     """Measure all couplings over step, inertia ratio and case; quick: a corner of it."""
     names, ratios, steps = (("planar",), (0.5,), (1e-3, 5e-3)) if quick else (CASES, RATIOS, STEPS)
     rows: list[Trial] = []
