@@ -4,7 +4,6 @@ import contextlib
 import json
 from pathlib import Path
 
-import pytest
 from typer.testing import CliRunner
 
 from studies.__main__ import app
@@ -62,32 +61,3 @@ def test_stability_tries_random_motions_of_a_seed(tmp_path):
     printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
     assert printed["findings"] == []
     assert Path(printed["files"]["invariants"]).read_text() == written
-
-
-def test_coupling_refuses_a_part_that_there_is_not(tmp_path):
-    done = command("coupling", "--only", "limit", folder=tmp_path)
-    assert done.exit_code == 1
-    assert "--only must be one of map, urban, is limit" in done.stderr
-
-
-def worked(*_, **__):
-    raise AssertionError("the work was begun, and what it gives would be lost")
-
-
-@pytest.mark.parametrize(
-    "name, work, stand_in",
-    [
-        ("papers", "papers.figures.FIGURES", {"a figure": worked}),
-        ("stability", "stability.verdicts.run_study", worked),
-        ("coupling", "__main__.current_fmu", worked),
-    ],
-)
-def test_a_place_that_cannot_be_written_is_refused_before_the_work(
-    tmp_path, monkeypatch, name, work, stand_in
-):
-    monkeypatch.setattr(f"studies.{work}", stand_in)
-    (tmp_path / "out").write_text("a file")
-    for options in ((), ("-o", tmp_path / "out")):
-        done = command(name, *options, folder=tmp_path)
-        assert done.exit_code == 1, done.exception
-        assert "must be a folder that can be written to" in done.stderr

@@ -160,20 +160,6 @@ def test_rows_tell_the_figure_next_to_its_bound_or_furthest_over_it():
     assert (long[1:6], refused[1:6]) == (("not long", 4, 0, 0, 0), ("not refused", 4, 0, 0, 0))
 
 
-def test_motion_that_takes_long_is_run_once_and_counted(monkeypatch):
-    motion = motions(RIGID_EVENT, 1)[0]
-    often = set(examine(motion).figures)
-    assert {"restored state", "long and short steps", REFERENCE} < often
-    monkeypatch.setattr(campaign, "LONGEST", 1.0)
-    finding = examine(motion)
-    assert finding.long
-    assert {"finite", "energy residual"} <= set(finding.figures) < often - {"restored state", REFERENCE}
-    (row,) = (
-        row for row in campaign.rows_of([Outcome(7, motion.level.name, finding)]) if row[1] == "not long"
-    )
-    assert row[2:] == (1, 0, 0, 1, "", "", 7)
-
-
 def test_refusals_are_counted_by_their_sentence_and_are_no_failures():
     class Refusing(Module):
         def advance(self, step_size):

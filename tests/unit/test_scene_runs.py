@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from inertia_module.common.errors import UnknownName
-from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
+from inertia_module.contract.variables import BY_NAME, LOSSES
 from inertia_module.fidelity.trials import run_in_process, time_of
 from inertia_module.figures.jobs import chart_figure
 from inertia_module.figures.scenes import FLOWS, end_of_run, losses, plot, scene_figure
@@ -313,16 +313,6 @@ def test_an_ideal_run_leaves_the_wanted_columns_and_is_drawn_without_panels_of_l
     assert not {"lost", "viscous", "on the mount"} & labels(figure)
     figure.savefig(tmp_path / "run.png")
     assert (tmp_path / "run.png").stat().st_size > 10_000
-
-
-def test_examples_of_real_machines_have_every_loss_body_and_weight():
-    names = [variable.name for variable in with_causality(PARAMETER)]
-    lossy = names[names.index("input_friction") : names.index("gravity") + 1]
-    # what only the elastic output has, and what not all levels have
-    partial = ("_stiffness", "_damping", "_engagement_angle", "windage")
-    lossy = [name for name in lossy if not name.endswith(partial)]
-    given = {name for example in REAL for name in load_scene(EXAMPLES / f"{example}.toml").parameters()}
-    assert set(lossy) <= given
 
 
 @pytest.mark.parametrize("example", REAL)
