@@ -13,27 +13,15 @@ import scenes
 from geometry import direct_sums, ratio
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import (
-    ALL_LOSSES,
-    DRIVEN,
-    ELASTIC,
-    GEARS,
-    LOSSES,
-    PLAY,
-    SCENES,
-    WIND_UP,
-    advanced,
-    reference,
-    started,
-)
+from scenes import ALL_LOSSES, DRIVEN, ELASTIC, LOSSES, PLAY, SCENES, advanced, reference, started
 
 from inertia_module.kernel.inertia import reduced_inertia
 from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA3, OMEGA4, SLIP, THETA1, TWIST, Q
 
 SATELLITES = {
-    "1-gear": {"satellites": 1, **GEARS},
-    "2-gears": {"satellites": 2, **GEARS},
-    "3-gears": {"satellites": 3, **GEARS},
+    "1-gear": {"satellites": 1, **scenes.GEARS},
+    "2-gears": {"satellites": 2, **scenes.GEARS},
+    "3-gears": {"satellites": 3, **scenes.GEARS},
     "tiny-gear": {"satellites": 1, "satellite_inertia": 1e-9, "satellite_transverse_inertia": 1e-9},
     "dominant-gear": {"satellites": 1, "satellite_inertia": 0.3, "satellite_transverse_inertia": 0.2},
     "gears-alone": {"satellites": 2, "satellite_inertia": 0.02, "imbalance_mass": 0.0},
@@ -98,7 +86,7 @@ def cases():
         if output == "rigid":
             yield f"{name}-stalled", values | {"load_torque": 1e4}
             yield f"{name}-overhauled", values | {"load_torque": -5.0}
-            yield f"{name}-all", values | ALL_LOSSES | GEARS
+            yield f"{name}-all", values | ALL_LOSSES | scenes.GEARS
             yield f"{name}-sticking", values | STICKING
             yield f"{name}-play", values | PLAY
             yield f"{name}-play-sticking", values | STICKING | PLAY
@@ -143,8 +131,8 @@ def cases():
         DRIVEN["bevel"] | springs | PLAY | {"freewheel_stiffness": 2000.0, "freewheel_damping": 0.05},
     )
     for layout in SCENES:
-        yield f"{layout}-wound-up", SCENES[layout] | SHAFT | ALL_LOSSES | WIND_UP
-        yield f"{layout}-play-wound-up", DRIVEN[layout] | SHAFT | ALL_LOSSES | WIND_UP | PLAY
+        yield f"{layout}-wound-up", SCENES[layout] | SHAFT | ALL_LOSSES | scenes.WIND_UP
+        yield f"{layout}-play-wound-up", DRIVEN[layout] | SHAFT | ALL_LOSSES | scenes.WIND_UP | PLAY
     spins = {"omega1": 0.0, "omega_out_start": 50.0, "output_friction": 0.3}
     yield "spins-down", SCENES["bevel"] | spins
     yield "is-pulled", SCENES["bevel"] | spins | {"load_torque": -4.0, "housing_freewheel": False}
