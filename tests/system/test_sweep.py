@@ -198,34 +198,7 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
 # --- designs searched, checked and written ---
 
 
-SPEC = """
-title = "A light module"
-[mechanism]
-layout = "planar"
-[drive]
-kind = "constant"
-omega1 = "150 rad/s"
-[load]
-kind = "shaft"
-inertia = "0.5 kg.m2"
-[run]
-stop_time = "0.5 s"
-communication_step = "10 ms"
-[free]
-imbalance_mass = "log:200 g:3 kg"
-satellites = "1:4"
-eccentricity = "10 mm:30 mm"
-[figures]
-stall_torque = { speed = "150 rad/s", minimum = "20 N.m" }
-torque_ripple = { speed = "150 rad/s", ratio = 0, goal = "least" }
-total_imbalance_mass = { goal = "least" }
-omega_out_final = { minimum = "100 rpm" }
-[search]
-population = 12
-generations = 4
-finalists = 3
-margin = "5 %"
-"""
+SPEC = Path(__file__).with_name("light_module.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

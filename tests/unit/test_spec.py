@@ -1,6 +1,7 @@
 """Specifications of designs: what is refused, and how designs are judged by them."""
 
 import math
+from pathlib import Path
 
 import pytest
 from refused import REFUSED, assert_refused
@@ -25,26 +26,7 @@ from inertia_module.memory import Module
 from inertia_module.scene import Scene, load_scene, run_scene
 from inertia_module.scene.keys import validated
 
-SPEC = """
-[drive]
-kind = "constant"
-omega1 = "100 rad/s"
-[load]
-kind = "shaft"
-inertia = "0.5 kg.m2"
-[run]
-stop_time = "1 s"
-communication_step = "10 ms"
-[free]
-imbalance_mass = "500 g:2 kg"
-satellites = "1:4"
-[figures]
-stall_torque = { speed = "1000 rpm", minimum = "20 N.m" }
-omega_out_final = { minimum = "100 rpm", maximum = 50, goal = "greatest" }
-total_imbalance_mass = { goal = "least" }
-[search]
-margin = "10 %"
-"""
+SPEC = Path(__file__).with_name("specification.toml").read_text(encoding="utf-8")
 UNITS = {"stall_torque": "N.m", "omega_out_final": "rad/s", "total_imbalance_mass": "kg"}
 
 
