@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track
 
-from inertia_module import jobs
+from inertia_module import example, jobs
 from inertia_module.common.errors import Refused
 from inertia_module.fmu.builder import current_fmu
 from inertia_module.harness.results import write_columns
 from inertia_module.scene import load_scene
 from studies import fit_rig_data as data
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 SETS = 100
 FREE = ("imbalance_mass", "link2_inertia")
 COLUMNS = [f"{name} [rpm]" for name in data.NOISE]
@@ -86,7 +85,7 @@ def told(kind, true, seed, scene, folder, fmu):
 
 
 def main():
-    scene, true = load_scene(EXAMPLES / "fit_rig.toml").replaced(run={"stop_time": 0.6}), data.true_speeds()
+    scene, true = load_scene(example("fit_rig")).replaced(run={"stop_time": 0.6}), data.true_speeds()
     with tempfile.TemporaryDirectory() as folder:
         fmu = current_fmu(folder=Path(folder))
         for kind in KINDS:
