@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import fmi3Discard, fmi3Error
 
 from inertia_module.kernel.codes import DRIVING, FREE
@@ -213,9 +212,7 @@ def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(instance
     for seed in ([1.0, 0.0, 0.0], [0.3, -2.0, 5.0]):
         found = instance.fmu.getAdjointDerivative(unknowns, knowns, seed, nSensitivity=2)
         assert found == pytest.approx(columns @ seed, rel=1e-12)
-    with pytest.raises(FMICallException) as caught:
-        instance.fmu.getAdjointDerivative(knowns, unknowns, [1.0, 1.0])
-    assert caught.value.status == fmi3Error
+    instance.refusal(lambda: instance.fmu.getAdjointDerivative(knowns, unknowns, [1.0, 1.0]), fmi3Error)
 
 
 @pytest.mark.parametrize("event_mode", [False, True])
@@ -229,9 +226,7 @@ def test_modes_follow_each_other_in_order_only(instances, event_mode):
     instance.fmu.enterEventMode()
     said = instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
     assert said == "doStep must come in step mode, the instance is in event mode"
-    with pytest.raises(FMICallException) as caught:
-        instance.set(output_friction=-1.0)
-    assert caught.value.status == fmi3Discard
+    instance.refusal(lambda: instance.set(output_friction=-1.0), fmi3Discard)
 
 
 def test_what_is_not_offered_is_refused_by_name(instance):

@@ -1,20 +1,15 @@
 """The commands of the studies, as they are run at the root of the project."""
 
-import contextlib
+import functools
 import json
 from pathlib import Path
-
-from typer.testing import CliRunner
 
 from studies.__main__ import app
 from studies.papers.figures import FIGURES
 from studies.stability.verdicts import Verdict
+from tests.system import programs
 
-
-def command(*arguments, folder):
-    """A study run in a folder, in this process."""
-    with contextlib.chdir(folder):
-        return CliRunner().invoke(app, [*map(str, arguments)])
+command = functools.partial(programs.command, of=app)
 
 
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):

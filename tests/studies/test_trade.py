@@ -11,7 +11,6 @@ from inertia_module.fidelity.trials import Level, Row, event
 from inertia_module.harness.results import write_figure
 from inertia_module.memory import Module
 from studies import trade
-from studies.reference.geometry import Unavailable
 from studies.reference.motion import Reference
 
 CASE = trade.Case(stop_time=0.1, points=100)
@@ -84,18 +83,6 @@ def test_peers_are_measured_by_the_same_errors(reference):
     assert loose.errors["omega_out_final"] == pytest.approx(1e-3, rel=1e-9)
     assert tight.errors["omega_out_worst"] == pytest.approx(1e-6, rel=1e-6)
     assert loose.wall_time == pytest.approx(2.0)
-
-
-def test_peers_that_fail_are_listed(reference):
-    def failing(error):
-        def integrate(case):
-            raise error("no such thing")
-
-        return "somebody", error.__name__, integrate
-
-    errors = Unavailable, ValueError, RuntimeError, ZeroDivisionError
-    rows = trade.measure(CASE, reference, [], list(map(failing, errors)))
-    assert [row.failure for row in rows] == ["no such thing"] * len(errors)
 
 
 def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():

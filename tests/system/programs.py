@@ -19,10 +19,10 @@ DOCS = Path(__file__).parents[2] / "docs"
 BESIDE_ECOS = "tbb"  # on Linux, whose libtbb.so.12 it looks for among the libraries of the system
 
 
-def command(*arguments, folder=None):
+def command(*arguments, folder=None, of=app):
     """Run a command in this process, in a folder."""
     with contextlib.chdir(folder or Path.cwd()):
-        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+        return CliRunner().invoke(of, [str(argument) for argument in arguments])
 
 
 def left(*arguments):

@@ -5,14 +5,13 @@ import json
 import math
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from refused import REFUSED, assert_refused
 from scipy.io import loadmat
 
-from inertia_module import jobs
+from inertia_module import example, jobs
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
@@ -23,7 +22,6 @@ from inertia_module.scene import load_scene, run_scene
 from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
-EXAMPLES = Path(__file__).parents[2] / "examples"
 OMEGA1 = 100.0
 # the output is too heavy to move: link 2 is at rest
 HELD = {"mechanism.output_inertia": 1e9, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
@@ -34,7 +32,7 @@ PLANAR |= {"satellites": 3, "link2_inertia": 0.01}
 def held(stop=4.0, omega1=OMEGA1, **mechanism):
     keys = {f"mechanism.{name}": value for name, value in mechanism.items()}
     keys |= {"run.stop_time": stop, "drive.omega1": omega1}
-    return load_scene(EXAMPLES / "reference.toml").with_keys(HELD | keys)
+    return load_scene(example("reference")).with_keys(HELD | keys)
 
 
 def imbalance_lines(scene, turns):
@@ -208,9 +206,7 @@ def test_over_the_drive_angle_the_pulse_of_a_planar_module_is_order_1_whatever_t
 
 
 def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
-    found = jobs.orders(
-        EXAMPLES / "orders.toml", fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0
-    )
+    found = jobs.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
     twist = found.largest(1)["shaft_twist"][0]
     assert twist.order == pytest.approx(5.0 / 3.0, rel=0.05)
     # the twist is greatest on the way, the force at the top
@@ -303,14 +299,14 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeyp
     assert_refused("signals must swing, of omega2, input_speed none does", jobs.orders, held(stop=1.0), fmu)
     with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
         jobs.orders(held(fidelity="averaged"), fmu)
-    locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
+    locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     assert_refused(
         r"must rise, does not at .* s: choose other times", jobs.orders, locked, fmu, of="drive_angle"
     )
 
 
 def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
-    scene = EXAMPLES / "planar.toml"
+    scene = example("planar")
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
     said = left("orders", scene, *options, "--to", "600 ms")

@@ -8,7 +8,7 @@ from scenes import ENGINE, advanced, started
 
 from inertia_module.contract import variables
 from inertia_module.contract.variables import BY_NAME, LOCAL, OUTPUT, PARAMETER, with_causality
-from inertia_module.memory import NO_STATE, DrivenShaft, Module
+from inertia_module.memory import DrivenShaft, Module
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
@@ -83,17 +83,6 @@ def test_rate_that_makes_an_input_absurd_is_refused_with_its_unit(name):
         module.set_rates(**{name: rate})
         said = f"the rate of {name} must keep it {variable.allowed} over 0.01 s, is {rate:.16g}"
         assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100"
-
-
-@pytest.mark.parametrize("record, field, value", [("state", "mode", 4.0), ("state", "map_knot", 0.5)])
-def test_state_with_a_number_that_is_no_index_is_refused(record, field, value):
-    module = Module("plain").start()
-    good = module.save()
-    setattr(getattr(module, record), field, value)
-    forged = module.save()
-    module.restore(good)
-    assert refusal(module.restore, forged) == NO_STATE
-    assert module.save() == good
 
 
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
