@@ -9,15 +9,14 @@ from studies.papers.figures import FIGURES
 from studies.stability.verdicts import Verdict
 from tests.system import programs
 
-command = functools.partial(programs.command, of=app)
+command, succeeded = (functools.partial(run, of=app) for run in (programs.command, programs.succeeded))
 
 
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
     # test_papers.py draws them all
     few = {name: FIGURES[name] for name in ("lysenko_1", "stelmashchuk_2")}
     monkeypatch.setattr("studies.papers.figures.FIGURES", few)
-    done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
     files = [Path(file) for file in json.loads(done.stdout)["files"]]
     for kind in (".png", ".svg", ".csv"):
         drawn = {file.stem: file for file in files if file.suffix == kind}
@@ -27,8 +26,7 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
 
 def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
     arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map", "--json")
-    done = command(*arguments, folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded(*arguments, folder=tmp_path)
     printed = json.loads(done.stdout)
     assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
     assert {path.name for path in (tmp_path / "map").iterdir()} == {"stability.csv", "stability_summary.png"}
@@ -48,8 +46,7 @@ def test_stability_prints_the_map_and_fails_if_one_case_is_broken(tmp_path, monk
 
 def test_stability_tries_random_motions_of_a_seed(tmp_path):
     arguments = ("stability", "--random", "12", "--seed", "5", "-o", tmp_path / "random")
-    done = command(*arguments, folder=tmp_path)
-    assert done.exit_code == 0, done.stdout + done.stderr
+    done = succeeded(*arguments, folder=tmp_path)
     assert "restored state" in done.stdout
     written = (tmp_path / "random" / "random.csv").read_text()
     assert written.startswith("level,invariant,runs,explained,sensitive,failed,worst,bound,number\n")

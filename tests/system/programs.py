@@ -25,11 +25,23 @@ def command(*arguments, folder=None, of=app):
         return CliRunner().invoke(of, [str(argument) for argument in arguments])
 
 
+def succeeded(*arguments, **settings):
+    """A command that must succeed, run as by `command`."""
+    done = command(*arguments, **settings)
+    assert done.exit_code == 0, done.output
+    return done
+
+
 def left(*arguments):
     """Output of a command, which must succeed."""
-    done = command(*arguments)
-    assert done.exit_code == 0, done.output
-    return done.stdout
+    return succeeded(*arguments).stdout
+
+
+def is_one_line(done, *words):
+    """That a command was refused in one line with these words."""
+    assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
+    assert done.stderr.startswith("error: ")
+    assert all(word in done.stderr for word in words), done.stderr
 
 
 def process(*arguments, statuses=(0,), folder=None, **environment):

@@ -14,7 +14,7 @@ from studies.papers.karetin import Geometry, dynamic_mode, exact
 from studies.papers.lysenko import EXAMPLE
 from studies.papers.lysenko import exact as lysenko_at
 from studies.papers.stelmashchuk import Criteria, response
-from tests.system.programs import command, left
+from tests.system.programs import command, is_one_line, left
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = PAPERS / "stelmashchuk_stepping.toml"
@@ -93,9 +93,8 @@ def test_one_line_says_what_is_wrong(key, value, line):
 
 def test_a_scene_of_a_shaft_is_none_of_the_module():
     assert_refused(r"there is no such key .there are title", load_scene, SHAFT)
-    done = command("run", SHAFT, "--fidelity", "rigid")
-    assert done.exit_code == 1
-    assert "--fidelity, --error and --view must come with a scene of the module" in done.output
+    told = "--fidelity, --error and --view must come with a scene of the module"
+    is_one_line(command("run", SHAFT, "--fidelity", "rigid"), told)
 
 
 def test_command_runs_a_shaft(built, tmp_path):
