@@ -20,7 +20,6 @@ from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_at
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.contract.models import MODELS
 
-CAR_SCENE = Path("examples/urban.toml")
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
@@ -123,36 +122,22 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
 
 @app.command()
 @command
-def coupling(
-    scene: Annotated[
-        Path, typer.Argument(metavar="[SCENE.toml]", help="Scene of the car in the urban cycle.")
-    ] = CAR_SCENE,
-    output: OutputFolder = None,
-    quick: Annotated[bool, typer.Option("--quick", help="A corner of the map.")] = False,
-    only: Annotated[str | None, typer.Option("--only", metavar="PART", help="map or urban.")] = None,
-) -> Answer:
+def coupling(output: OutputFolder = None) -> Answer:
     """Measure the recommended ways to couple an engine.
 
     In out/coupling without -o.
     """
-    from .coupling import MAP, PARTS, URBAN, coupling_map, urban_runs, write_part
+    from .coupling import MAP, URBAN, coupling_map, urban_runs, write_part
 
     folder = writable_folder(output or OUTPUT_FOLDER / "coupling")
-    if only is not None and only not in PARTS:
-        raise ValueError(f"--only must be one of {', '.join(PARTS)}, is {only}")
-    # the cycle is not quick
-    chosen = (only,) if only else (MAP,) if quick else PARTS
     fmu_path = current_fmu()
-    measured: dict[str, Callable[..., Sequence[Any]]] = {
-        MAP: partial(coupling_map, fmu_path, quick),
-        URBAN: partial(urban_runs, fmu_path, scene),
-    }
+    parts: dict[str, Callable[..., Sequence[Any]]] = {MAP: coupling_map, URBAN: urban_runs}
     told: dict[str, Any] = {}
     shown: list[Shown] = []
     files: dict[str, Path] = {}
-    for name in chosen:
+    for name, measure in parts.items():
         with progress_bar(f"measuring: {name}") as progress:
-            rows = measured[name](progress)
+            rows = measure(fmu_path, progress)
         told[name] = [row._asdict() for row in rows]
         shown.append(partial(print_table, name, rows[0]._fields, rows))
         files |= write_part(folder, name, rows)

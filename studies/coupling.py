@@ -31,7 +31,7 @@ from .reference.cases import OMEGA1, THETA1
 from .reference.geometry import Array
 from .reference.motion import Reference
 
-MAP, URBAN = PARTS = ("map", "urban")
+MAP, URBAN = "map", "urban"
 # of columns of their tables
 UNITS = {
     MAP: {"step": "s", "cost": "1/s"},
@@ -54,7 +54,6 @@ COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
-SCENE = Path("examples") / "urban.toml"
 # the module of it, without its car
 _GIVEN = load_scene(example("urban")).parameters().items()
 URBAN_MODULE = {name: value for name, value in _GIVEN if name not in ("output_inertia", "input_hold")}
@@ -249,7 +248,7 @@ def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path
     return Trial(case.name, case.ratio, name, step, stable, *known)
 
 
-def coupling_map(fmu_path: Path, quick: bool, progress: Progress = lambda done: None) -> list[Trial]:
+def coupling_map(fmu_path: Path, progress: Progress = lambda done: None, quick: bool = False) -> list[Trial]:
     """Measure all couplings over step, inertia ratio and case; quick: a corner of it."""
     names, ratios, steps = (("planar",), (0.5,), (1e-3, 5e-3)) if quick else (CASES, RATIOS, STEPS)
     rows: list[Trial] = []
@@ -291,9 +290,9 @@ class UrbanRun(NamedTuple):
     cost: float
 
 
-def urban_scene(path: Path = SCENE) -> Scene:
+def urban_scene() -> Scene:
     """Load the scene of the car in the urban cycle, its engine idling where it would stop."""
-    return load_scene(path).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
+    return load_scene(example("urban")).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
 
 
 def urban_run(
@@ -335,11 +334,9 @@ def urban_run(
     )
 
 
-def urban_runs(
-    fmu_path: Path, scene_path: Path = SCENE, progress: Progress = lambda done: None
-) -> list[UrbanRun]:
+def urban_runs(fmu_path: Path, progress: Progress = lambda done: None) -> list[UrbanRun]:
     """Drive all of RUNS (arguments of urban_run)."""
-    scene, runs = urban_scene(scene_path), [(name, n) for name, numbers in RUNS.items() for n in numbers]
+    scene, runs = urban_scene(), [(name, n) for name, numbers in RUNS.items() for n in numbers]
 
     def tell(number: int, done: float) -> None:
         progress((number + done) / len(runs))

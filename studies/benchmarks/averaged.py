@@ -1,7 +1,6 @@
 """Fidelity averaged against rigid: kernel time on the urban scene, and mean speeds where the input torque is given.
 
-The drive and load of the scene, recorded once, are played to the compiled kernel.
-Run: python -m studies.benchmarks.averaged
+The drive and load of the scene, recorded once, are played to the compiled kernel. Measured by speed.py.
 """
 
 import math
@@ -92,8 +91,3 @@ def figures_by_torque():
                 found.append((case, f"{name}, rigid", exact, "rad/s"))
                 found.append((case, f"{name}, error of averaged", 100.0 * (ours / exact - 1.0), "%"))
     return found
-
-
-if __name__ == "__main__":
-    for row in (*figures_of_scene(), *figures_by_torque()):
-        print(*row)

@@ -2,24 +2,22 @@
 
 The measurements are those of examples/fit_rig.csv with other seeds: as they are, and with an offset of a sensor,
 a shift of the clock or of a sensor, a loss that is not modelled, numbers of one column or both in another
-unit. The search begins at the values of examples/fit_rig.toml. Run: python -m studies.benchmarks.fit [SETS [KIND]]
+unit. The search begins at the values of examples/fit_rig.toml. Run: python -m studies.benchmarks.fit
 """
 
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 from rich.progress import track
 
-from inertia_module import jobs
+from inertia_module import example, jobs
 from inertia_module.common.errors import Refused
 from inertia_module.fmu.builder import current_fmu
 from inertia_module.harness.results import write_columns
 from inertia_module.scene import load_scene
 from studies import fit_rig_data as data
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 SETS = 100
 FREE = ("imbalance_mass", "link2_inertia")
 COLUMNS = [f"{name} [rpm]" for name in data.NOISE]
@@ -87,19 +85,18 @@ def told(kind, true, seed, scene, folder, fmu):
 
 
 def main():
-    sets = int(sys.argv[1]) if len(sys.argv) > 1 else SETS
-    scene, true = load_scene(EXAMPLES / "fit_rig.toml").replaced(run={"stop_time": 0.6}), data.true_speeds()
+    scene, true = load_scene(example("fit_rig")).replaced(run={"stop_time": 0.6}), data.true_speeds()
     with tempfile.TemporaryDirectory() as folder:
         fmu = current_fmu(folder=Path(folder))
-        for kind in [one for one in KINDS if one.__name__ in (sys.argv[2:] or [one.__name__])]:
+        for kind in KINDS:
             rows = [
-                told(kind, true, seed, scene, Path(folder), fmu) for seed in track(range(sets), kind.__name__)
+                told(kind, true, seed, scene, Path(folder), fmu) for seed in track(range(SETS), kind.__name__)
             ]
             holds, named, other, narrow = np.sum(rows, axis=0)
             neither = [seed for seed, row in enumerate(rows) if not (row[0] or row[1])]
             print(
-                f"{kind.__name__}: of {sets} sets the intervals hold the truth in {holds}, the cause is named in"
-                f" {named}, either in {sets - len(neither)} (not in {neither}); only another cause is named in {other}; if"
+                f"{kind.__name__}: of {SETS} sets the intervals hold the truth in {holds}, the cause is named in"
+                f" {named}, either in {SETS - len(neither)} (not in {neither}); only another cause is named in {other}; if"
                 f" all else is right they hold it in {narrow}",
                 flush=True,
             )

@@ -13,13 +13,13 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
+from inertia_module.common.examples import example
 from inertia_module.fidelity.trials import kernel_time
 from inertia_module.memory import Module
 from inertia_module.page.html import html_file
 from inertia_module.scene import load_scene
 from studies.benchmarks.figures import R1, in_turns, keep_parts
 
-SCENE = Path(__file__).parents[2] / "examples" / "reference.toml"
 STEPS = {"steps of 1 s": 1, "steps of 1 ms": 1000}
 # simulated time of a run, s: long enough for a clock of 0.1 ms
 DURATION = 10
@@ -62,7 +62,7 @@ def measure(page):
 def main():
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         path = Path(folder) / "page.html"
-        path.write_bytes(html_file(load_scene(SCENE), None))
+        path.write_bytes(html_file(load_scene(example("reference")), None))
         browser = driver.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
         )

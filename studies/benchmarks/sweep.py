@@ -5,12 +5,11 @@ one step (one output, tolerance 1e-6) runs a second with one worker and with two
 against that of its kernel; of a launch with engine, vehicle and closed loop the time of a run with two workers against
 that alone in this process.
 
-Run: python -m studies.benchmarks.sweep [RUNS]
+Run: python -m studies.benchmarks.sweep
 """
 
 import os
 import statistics
-import sys
 import time
 
 from inertia_module import current_fmu, example, load_scene
@@ -23,7 +22,7 @@ from inertia_module.loops.closed_loop import PLANT_INPUTS
 from inertia_module.memory import Module
 from inertia_module.scene.run import SceneRunner, start_of
 
-LAUNCHES, ALONE = 40, 5
+RUNS, LAUNCHES, ALONE = 10_000, 40, 5
 
 
 def task_and_points(scene, runs):
@@ -60,7 +59,7 @@ def time_of_kernel(scene):
     return kernel_time(module, module.save(), [given] * steps, step)
 
 
-def main(runs):
+def main():
     print(f"load average {os.getloadavg()[0]:.1f}")
     reference = load_scene(example("reference"))
     one_step = {
@@ -68,8 +67,8 @@ def main(runs):
         "accuracy": {"tolerance": 1e-6},
     }
     scenes = {
-        "R1 in one step, tolerance 1e-6": (reference.replaced(**one_step), runs),
-        "reference.toml as it comes, 2,000 steps": (reference, runs // 10),
+        "R1 in one step, tolerance 1e-6": (reference.replaced(**one_step), RUNS),
+        "reference.toml as it comes, 2,000 steps": (reference, RUNS // 10),
     }
     for name, (scene, number) in scenes.items():
         task, points = task_and_points(scene, number)
@@ -87,4 +86,4 @@ def main(runs):
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000)
+    main()

@@ -3,8 +3,7 @@
 `inertia-module tradeoff SCENE` measures a scene alike.
 """
 
-from pathlib import Path
-
+from inertia_module.common.examples import example
 from inertia_module.fidelity.trials import failure_lines, trial_rows, work_precision, write_rows
 from inertia_module.harness.results import write_figure
 from inertia_module.harness.simulate import progress_bar
@@ -13,8 +12,6 @@ from studies.benchmarks.figures import DOCS
 from studies.peers import PEERS
 from studies.trade import R1, R1_ELASTIC, converged, measure
 
-SCENE = Path(__file__).parents[2] / "examples" / "urban.toml"
-
 
 def main():
     with progress_bar("scene R1 and the peers") as progress:
@@ -22,7 +19,7 @@ def main():
     with progress_bar("scene R1 with an elastic output") as progress:
         elastic = measure(R1_ELASTIC, converged(R1_ELASTIC), progress=progress)
     with progress_bar("urban scene") as progress:
-        urban = trial_rows(load_scene(SCENE), progress)
+        urban = trial_rows(load_scene(example("urban")), progress)
     write_rows(DOCS / "tradeoff_r1.csv", rigid)
     write_rows(DOCS / "tradeoff_elastic.csv", elastic)
     write_rows(DOCS / "tradeoff_urban.csv", urban)

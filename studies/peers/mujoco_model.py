@@ -20,18 +20,8 @@ import numpy as np
 from inertia_module.common.extras import library
 from inertia_module.fidelity.trials import median_time
 
-from ..reference.geometry import (
-    EX,
-    EZ,
-    Array,
-    Parameters,
-    attitudes,
-    bevel_lengths,
-    positions,
-    ratio,
-    satellite_ratio,
-    turn,
-)
+from ..reference import geometry
+from ..reference.geometry import EX, EZ, Array, Parameters, ratio, satellite_ratio
 from ..trade import Case, Trajectory
 from .integrators import Problem
 
@@ -75,17 +65,17 @@ def _module(p: Parameters, module: int) -> str:
     own, across = p["drive_inertia"] / shares, p["satellite_transverse_inertia"]
     satellites, start = "", np.zeros(1)
     for n in range(int(p["satellites"])):
-        turned = attitudes(p, start, n)[0]
+        turned = geometry.attitudes(p, start, n)[0]
         if p["layout"]:
             name, axis, inertia = "drive", EX, [own + p["satellite_inertia"]] * 3
             pivot = (p["sun_radius"] + p["satellite_radius"]) * turned @ EZ
         else:
             name, axis, inertia = "satellite", EZ, [across, across, p["satellite_inertia"]]
-            pivot = bevel_lengths(p)[2] * EZ
-        place = turned.T @ (positions(p, start, n)[0] - pivot)
+            pivot = geometry.bevel_lengths(p)[2] * EZ
+        place = turned.T @ (geometry.positions(p, start, n)[0] - pivot)
         imbalance = _body(f"imbalance {module} {n}", mass=p["imbalance_mass"], place=place)
         satellites += _body(f"{name} {module} {n}", imbalance, axis, inertia, place=pivot, turned=turned)
-    frame = turn(0, 2.0 * np.pi * module / p["modules"])
+    frame = geometry.turn(0, 2.0 * np.pi * module / p["modules"])
     if p["layout"]:
         return _body(f"module {module}", satellites, turned=frame)
     # half of J16 across its axis is J1's

@@ -15,38 +15,8 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
-from .cases import (
-    A1,
-    A2,
-    A3,
-    A4,
-    BACK,
-    CLOSED,
-    DRAGGED,
-    HOUSING,
-    INTEGRALS,
-    M1,
-    M2,
-    MESH,
-    OMEGA1,
-    OMEGA2,
-    OMEGA3,
-    OMEGA4,
-    OPEN,
-    OUTPUT,
-    PLAY,
-    SLIP,
-    SUMS,
-    TC,
-    TEETH,
-    TH,
-    WOUND,
-    Forces,
-    Machine,
-    Mode,
-    Q,
-    speed_of,
-)
+from . import cases
+from .cases import A1, A2, A3, A4, M1, M2, TC, TH, Forces, Machine, Mode, Q, speed_of
 from .geometry import Array, Unavailable
 
 TOLERANCE = 1e-13
@@ -112,20 +82,20 @@ class Reference:
         p, self._wheels = self.machine.p, self.machine.wheels
         self.time, self.switches = 0.0, list[float]()
         self.evaluations, self._most = 0, most
-        self.state = np.zeros(SUMS + len(INTEGRALS))
+        self.state = np.zeros(cases.SUMS + len(cases.INTEGRALS))
         self.state[Q] = p["drive_angle_start"]
-        self.state[OMEGA1 : OMEGA4 + 1] = omega1, p["omega2_start"], *[p["omega_out_start"]] * 2
+        self.state[cases.OMEGA1 : cases.OMEGA4 + 1] = omega1, p["omega2_start"], *[p["omega_out_start"]] * 2
         # what is not there: open to the housing, closed to the output
-        closed = OPEN if self._wheels[OUTPUT].there else CLOSED
-        self.mode: Mode = (OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
+        closed = cases.OPEN if self._wheels[cases.OUTPUT].there else cases.CLOSED
+        self.mode: Mode = (cases.OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
         if any(wheel.there and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
             raise Unavailable("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         for n, wheel in enumerate(self._wheels):
-            self.state[PLAY + n] = wheel.angle * (speed_of(self.state, n) > 0.0)
+            self.state[cases.PLAY + n] = wheel.angle * (speed_of(self.state, n) > 0.0)
         self.give(drive_torque, load_torque)
 
     def _fastest(self) -> float:
-        return 1.0 + abs(float(self.state[OMEGA1])) + abs(float(self.state[OMEGA2]))
+        return 1.0 + abs(float(self.state[cases.OMEGA1])) + abs(float(self.state[cases.OMEGA2]))
 
     def _guards(self, y: Array, mode: Mode, found: Forces) -> Array:
         """Guards of a case, which must not fall below zero, for each of its places (infinite: none).
@@ -135,23 +105,25 @@ class Reference:
         """
         machine, x = self.machine, found.x
         guards = np.full((len(mode), *x.shape[1:]), math.inf)
-        least = ROUNDING * (1.0 + np.abs(y[OMEGA1]))
-        for n, torque in ((HOUSING, TH), (OUTPUT, TC)):
+        least = ROUNDING * (1.0 + np.abs(y[cases.OMEGA1]))
+        for n, torque in ((cases.HOUSING, TH), (cases.OUTPUT, TC)):
             if self._wheels[n].there:
-                guards[n] = speed_of(y, n) + least if mode[n] == OPEN else x[torque] + self._wheels[n].drag
-                if mode[n] == BACK:
-                    guards[n] = np.minimum(y[PLAY + n], least - speed_of(y, n))
-                elif mode[n] == DRAGGED:
+                guards[n] = (
+                    speed_of(y, n) + least if mode[n] == cases.OPEN else x[torque] + self._wheels[n].drag
+                )
+                if mode[n] == cases.BACK:
+                    guards[n] = np.minimum(y[cases.PLAY + n], least - speed_of(y, n))
+                elif mode[n] == cases.DRAGGED:
                     guards[n] = np.minimum(guards[n], -x[torque])
-        if machine.rubs and mode[SLIP] == 0:
+        if machine.rubs and mode[cases.SLIP] == 0:
             holding = found.journal + found.satellites + machine.mesh * np.abs(x[M2]) / machine.k
-            guards[SLIP] = holding - np.abs(x[M2] / machine.k - found.free)
+            guards[cases.SLIP] = holding - np.abs(x[M2] / machine.k - found.free)
         elif machine.rubs:
-            guards[SLIP] = mode[SLIP] * speed_of(y, SLIP) + least
+            guards[cases.SLIP] = mode[cases.SLIP] * speed_of(y, cases.SLIP) + least
             if machine.mesh:
-                guards[MESH] = mode[SLIP] * mode[MESH] * x[M2]
+                guards[cases.MESH] = mode[cases.SLIP] * mode[cases.MESH] * x[M2]
             if machine.teeth:
-                guards[TEETH:] = (np.array(mode[TEETH:]) * found.teeth.T).T
+                guards[cases.TEETH :] = (np.array(mode[cases.TEETH :]) * found.teeth.T).T
         # what is zero at first or throughout does not fall
         return guards + float(np.finfo(float).tiny)
 
@@ -160,23 +132,25 @@ class Reference:
         y, places = self.state, list[tuple[int, ...]]()
         for n, wheel in enumerate(self._wheels):
             # a relaxed spring that does not turn yet is bound to nothing
-            bound = wheel.stiffness > 0.0 and (y[WOUND + n] != 0.0 or speed_of(y, n) != 0.0)
-            if not wheel.there or (bound and self.mode[n] == CLOSED):
+            bound = wheel.stiffness > 0.0 and (y[cases.WOUND + n] != 0.0 or speed_of(y, n) != 0.0)
+            if not wheel.there or (bound and self.mode[n] == cases.CLOSED):
                 places.append((self.mode[n],))
             elif speed_of(y, n) != 0.0:
-                places.append((BACK if speed_of(y, n) < 0.0 < wheel.angle else OPEN,))
-            elif y[PLAY + n] > 0.0:
-                places.append((*[DRAGGED] * (wheel.drag > 0.0), OPEN, BACK))
+                places.append((cases.BACK if speed_of(y, n) < 0.0 < wheel.angle else cases.OPEN,))
+            elif y[cases.PLAY + n] > 0.0:
+                places.append((*[cases.DRAGGED] * (wheel.drag > 0.0), cases.OPEN, cases.BACK))
             else:
                 # a spring that is not wound up passes nothing yet: it would hold in any case
-                places.append((OPEN, CLOSED) if wheel.stiffness > 0.0 else (CLOSED, OPEN))
-        slip = speed_of(y, SLIP)
+                places.append(
+                    (cases.OPEN, cases.CLOSED) if wheel.stiffness > 0.0 else (cases.CLOSED, cases.OPEN)
+                )
+        slip = speed_of(y, cases.SLIP)
         places.append((0, 1, -1) if slip == 0.0 and self.machine.rubs else (1 if slip >= 0.0 else -1,))
         places.append((1, -1) if self.machine.mesh else (1,))
-        places += [(1, -1) if self.machine.teeth else (1,)] * (len(self.mode) - TEETH)
+        places += [(1, -1) if self.machine.teeth else (1,)] * (len(self.mode) - cases.TEETH)
         for case in itertools.product(*places):
             # where it sticks signs are of no concern
-            if case[SLIP] != 0 or min(case[MESH:]) == 1:
+            if case[cases.SLIP] != 0 or min(case[cases.MESH :]) == 1:
                 yield case
 
     def _breach(self, mode: Mode) -> float:
@@ -186,17 +160,17 @@ class Reference:
         except np.linalg.LinAlgError:
             return math.inf
         x, guards = found.x, self._guards(self.state, mode, found)
-        if mode[SLIP] == 0 and abs(x[A1] - x[A2]) > MISSED * abs(x[A1]):
+        if mode[cases.SLIP] == 0 and abs(x[A1] - x[A2]) > MISSED * abs(x[A1]):
             return math.inf
-        speeds = np.abs(self.state[OMEGA1 : OMEGA4 + 1])
-        rate = self.machine.k * speed_of(self.state, SLIP)
+        speeds = np.abs(self.state[cases.OMEGA1 : cases.OMEGA4 + 1])
+        rate = self.machine.k * speed_of(self.state, cases.SLIP)
         torques = np.abs(x[M1:]).sum() + self.machine.work.largest * (speeds[0] ** 2 + rate**2)
         scales = np.full(len(mode), 1e-9 + torques)
-        ways = {OPEN: 1, BACK: -1}
+        ways = {cases.OPEN: 1, cases.BACK: -1}
         for place, way, gained in (
-            (HOUSING, ways.get(mode[HOUSING], 0), x[A2]),
-            (OUTPUT, ways.get(mode[OUTPUT], 0), x[A3] - x[A2]),
-            (SLIP, mode[SLIP], x[A1] - x[A2]),
+            (cases.HOUSING, ways.get(mode[cases.HOUSING], 0), x[A2]),
+            (cases.OUTPUT, ways.get(mode[cases.OUTPUT], 0), x[A3] - x[A2]),
+            (cases.SLIP, mode[cases.SLIP], x[A1] - x[A2]),
         ):
             if way and guards[place] < math.inf:
                 # where it does not turn yet it has to begin to
@@ -214,10 +188,10 @@ class Reference:
 
     def _choose(self, ended: int | None = None) -> None:
         """Take the case that holds; one whose place that has ended is as it was only if there is no other."""
-        was, cases = self.mode, list(self._cases())
-        breaches = {case: self._breach(case) for case in cases}
-        best = min(cases, key=lambda case: max(breaches[case], MISSED))
-        holding = [case for case in cases if breaches[case] <= MISSED]
+        was, allowed = self.mode, list(self._cases())
+        breaches = {case: self._breach(case) for case in allowed}
+        best = min(allowed, key=lambda case: max(breaches[case], MISSED))
+        holding = [case for case in allowed if breaches[case] <= MISSED]
         if len(holding) > 1:
             best = min(
                 holding,
@@ -226,49 +200,53 @@ class Reference:
         if not breaches[best] < 1e3 * MISSED:
             raise ArithmeticError(f"no case holds at {self.time:g} s: {breaches}")
         self.mode = best
-        carrying = [[one in (CLOSED, DRAGGED) for one in mode[:SLIP]] for mode in (was, self.mode)]
+        carrying = [
+            [one in (cases.CLOSED, cases.DRAGGED) for one in mode[: cases.SLIP]] for mode in (was, self.mode)
+        ]
         if carrying[0] != carrying[1] and self.time > 0.0:
             self.switches.append(self.time)
 
     def _settle(self, mode: Mode) -> None:
         """Make speeds exactly equal that are equal in a case."""
         y = self.state
-        if self.machine.joined(mode, HOUSING):
-            y[OMEGA2] = 0.0
-            if mode[SLIP] == 0:
-                y[OMEGA1] = 0.0
-        elif mode[SLIP] == 0:
-            y[OMEGA2] = y[OMEGA1]
-        if self.machine.joined(mode, OUTPUT):
-            y[OMEGA3] = y[OMEGA2]
+        if self.machine.joined(mode, cases.HOUSING):
+            y[cases.OMEGA2] = 0.0
+            if mode[cases.SLIP] == 0:
+                y[cases.OMEGA1] = 0.0
+        elif mode[cases.SLIP] == 0:
+            y[cases.OMEGA2] = y[cases.OMEGA1]
+        if self.machine.joined(mode, cases.OUTPUT):
+            y[cases.OMEGA3] = y[cases.OMEGA2]
         if not self.machine.elastic:
-            y[OMEGA4] = y[OMEGA3]
+            y[cases.OMEGA4] = y[cases.OMEGA3]
         for n, wheel in enumerate(self._wheels):
             # what overruns further has its whole play
-            y[PLAY + n] = min(y[PLAY + n], wheel.angle)
+            y[cases.PLAY + n] = min(y[cases.PLAY + n], wheel.angle)
 
     def _switch(self, place: int) -> None:
         """Follow a guard that fell: a contact, a slip that comes to rest, or only a sign."""
         y, was = self.state, self.mode
-        spring, played = (self._wheels[place].stiffness, y[PLAY + place]) if place < SLIP else (0.0, 0.0)
-        if place < SLIP and was[place] == BACK and played < -speed_of(y, place):
-            y[PLAY + place] = 0.0
-            self.mode = (*was[:place], CLOSED, *was[place + 1 :])
+        spring, played = (
+            (self._wheels[place].stiffness, y[cases.PLAY + place]) if place < cases.SLIP else (0.0, 0.0)
+        )
+        if place < cases.SLIP and was[place] == cases.BACK and played < -speed_of(y, place):
+            y[cases.PLAY + place] = 0.0
+            self.mode = (*was[:place], cases.CLOSED, *was[place + 1 :])
             if spring == 0.0:
                 self._engage()
         elif played > 0.0:
-            self._settle((*was[:place], DRAGGED, *was[place + 1 :]))
+            self._settle((*was[:place], cases.DRAGGED, *was[place + 1 :]))
         elif spring > 0.0:
             # what it holds when it lets go is lost; it engages with nothing
-            y[SUMS + INTEGRALS.index("freewheel")] += 0.5 * spring * y[WOUND + place] ** 2
-            y[WOUND + place] = 0.0
-            if was[place] == CLOSED:
-                self.mode = (*was[:place], OPEN, *was[place + 1 :])
+            y[cases.SUMS + cases.INTEGRALS.index("freewheel")] += 0.5 * spring * y[cases.WOUND + place] ** 2
+            y[cases.WOUND + place] = 0.0
+            if was[place] == cases.CLOSED:
+                self.mode = (*was[:place], cases.OPEN, *was[place + 1 :])
             else:
-                y[OMEGA2 + place] = 0.0 if place == HOUSING else y[OMEGA2]
+                y[cases.OMEGA2 + place] = 0.0 if place == cases.HOUSING else y[cases.OMEGA2]
                 self._settle(was)
-        elif place <= SLIP:
-            changed = 1 - was[place] if place < SLIP else 0
+        elif place <= cases.SLIP:
+            changed = 1 - was[place] if place < cases.SLIP else 0
             self._settle((*was[:place], changed, *was[place + 1 :]))
         self._choose(place)
 
@@ -355,59 +333,61 @@ class Reference:
         """
         machine, y = self.machine, self.state
         machine.slope = slope
-        if omega1 != y[OMEGA1]:
+        if omega1 != y[cases.OMEGA1]:
             if any(wheel.stiffness for wheel in self._wheels):
                 raise Unavailable("reference: no jumps with freewheels that are springs")
             before = self.energy()
-            self._hit(omega1 - y[OMEGA1])
-            y[OMEGA1] = omega1
-            y[SUMS] += self.energy() - before
+            self._hit(omega1 - y[cases.OMEGA1])
+            y[cases.OMEGA1] = omega1
+            y[cases.SUMS] += self.energy() - before
         self._choose()
 
     def _hit(self, change: float) -> Array:
         """Speeds after a jump of omega1, rad/s, or an engagement; returns the unknowns, see impact."""
         machine, y, hits = self.machine, self.state, dict[Mode, Array]()
         # what takes an impulse: no spring, no play left
-        takes = [wheel.stiffness == 0.0 and y[PLAY + n] == 0.0 for n, wheel in enumerate(self._wheels)]
+        takes = [wheel.stiffness == 0.0 and y[cases.PLAY + n] == 0.0 for n, wheel in enumerate(self._wheels)]
         choices = [
-            (CLOSED, OPEN)[1 - takes[n] :] if self._wheels[n].there else (self.mode[n],)
-            for n in (HOUSING, OUTPUT)
+            (cases.CLOSED, cases.OPEN)[1 - takes[n] :] if self._wheels[n].there else (self.mode[n],)
+            for n in (cases.HOUSING, cases.OUTPUT)
         ]
         for contacts in itertools.product(*choices):
-            mode = (*contacts, *[1] * (len(self.mode) - SLIP))
+            mode = (*contacts, *[1] * (len(self.mode) - cases.SLIP))
             hits[mode] = machine.impact(y, mode, change)
 
         def breach(mode: Mode) -> float:
-            impulses, after = hits[mode], y[OMEGA1 : OMEGA4 + 1] + hits[mode][: A4 + 1]
+            impulses, after = hits[mode], y[cases.OMEGA1 : cases.OMEGA4 + 1] + hits[mode][: A4 + 1]
             slips = after[A2], after[A3] - after[A2]
-            ways = ((impulses[TH], slips[HOUSING]), (impulses[TC], slips[OUTPUT]))
+            ways = ((impulses[TH], slips[cases.HOUSING]), (impulses[TC], slips[cases.OUTPUT]))
             signs = [
-                ways[n][mode[n] == OPEN] for n in (HOUSING, OUTPUT) if self._wheels[n].there and takes[n]
+                ways[n][mode[n] == cases.OPEN]
+                for n in (cases.HOUSING, cases.OUTPUT)
+                if self._wheels[n].there and takes[n]
             ]
             return -min(signs, default=0.0)
 
         mode = min(hits, key=breach)
-        y[OMEGA1 : OMEGA4 + 1] += hits[mode][: A4 + 1]
+        y[cases.OMEGA1 : cases.OMEGA4 + 1] += hits[mode][: A4 + 1]
         self._settle(mode)
         return hits[mode]
 
     def _engage(self) -> None:
         """Engage what has no play left, by an impact: what of the energy goes nowhere else is lost."""
-        y, before, speeds = self.state, self.energy(), self.state[OMEGA1 : OMEGA4 + 1].copy()
+        y, before, speeds = self.state, self.energy(), self.state[cases.OMEGA1 : cases.OMEGA4 + 1].copy()
         found = self._hit(0.0)
-        work = found[M1] * y[OMEGA1]
+        work = found[M1] * y[cases.OMEGA1]
         # (a balancer at the shaft gives energy)
         given = self.machine.p["balancer"] * self.machine.p["driven_inertia"] * self.machine.elastic
         shaft = -given * found[A3] * (speeds[A4] + 0.5 * found[A4])
-        y[SUMS] += work
-        y[SUMS + INTEGRALS.index("shaft")] += shaft
-        y[SUMS + INTEGRALS.index("freewheel")] += before + work - shaft - self.energy()
-        y[SUMS + INTEGRALS.index("M1") :] += found[M1 : TH + 1]
+        y[cases.SUMS] += work
+        y[cases.SUMS + cases.INTEGRALS.index("shaft")] += shaft
+        y[cases.SUMS + cases.INTEGRALS.index("freewheel")] += before + work - shaft - self.energy()
+        y[cases.SUMS + cases.INTEGRALS.index("M1") :] += found[M1 : TH + 1]
 
     @property
     def omega_out(self) -> float:
         """Speed of the output shaft, that of the driven mass if elastic, rad/s."""
-        return float(self.state[OMEGA4])
+        return float(self.state[cases.OMEGA4])
 
     def energy(self) -> float:
         """Stored energy: kinetic energy, weights, shaft and freewheels that are wound up, J."""
@@ -415,7 +395,7 @@ class Reference:
 
     def integrals(self) -> dict[str, float]:
         """Works and losses, J, and impulses of the torques, N.m.s, since the start (see INTEGRALS)."""
-        return dict(zip(INTEGRALS, map(float, self.state[SUMS:]), strict=True))
+        return dict(zip(cases.INTEGRALS, map(float, self.state[cases.SUMS :]), strict=True))
 
     def torques(self) -> Array:
         """(M1, M2, Tc, Th) now, N.m."""

@@ -75,15 +75,10 @@ class Mechanism:
         """A module at the ordinary speed."""
         return Module("plain").start(**self.parameters, omega1=self.omega1)
 
-    @property
-    def derived(self) -> Any:
-        """The kernel's constants."""
-        return self.module.derived
-
     @functools.cached_property
     def imbalance(self) -> float:
         """Largest inertia of the imbalances behind link 2, kg m^2."""
-        return imbalance_inertia(self.derived)
+        return imbalance_inertia(self.module.derived)
 
     @functools.cached_property
     def largest_held_torque(self) -> float:
@@ -91,7 +86,7 @@ class Mechanism:
 
         Looked for on a grid over a period, then on ever finer ones around the best.
         """
-        d = self.derived
+        d = self.module.derived
 
         def torque(q: float) -> float:
             return float(solve_at(self.module, True, False, q=q, omega1=self.omega1, omega2=0.0).mesh)
@@ -122,18 +117,8 @@ class Mechanism:
             low, high = (middle, high) if engages(middle) else (low, middle)
 
 
-MECHANISMS = (
-    Mechanism("bevel", {"kinematic_ratio": 0.5}, 100.0, 10.0),
-    Mechanism(
-        "planar",
-        {
-            **{"layout": 1, "eccentricity": 0.02, "imbalance_mass": 0.8, "satellites": 3},
-            **{"link2_inertia": 0.003, "output_inertia": 0.4, "kinematic_ratio": 0.5},
-        },
-        120.0,
-        8.0,
-    ),
-)
+TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+MECHANISMS = [Mechanism(**row) for row in TABLE["mechanisms"]]
 # what an extreme changes besides parameters, where it does not
 USUAL = {"segments": (), "turns": 0.0, "levels": LEVELS, "split": 50, "slow": False}
 
@@ -145,14 +130,13 @@ def signed(*sizes: float) -> list[float]:
 
 def extremes(m: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]]:
     """Work out the table beside the code: axis, value as it is called, changes of the mechanism."""
-    table = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
     known = {**vars(math), "m": m, "signed": signed, "Segment": Segment, "TRAVEL": TRAVEL}
     known |= {"ELASTIC_LEVELS": ELASTIC_LEVELS}
     known["FIXED_STEPS"] = tuple(level for level in LEVELS if level.method == TIMESTEPPING)
-    for name, formula in table["known"].items():
+    for name, formula in TABLE["known"].items():
         known[name] = eval(formula, known)
     for axis, called, changes, values, layout in (
-        row + ["[()]", ""][len(row) - 3 :] for row in table["rows"]
+        row + ["[()]", ""][len(row) - 3 :] for row in TABLE["rows"]
     ):
         for value in eval(values, known) if layout in ("", m.layout) else ():
             together = value if isinstance(value, tuple) else (value,)

@@ -32,23 +32,9 @@ from ..reference.cases import OMEGA1, OMEGA4
 from ..reference.geometry import Array, Unavailable, ratio, satellite_ratio
 from ..reference.motion import Reference
 from ..reference.virtual_work import VirtualWork
+from . import motion as motions
 from .extremes import TIMESTEPPING_ACCURACY
-from .motion import (
-    BREACHES,
-    LEVELS,
-    REGAINED,
-    Figure,
-    Figures,
-    Make,
-    Motion,
-    Parameters,
-    Run,
-    Segment,
-    distance,
-    missed,
-    relative,
-    run,
-)
+from .motion import Figure, Figures, Make, Motion, Parameters, Run, Segment
 from .verdicts import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 
 # digits of every number
@@ -125,10 +111,10 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     name, energy, accuracy = "energy residual", found.residual, motion["tolerance"]
     if motion.level.method == TIMESTEPPING:
         name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
-    beyond = relative(max(energy - rounding, 0.0), found.energy)
+    beyond = motions.relative(max(energy - rounding, 0.0), found.energy)
     turns = abs(found.end["angle"]) / (2.0 * math.pi)
     figures[name] = Figure(beyond, energy_bound(accuracy, turns))
-    breaches = BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (REGAINED,)
+    breaches = motions.BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (motions.REGAINED,)
     return figures | {name: Figure(found.share(name), BREACH) for name in breaches}
 
 
@@ -136,7 +122,7 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     """One long communication step as many short ones, to the tolerance and what the motion makes of it."""
     if motion.level.method == TIMESTEPPING or motion.level.fidelity == AVERAGED:
         return {}
-    tolerance, short = motion["tolerance"], run(motion, make, SPLIT)
+    tolerance, short = motion["tolerance"], motions.run(motion, make, SPLIT)
     if short.refused or short.broken:
         return {STEPS: Figure(math.inf, 0.0)}
     # what swings far slower than the fastest speed is followed to the tolerance of that alone
@@ -145,15 +131,17 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
 
     def sensitivity() -> float:
-        others = (run(beside, make) for beside in motion.nudged(tolerance))
-        return max((distance(found, other, *swinging) for other in others if not other.refused), default=0.0)
+        others = (motions.run(beside, make) for beside in motion.nudged(tolerance))
+        return max(
+            (motions.distance(found, other, *swinging) for other in others if not other.refused), default=0.0
+        )
 
-    return {STEPS: held(distance(found, short, *swinging), bound, sensitivity)}
+    return {STEPS: held(motions.distance(found, short, *swinging), bound, sensitivity)}
 
 
 def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
     """A saved state runs on to the same bits in another instance."""
-    restored = run(motion, make, saved_at=len(motion.segments) // 2)
+    restored = motions.run(motion, make, saved_at=len(motion.segments) // 2)
     return {"restored state": Figure(float(restored.state != found.state), 0.0)}
 
 
@@ -167,7 +155,7 @@ def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
         **{name: motion[name] * square for name in AS_TORQUE},
     )
     segments = tuple(part.scaled(FACTOR, square, 1.0 / FACTOR) for part in motion.segments)
-    end = run(replace(faster, segments=segments), make).end
+    end = motions.run(replace(faster, segments=segments), make).end
     powers = {"angle": 0, "omega2": 1, "omega_out": 1, "energy_in": 2, "energy_out": 2}
     unlike = [name for name, power in powers.items() if end.get(name) != found.end[name] * FACTOR**power]
     return {"scaling by the speed": Figure(float(len(unlike)), 0.0)}
@@ -198,7 +186,7 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
     )
     missing = momenta[-1] - momenta[0] - sum(impulses)
     bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"])
-    return {"momentum": Figure(relative(missing, max(map(abs, (*momenta, *impulses)))), bound)}
+    return {"momentum": Figure(motions.relative(missing, max(map(abs, (*momenta, *impulses)))), bound)}
 
 
 def _by_reference(motion: Motion, most: float) -> Array:
@@ -231,7 +219,7 @@ def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
     expected = _by_reference(motion, most)
     if not len(expected):
         return {}
-    precise = run(motion.changed(tolerance=REFERENCE_TOLERANCE), make)
+    precise = motions.run(motion.changed(tolerance=REFERENCE_TOLERANCE), make)
     if precise.refused:
         return {name: Figure(math.inf, 0.0)}
     ours = np.array([[point[name] for name in COMPARED] for point in precise.points[1:]])
@@ -256,7 +244,7 @@ class Finding:
     @property
     def failed(self) -> list[str]:
         """Names of the figures that do not hold."""
-        return list(missed(self.figures))
+        return list(motions.missed(self.figures))
 
     @property
     def causes(self) -> list[str]:
@@ -268,7 +256,7 @@ def examine(motion: Motion, make: Make = Module, without_reference: bool = False
     """Run a motion and hold it to all that has to be. Never raises."""
     figures: Figures = {}
     try:
-        found = run(motion, make)
+        found = motions.run(motion, make)
         if found.broken:
             return Finding({found.broken: Figure(1.0, 0.0)})
         if found.refused:
@@ -323,7 +311,7 @@ def draws(table: str, scope: dict[str, Any]) -> Parameters:
 def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
     """The motion of this number in the campaign of this seed; losses: by load, drag and gravity besides."""
     draw = Draw(f"{seed}/{number}")
-    (level,) = draw.choices(LEVELS, WEIGHTS)
+    (level,) = draw.choices(motions.LEVELS, WEIGHTS)
     methods = {name: getattr(draw, name) for name in METHODS}
     scope = (
         globals() | vars(codes) | methods | {"level": level, "rough": level.fidelity != AVERAGED or losses}
@@ -471,7 +459,7 @@ def findings(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
             kinds.setdefault((one.level, one.finding.causes[0]), []).append(one)
     told = []
     for (level, what), (first, *others) in kinds.items():
-        sentence = "; ".join(missed(first.finding.figures).values()) or first.finding.refused
+        sentence = "; ".join(motions.missed(first.finding.figures).values()) or first.finding.refused
         where = {"number": first.number, "sentence": sentence, "reproducer": first.reproducer}
         told.append({"level": level, "what": what, "count": 1 + len(others), **where})
     return told

@@ -30,23 +30,9 @@ from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency, swing_frequency
+from . import motion as motions
 from .extremes import Case, axes
-from .motion import (
-    LEVELS,
-    REGAINED,
-    SPEED,
-    TORQUE,
-    Figure,
-    Figures,
-    Make,
-    Motion,
-    Run,
-    Segment,
-    distance,
-    missed,
-    relative,
-    run,
-)
+from .motion import Figure, Figures, Make, Motion, Run, Segment
 
 # relative rounding that adds up over a run
 ROUNDING = 1e-12
@@ -77,7 +63,7 @@ OUTCOMES = tuple(COLOURS)
 # figures that compare two runs of one motion, and all that are relative errors
 COMPARED = ("long against short steps", "error", "error, short steps")
 RELATIVE = ("energy residual", "energy residual, short steps", *COMPARED)
-HEADINGS = ("axis", "value", "layout", *(level.name for level in LEVELS))
+HEADINGS = ("axis", "value", "layout", *(level.name for level in motions.LEVELS))
 # below this errors are rounding
 LEAST_POWER = -15
 SEPARATOR = " | "
@@ -139,10 +125,10 @@ def try_case(case: Case, make: Make = Module) -> Trial:
             rate = float(module.derived.harmonic * module.derived.k) * fastest
             rate += swing_frequency(module.__getitem__)
             motion = motion.changed(max_step=min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0)
-        long = run(motion, make)
+        long = motions.run(motion, make)
         if long.refused:
             return Trial(case, long)
-        short = run(motion, make, case.split)
+        short = motions.run(motion, make, case.split)
         tolerance = motion["tolerance"]
         precise = motion.changed(method=EVENT, max_step=0.0, tolerance=max(TIGHTER * tolerance, TIGHTEST))
         tight = _tight(make, tuple(precise.parameters.items()), motion.segments)
@@ -150,9 +136,9 @@ def try_case(case: Case, make: Make = Module) -> Trial:
         for beside in () if tight.refused or short.refused else precise.nudged(tolerance):
             if all(figure.holds for name, figure in figures_of(trial).items() if name in COMPARED):
                 break
-            changed = run(beside, make)
+            changed = motions.run(beside, make)
             if not changed.refused:
-                trial = replace(trial, sensitivity=max(trial.sensitivity, distance(changed, tight)))
+                trial = replace(trial, sensitivity=max(trial.sensitivity, motions.distance(changed, tight)))
         return trial
     except Exception as error:  # whatever else it is, it is a finding
         return Trial(case, Run(broken=f"{type(error).__name__}: {error}"))
@@ -161,7 +147,7 @@ def try_case(case: Case, make: Make = Module) -> Trial:
 @lru_cache(maxsize=1)  # the methods of a fidelity, which come one after the other, share it
 def _tight(make: Make, parameters: tuple[tuple[str, float], ...], segments: tuple[Segment, ...]) -> Run:
     """The run of a motion."""
-    return run(Motion(dict(parameters), segments), make)
+    return motions.run(Motion(dict(parameters), segments), make)
 
 
 @dataclass(frozen=True)
@@ -207,7 +193,7 @@ class Verdict:
     @property
     def missed(self) -> list[str]:
         """Names of the figures beyond their bounds."""
-        return list(missed(self.figures))
+        return list(motions.missed(self.figures))
 
     @property
     def cell(self) -> Cell:
@@ -239,14 +225,15 @@ def figures_of(trial: Trial) -> Figures:
     result, energy = result_bound(case.accuracy, trial.sensitivity), energy_bound(case.accuracy)
     runs = ("", long), (", short steps", short)
     figures = {
-        f"energy residual{how}": Figure(relative(one.residual, one.energy), energy) for how, one in runs
+        f"energy residual{how}": Figure(motions.relative(one.residual, one.energy), energy)
+        for how, one in runs
     }
-    figures["long against short steps"] = Figure(distance(long, short), result)
-    for name in (SPEED, TORQUE, REGAINED):
+    figures["long against short steps"] = Figure(motions.distance(long, short), result)
+    for name in (motions.SPEED, motions.TORQUE, motions.REGAINED):
         figures[name] = Figure(max(long.share(name), short.share(name)), BREACH)
     figures |= {f"work{how}": Figure(one.evaluations, work_bound(case, one)) for how, one in runs}
     if tight is not None:
-        figures |= {f"error{how}": Figure(distance(tight, one), result) for how, one in runs}
+        figures |= {f"error{how}": Figure(motions.distance(tight, one), result) for how, one in runs}
     return figures
 
 
@@ -268,7 +255,7 @@ def judge(trial: Trial) -> Verdict:
     if not (long.finite and short.finite):
         return Verdict(case, BROKEN, "an output is not finite")
     figures = figures_of(trial)
-    reasons = missed(figures)
+    reasons = motions.missed(figures)
     outcome = DEGRADED if reasons else EXACT
     if reasons and trial.sensitivity > LARGEST_ERROR and reasons.keys() <= set(COMPARED):
         outcome = SENSITIVE
@@ -319,7 +306,7 @@ def rows_of(verdicts: Iterable[Verdict]) -> list[Row]:
 
 def write_rows(path: Path, rows: Iterable[Row]) -> Path:
     """Write the rows as CSV, whole or not at all."""
-    lines = ([*row[:3], *(row.cells.get(level.name, "") for level in LEVELS)] for row in rows)
+    lines = ([*row[:3], *(row.cells.get(level.name, "") for level in motions.LEVELS)] for row in rows)
     return results.write_rows(path, HEADINGS, lines)
 
 

@@ -8,18 +8,9 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from lxml import etree
 
+from inertia_module.contract import variables
 from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variables import (
-    BOOLEAN,
-    DISPLAY_UNITS,
-    ENUMERATIONS,
-    INPUT,
-    MAP_KEY,
-    PARAMETER,
-    REAL,
-    UNITS,
-    Group,
-)
+from inertia_module.contract.variables import INPUT, PARAMETER, REAL
 
 from .conftest import MODELS
 
@@ -33,8 +24,8 @@ BASE = {
     },
     DRIVEN_SHAFT: {"hub_speed": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "shaft_damping": 2.0},
 }
-# of the parameters that the map of fidelity averaged depends on those that are tried there
-OF_MAP = {"wheel_radius", "z17", "epsilon", "link2_inertia", "satellites"}
+# of the parameters that the map of fidelity averaged depends on those that are not tried there
+OF_MAP = set(variables.MAP_KEY) - {"wheel_radius", "z17", "epsilon", "link2_inertia", "satellites"}
 STARTS = {
     INERTIA_MODULE: [
         *({"fidelity": fidelity, "drive": drive} for fidelity in (1, 2, 3) for drive in (0, 1)),
@@ -63,7 +54,7 @@ def test_every_variable_is_described_as_in_the_table(description, model):
         assert (found.variability, found.description) == (expected.variability, expected.description)
         assert found.valueReference == reference
         if expected.kind == REAL:
-            assert found.displayUnit == DISPLAY_UNITS.get(expected.unit, (None,))[0]
+            assert found.displayUnit == variables.DISPLAY_UNITS.get(expected.unit, (None,))[0]
             assert found.unit == expected.unit != ""
             numbers = {"min": expected.minimum, "max": expected.maximum, "nominal": expected.nominal}
             for name, value in numbers.items():
@@ -97,10 +88,10 @@ def test_units_have_their_base_unit_exponents(description, model):
     of_time = {"s"} if is_fmi3(description) else set()
     assert set(found) == {variable.unit for variable in model.variables} - {""} | of_time
     for name, unit in found.items():
-        exponents = UNITS[name]
+        exponents = variables.UNITS[name]
         for base in ("kg", "m", "s", "rad"):
             assert int(getattr(unit.baseUnit, base)) == exponents.get(base, 0)
-    for name, (display, factor) in DISPLAY_UNITS.items():
+    for name, (display, factor) in variables.DISPLAY_UNITS.items():
         assert [(unit.name, float(unit.factor)) for unit in found[name].displayUnits] == [(display, factor)]
 
 
@@ -108,7 +99,7 @@ def test_choices_are_enumerations_with_their_numbers(description, model):
     used = {variable.enumeration for variable in model.variables} - {""}
     assert {t.name for t in description.typeDefinitions} == used
     for name in used:
-        items = ENUMERATIONS[name]
+        items = variables.ENUMERATIONS[name]
         (found,) = [t for t in description.typeDefinitions if t.name == name]
         assert [(item.name, int(item.value)) for item in found.items] == [(i, n) for i, n, _ in items]
         assert [number for _, number, _ in items] == list(range(len(items)))  # the shell knows ranges
@@ -149,7 +140,7 @@ def of_fmi3(request, opened):
 
 def neighbours(variable, value):
     """Two values of a variable: close on both sides of one, or of a whole number it and another."""
-    if variable.kind == BOOLEAN:
+    if variable.kind == variables.BOOLEAN:
         return value, not value
     if variable.kind != REAL:
         return value, value + 1 if value < variable.maximum else value - 1
@@ -170,7 +161,7 @@ def test_outputs_at_the_start_depend_on_what_is_declared_by_the_derivatives_give
             instance.fmu.enterInitializationMode()
         averaged = start.get("fidelity") == 1
         for variable in model.with_causality(INPUT, PARAMETER):
-            if averaged and (variable.group == Group.LOSSES or variable.name in set(MAP_KEY) - OF_MAP):
+            if averaged and (variable.group == variables.Group.LOSSES or variable.name in OF_MAP):
                 continue  # each of them takes a map of its own
             value = other.get(variable.name)
             ends, rows = neighbours(variable, value), []
@@ -264,17 +255,17 @@ def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(of_
 
 def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(of_fmi3):
     description, unpacked = of_fmi3
-    variables = {variable.name: variable for variable in description.modelVariables}
+    described = {variable.name: variable for variable in description.modelVariables}
     found = terminals_in(unpacked)
     assert "load" in found
     assert len(found) > 1
     for members in found.values():
-        speed, torque = (variables[members[name][0]] for name in ("speed", "torque"))
+        speed, torque = (described[members[name][0]] for name in ("speed", "torque"))
         assert (speed.unit, torque.unit) == ("rad/s", "N.m")
         assert {speed.causality, torque.causality} == {"input", "output"}
         assert (members["speed"][1], members["torque"][1] in ("inflow", "outflow")) == ("signal", True)
         if "angle" in members:
-            angle = variables[members["angle"][0]]
+            angle = described[members["angle"][0]]
             assert (angle.unit, angle.causality, members["angle"][1]) == ("rad", "output", "signal")
 
 

@@ -148,7 +148,8 @@ int main(void)
 {
     static struct journal journal;
     static const struct setting defaults[] = {{NULL, 0.0}};
-    static const struct setting averaged[] = {{"fidelity", 1.0}, {"omega_out_start", 150.0}, {NULL, 0.0}}; /* coasts */
+    /* coasts */
+    static const struct setting averaged[] = {{"fidelity", 1.0}, {"layout", 1.0}, {"omega_out_start", 150.0}, {NULL, 0.0}};
     static const struct setting elastic[] = {{"omega1", 100.0}, {"fidelity", 3.0}, {NULL, 0.0}};
     const fmi2Component c = instantiate(&journal, "instance");
     attack(c, defaults, 0);

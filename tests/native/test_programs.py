@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from .conftest import OF_FMI_3, SANITIZERS, run, system_compiler
+from .conftest import OF_FMI_3, SANITIZERS, run
 
 # a million calls a seed where the environment asks for them, else what a test has the time for
 CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
@@ -101,11 +101,6 @@ def test_no_thread_touches_what_another_uses(one_of_each):
         "races", "threads.c", "host.c", "snapshot.c", flags=flags, libraries=("-lpthread",)
     )
     run([program, 8, 30], TSAN_OPTIONS="halt_on_error=1")
-
-
-def test_shell_and_tables_are_c99_without_a_warning(workshop):
-    strict = ["-Wshadow", "-Wstrict-prototypes", "-O2", "-fsyntax-only"]
-    assert workshop.call(system_compiler(), *workshop.flags(), *strict, *workshop.all_sources()) == ""
 
 
 def test_messages_write_numbers_alike_in_every_country(one_of_each, comma):

@@ -19,7 +19,8 @@ def simulated(folder, **modes):
     return simulate_fmu(str(folder), stop_time=0.3, output_interval=1e-3, **modes).tobytes()
 
 
-@pytest.mark.parametrize("identifier", FMUS)
+# each model and each version of FMI
+@pytest.mark.parametrize("identifier", ["InertiaModule3", "DrivenShaft"])
 def test_fmpy_makes_a_library_of_them_that_has_the_bits_of_ours(identifier, built_for_all, tmp_path):
     if shutil.which("cmake") is None:
         pytest.skip("cmake is not installed")

@@ -4,7 +4,9 @@ import os
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scenes import PLANAR
 
 from inertia_module.compiling.linking import import_library, run_tool, windows_arguments
 from inertia_module.compiling.targets import LINUX_ARM, WIN64
@@ -31,10 +33,11 @@ SCENES = {
         "R1": R1,
         "elastic": R1 | OF_ELASTIC,
         "timestepping": R1 | {"method": 1, "max_step": 1e-4},
-        "averaged": R1 | {"fidelity": 1},
+        # whose map takes a tenth of that of the other layout: emulated, that is minutes
+        "averaged": PLANAR | {"fidelity": 1},
         "by_torque": R1 | OF_TORQUE,
         "elastic_by_torque": R1 | OF_ELASTIC | OF_TORQUE,
-        "averaged_by_torque": R1 | OF_TORQUE | {"fidelity": 1},
+        "averaged_by_torque": PLANAR | OF_TORQUE | {"fidelity": 1},
         "planar": {"layout": 1, "satellites": 3, "omega1": 120.0, "load_torque": 8.0},
     },
     "DrivenShaft": {
@@ -88,27 +91,20 @@ def printed_rows(text):
     return rows
 
 
-def transposed(rows):
-    return list(zip(*rows, strict=True))
-
-
 def deviations(identifier, opened, text):
     """Largest deviation of each scene from fmpy's values here, over the largest value of the output."""
     there = printed_rows(text)
     assert set(there) == set(SCENES[identifier])
     found = {}
+    # the error of the integration is nothing but rounding, and which moments a peak sees hangs on it,
+    # as do the steps that it takes
+    hang = ("_peak", "energy_residual", "rhs_evaluations")
+    compared = [not label.endswith(hang) for label in outputs(identifier)]
     for name, settings in SCENES[identifier].items():
-        here = by_fmpy(opened, identifier, settings)
+        here = np.array(by_fmpy(opened, identifier, settings))
         assert len(there[name]) == len(here) == STEPS + 1
-        pairs = zip(transposed(here), transposed(there[name]), strict=True)
-        for label, (mine, other) in zip(outputs(identifier), pairs, strict=True):
-            # the error of the integration is nothing but rounding, and which moments a peak sees hangs on it,
-            # as do the steps that it takes
-            if label.endswith("_peak") or label in ("energy_residual", "rhs_evaluations"):
-                continue
-            size = max(map(abs, mine))
-            worst = max(abs(a - b) for a, b in zip(mine, other, strict=True))
-            found[name] = max(found.get(name, 0.0), worst / size if size > OF_ZERO else worst)
+        largest, worst = np.abs(here).max(axis=0), np.abs(here - there[name]).max(axis=0)
+        found[name] = (worst / np.where(largest > OF_ZERO, largest, 1.0))[compared].max()
     return found
 
 

@@ -1,29 +1,22 @@
 """The commands of the studies, as they are run at the root of the project."""
 
-import contextlib
+import functools
 import json
 from pathlib import Path
-
-import pytest
-from typer.testing import CliRunner
 
 from studies.__main__ import app
 from studies.papers.figures import FIGURES
 from studies.stability.verdicts import Verdict
+from tests.system import programs
 
-
-def command(*arguments, folder):
-    """A study run in a folder, in this process."""
-    with contextlib.chdir(folder):
-        return CliRunner().invoke(app, [*map(str, arguments)])
+command, succeeded = (functools.partial(run, of=app) for run in (programs.command, programs.succeeded))
 
 
 def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
     # test_papers.py draws them all
     few = {name: FIGURES[name] for name in ("lysenko_1", "stelmashchuk_2")}
     monkeypatch.setattr("studies.papers.figures.FIGURES", few)
-    done = command("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded("papers", "-o", tmp_path / "papers", "--json", folder=tmp_path)
     files = [Path(file) for file in json.loads(done.stdout)["files"]]
     for kind in (".png", ".svg", ".csv"):
         drawn = {file.stem: file for file in files if file.suffix == kind}
@@ -33,8 +26,7 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
 
 def test_stability_leaves_the_map_as_tables_and_picture(tmp_path):
     arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "map", "--json")
-    done = command(*arguments, folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded(*arguments, folder=tmp_path)
     printed = json.loads(done.stdout)
     assert {found["verdict"] for found in printed["verdicts"]} <= {"exact", "degraded", "refused"}
     assert {path.name for path in (tmp_path / "map").iterdir()} == {"stability.csv", "stability_summary.png"}
@@ -54,40 +46,10 @@ def test_stability_prints_the_map_and_fails_if_one_case_is_broken(tmp_path, monk
 
 def test_stability_tries_random_motions_of_a_seed(tmp_path):
     arguments = ("stability", "--random", "12", "--seed", "5", "-o", tmp_path / "random")
-    done = command(*arguments, folder=tmp_path)
-    assert done.exit_code == 0, done.stdout + done.stderr
+    done = succeeded(*arguments, folder=tmp_path)
     assert "restored state" in done.stdout
     written = (tmp_path / "random" / "random.csv").read_text()
     assert written.startswith("level,invariant,runs,explained,sensitive,failed,worst,bound,number\n")
     printed = json.loads(command(*arguments, "--json", folder=tmp_path).stdout)
     assert printed["findings"] == []
     assert Path(printed["files"]["invariants"]).read_text() == written
-
-
-def test_coupling_refuses_a_part_that_there_is_not(tmp_path):
-    done = command("coupling", "--only", "limit", folder=tmp_path)
-    assert done.exit_code == 1
-    assert "--only must be one of map, urban, is limit" in done.stderr
-
-
-def worked(*_, **__):
-    raise AssertionError("the work was begun, and what it gives would be lost")
-
-
-@pytest.mark.parametrize(
-    "name, work, stand_in",
-    [
-        ("papers", "papers.figures.FIGURES", {"a figure": worked}),
-        ("stability", "stability.verdicts.run_study", worked),
-        ("coupling", "__main__.current_fmu", worked),
-    ],
-)
-def test_a_place_that_cannot_be_written_is_refused_before_the_work(
-    tmp_path, monkeypatch, name, work, stand_in
-):
-    monkeypatch.setattr(f"studies.{work}", stand_in)
-    (tmp_path / "out").write_text("a file")
-    for options in ((), ("-o", tmp_path / "out")):
-        done = command(name, *options, folder=tmp_path)
-        assert done.exit_code == 1, done.exception
-        assert "must be a folder that can be written to" in done.stderr

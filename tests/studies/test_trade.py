@@ -5,11 +5,11 @@ import math
 
 import pytest
 
-from inertia_module.fidelity.trials import Level, Row, event, read_rows, work_precision, write_rows
+from inertia_module.fidelity import trials
+from inertia_module.fidelity.trials import Level, Row, event
 from inertia_module.harness.results import write_figure
 from inertia_module.memory import Module
 from studies import trade
-from studies.reference.geometry import Unavailable
 from studies.reference.motion import Reference
 
 CASE = trade.Case(stop_time=0.1, points=100)
@@ -62,7 +62,7 @@ def failed(reference):
 
 
 def test_refused_settings_and_steps_are_rows_with_the_reason(failed, tmp_path):
-    written = write_rows(tmp_path / "rows.csv", failed).read_text()
+    written = trials.write_rows(tmp_path / "rows.csv", failed).read_text()
     for row, (_, _, words) in zip(failed, REFUSED, strict=True):
         assert words in row.failure
         assert math.isnan(row.wall_time)
@@ -84,18 +84,6 @@ def test_peers_are_measured_by_the_same_errors(reference):
     assert loose.wall_time == pytest.approx(2.0)
 
 
-def test_peers_that_fail_are_listed(reference):
-    def failing(error):
-        def integrate(case):
-            raise error("no such thing")
-
-        return "somebody", error.__name__, integrate
-
-    errors = Unavailable, ValueError, RuntimeError, ZeroDivisionError
-    rows = trade.measure(CASE, reference, [], list(map(failing, errors)))
-    assert [row.failure for row in rows] == ["no such thing"] * len(errors)
-
-
 def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inertia():
     parameters = {"output_inertia": 0.3, "driven_inertia": 0.2, "shaft_stiffness": 1e7, "shaft_damping": 10.0}
     case = dataclasses.replace(CASE, parameters=parameters)
@@ -104,7 +92,7 @@ def test_a_rigid_output_is_measured_against_the_elastic_one_with_the_same_inerti
 
 
 def test_rows_are_read_back_as_they_were_written(rows, failed, tmp_path):
-    *found, last = read_rows(write_rows(tmp_path / "rows.csv", [*rows, failed[0]]))
+    *found, last = trials.read_rows(trials.write_rows(tmp_path / "rows.csv", [*rows, failed[0]]))
     assert found == rows
     assert (last.label, last.failure) == (failed[0].label, failed[0].failure)
     assert last.worst(["omega_out_worst"]) == math.inf
@@ -115,7 +103,7 @@ def test_plots_show_all_runs_by_level_but_those_that_failed(failed, tmp_path):
     measured = [Row("rigid", "event", "", 1.0, {"e": e}, cost, 9.0) for cost, e in errors.items()]
     refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
     peers = [Row("peer", f"LSODA, clutch {n}", "", 1.0, {"e": 1e-4}, 5.0, 7.0) for n in (1, 2)]
-    figure = work_precision([*measured, refused, *failed, *peers], ["e"], "some rows")
+    figure = trials.work_precision([*measured, refused, *failed, *peers], ["e"], "some rows")
     times, sides = figure.axes
     for drawn, ours, theirs in ((times, [3e3, 1e3, 2e3], [5e3] * 2), (sides, [9.0] * 3, [7.0] * 2)):
         assert [line.get_label() for line in drawn.lines] == ["rigid, event", "LSODA"]

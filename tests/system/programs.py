@@ -19,17 +19,29 @@ DOCS = Path(__file__).parents[2] / "docs"
 BESIDE_ECOS = "tbb"  # on Linux, whose libtbb.so.12 it looks for among the libraries of the system
 
 
-def command(*arguments, folder=None):
+def command(*arguments, folder=None, of=app):
     """Run a command in this process, in a folder."""
     with contextlib.chdir(folder or Path.cwd()):
-        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+        return CliRunner().invoke(of, [str(argument) for argument in arguments])
+
+
+def succeeded(*arguments, **settings):
+    """A command that must succeed, run as by `command`."""
+    done = command(*arguments, **settings)
+    assert done.exit_code == 0, done.output
+    return done
 
 
 def left(*arguments):
     """Output of a command, which must succeed."""
-    done = command(*arguments)
-    assert done.exit_code == 0, done.output
-    return done.stdout
+    return succeeded(*arguments).stdout
+
+
+def is_one_line(done, *words):
+    """That a command was refused in one line with these words."""
+    assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
+    assert done.stderr.startswith("error: ")
+    assert all(word in done.stderr for word in words), done.stderr
 
 
 def process(*arguments, statuses=(0,), folder=None, **environment):

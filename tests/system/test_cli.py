@@ -20,7 +20,7 @@ from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.harness.results import Result
 from tests.packed import with_words
-from tests.system.programs import command, process
+from tests.system.programs import command, is_one_line, process, succeeded
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 REFERENCE = str(EXAMPLES / "reference.toml")
@@ -65,8 +65,7 @@ def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(tmp_path)
 
 def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
     auto = ("--fidelity", "auto", "--error", "5 %")
-    done = command("run", *SHORT, *auto, "-o", tmp_path / "out", folder=workshop)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded("run", *SHORT, *auto, "-o", tmp_path / "out", folder=workshop)
     for words in ("chosen: ", "where 0.05 was asked for", "next level: "):
         assert words in done.stdout
     choice = json.loads((tmp_path / "out" / "summary.json").read_text())["fidelity_choice"]
@@ -77,8 +76,7 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
 
 def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
     scene = (*SHORT, "--set", "satellites=6", "--set", "a=1.5")
-    done = command("run", *scene, "-o", tmp_path / "out", folder=workshop)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded("run", *scene, "-o", tmp_path / "out", folder=workshop)
     assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 2
     assert "the 6 satellites of a module overlap" in done.stderr
     assert "a must be at most 1 and at most b = 1, is 1.5" in done.stderr
@@ -90,8 +88,7 @@ def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp
 
 def test_tradeoff_of_a_scene_for_machines(tmp_path):
     arguments = ("--recommend", "1 %", "--set", 'run.outputs=["omega_out"]', "--json")
-    done = command("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
-    assert done.exit_code == 0, done.stderr
+    done = succeeded("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
     found = json.loads(done.stdout)
     assert found["recommendation"]["chosen"]["error"] <= 0.01
     assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
@@ -158,12 +155,6 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
 
 
 # --- what is refused; sentences about scenes are those of test_scene ---
-
-
-def is_one_line(done, *words):
-    assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
-    assert done.stderr.startswith("error: ")
-    assert all(word in done.stderr for word in words), done.stderr
 
 
 @pytest.mark.parametrize("arguments, words", REFUSED["options"])

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
 from inertia_module.harness.results import Result, read_columns, write_columns
 from inertia_module.jobs.measurement import Rig, measurement
 from inertia_module.scene import load_scene, run_scene
-from tests.system.programs import command, left
+from tests.system.programs import command, is_one_line, left
 
 pytest.importorskip("tomli_w")
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -376,8 +377,7 @@ def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
         (MEASURED, idle, {}, r"must have an influence on omega2, omega_out, none has of .*shaft_damping"),
         (MEASURED, FREE, {"starts": -1}, "starts must be at least 0, is -1"),
     ):
-        with pytest.raises(Refused, match=words):
-            jobs.fit(measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
+        assert_refused(words, jobs.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -390,6 +390,4 @@ def test_command_leaves_scene_residuals_numbers_and_picture(fmu, tmp_path):
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     mass = told["parameters"]["mechanism.imbalance_mass"]
     assert mass["value"] == load_scene(tmp_path / "fitted.toml").parameters()["imbalance_mass"]
-    refused = command(*words)
-    assert refused.exit_code == 1
-    assert "error: at least one key must be free" in refused.output
+    is_one_line(command(*words), "error: at least one key must be free")

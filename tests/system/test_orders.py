@@ -5,14 +5,13 @@ import json
 import math
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from refused import REFUSED, assert_refused
 from scipy.io import loadmat
 
-from inertia_module import jobs
+from inertia_module import example, jobs
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
@@ -20,10 +19,9 @@ from inertia_module.jobs.orders import spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene
-from tests.system.programs import command, left
+from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
-EXAMPLES = Path(__file__).parents[2] / "examples"
 OMEGA1 = 100.0
 # the output is too heavy to move: link 2 is at rest
 HELD = {"mechanism.output_inertia": 1e9, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
@@ -34,7 +32,7 @@ PLANAR |= {"satellites": 3, "link2_inertia": 0.01}
 def held(stop=4.0, omega1=OMEGA1, **mechanism):
     keys = {f"mechanism.{name}": value for name, value in mechanism.items()}
     keys |= {"run.stop_time": stop, "drive.omega1": omega1}
-    return load_scene(EXAMPLES / "reference.toml").with_keys(HELD | keys)
+    return load_scene(example("reference")).with_keys(HELD | keys)
 
 
 def imbalance_lines(scene, turns):
@@ -208,9 +206,7 @@ def test_over_the_drive_angle_the_pulse_of_a_planar_module_is_order_1_whatever_t
 
 
 def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
-    found = jobs.orders(
-        EXAMPLES / "orders.toml", fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0
-    )
+    found = jobs.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
     twist = found.largest(1)["shaft_twist"][0]
     assert twist.order == pytest.approx(5.0 / 3.0, rel=0.05)
     # the twist is greatest on the way, the force at the top
@@ -284,21 +280,7 @@ def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
 RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration": 1.0}
 
 
-@pytest.mark.parametrize(
-    "drive, options, words",
-    [
-        ({}, {"highest": 100.0}, "highest order must be .* at most 49.09, is 100: .*communication_step"),
-        ({}, {"highest": 100.0, "of": "drive_angle"}, "highest order must be .*, is 100"),
-        ({}, {"turns": 100.0}, "turns of a window must be of 4 to the 15.92 .*, is 100"),
-        ({}, {"turns": 2.0}, "turns of a window must be of 4 to the 15.92 .*, is 2"),
-        ({}, {"end": 0.1}, "turns of a window must be of 4 to the 1.592 .*, is 4"),
-        ({}, {"begin": 0.9, "end": 0.5}, "times must be in order and within 0 to 1 s, is 0.9 to 0.5 s"),
-        ({}, {"of": "wheel"}, "orders must be link1 or drive_angle, is 'wheel'"),
-        ({}, {"signals": ["torque"]}, "run.outputs .*, has 'torque' .did you mean"),
-        (RAMP, {"begin": 0.0}, "not at 0 s"),
-        ({"kind": "torque", "drive_torque": 20.0}, {"highest": 1e4}, "highest order must be .*, is 10000"),
-    ],
-)
+@pytest.mark.parametrize("drive, options, words", [*REFUSED["orders"], (RAMP, {"begin": 0.0}, "not at 0 s")])
 def test_orders_that_cannot_be_are_refused_in_a_sentence(fmu, drive, options, words):
     scene = held(1.0, input_inertia=0.1).replaced(drive=drive)
     assert_refused(words, jobs.orders, scene, fmu, **options)
@@ -309,14 +291,14 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeyp
     assert_refused("signals must swing, of omega2, input_speed none does", jobs.orders, held(stop=1.0), fmu)
     with pytest.raises(Refused, match="fidelity must be kinematic, rigid or elastic for orders, is averaged"):
         jobs.orders(held(fidelity="averaged"), fmu)
-    locked = load_scene(EXAMPLES / "planar.toml").replaced(run={"stop_time": 3.0})
+    locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     assert_refused(
         r"must rise, does not at .* s: choose other times", jobs.orders, locked, fmu, of="drive_angle"
     )
 
 
 def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
-    scene = EXAMPLES / "planar.toml"
+    scene = example("planar")
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
     said = left("orders", scene, *options, "--to", "600 ms")
@@ -338,6 +320,3 @@ def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
     assert "0 N, it does not swing" in more
     assert "orders.mat" in more
     assert (tmp_path / "orders.mat").exists()
-    refused = command("orders", scene, *options, "--to", "2 m")
-    assert refused.exit_code == 1
-    assert "error: --to must be a number in s" in refused.output

@@ -4,7 +4,6 @@ import re
 import runpy
 import shutil
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -28,16 +27,6 @@ def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypa
         ("**holds**", "**holds partly**", False),
     ):
         assert same_figures(shown, now) == same, (shown, now)
-
-
-def test_page_on_development_tells_the_floors_that_are_enforced():
-    (contract, *_) = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
-    enforced = [re.findall(r"inertia_module\.(\w+)", layer) for layer in contract["layers"]]
-    enforced = [floor for floor in enforced if floor]
-    page = (ROOT / "docs" / "development.md").read_text()
-    table = page[page.index("| floor | what |") : page.index("Floors only import downwards")]
-    told = [re.findall(r"`(\w+)`", line.split("|")[1]) for line in table.strip().splitlines()[2:]]
-    assert told == enforced
 
 
 def test_links_of_the_readme_lead_somewhere():

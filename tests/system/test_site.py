@@ -106,18 +106,3 @@ def test_search_finds_guides_before_tables(visit):
         page.wait_for_selector("a.md-search-result__link", state="attached")
         first, *_ = page.eval_on_selector_all("a.md-search-result__link", FOUND)
         assert first not in TABLES, words
-
-
-def test_the_same_figures_have_the_same_bytes_in_another_process(tmp_path):
-    program = (
-        "import sys; from pathlib import Path; from studies.papers.figures import FIGURES;"
-        "from inertia_module.harness.results import write_figure;"
-        "[write_figure(Path(path), FIGURES[Path(path).stem]()) for path in sys.argv[1:]]"
-    )
-    figures = ("karetin_1", "lysenko_forces", "stelmashchuk_equation_R")
-    names = [f"{figure}.{ending}" for figure in figures for ending in ("svg", "png")]
-    for run, seed in (("one", "1"), ("two", "2")):
-        (tmp_path / run).mkdir()
-        process("-c", program, *(tmp_path / run / name for name in names), PYTHONHASHSEED=seed)
-    for name in names:
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name

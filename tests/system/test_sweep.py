@@ -198,34 +198,7 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
 # --- designs searched, checked and written ---
 
 
-SPEC = """
-title = "A light module"
-[mechanism]
-layout = "planar"
-[drive]
-kind = "constant"
-omega1 = "150 rad/s"
-[load]
-kind = "shaft"
-inertia = "0.5 kg.m2"
-[run]
-stop_time = "0.5 s"
-communication_step = "10 ms"
-[free]
-imbalance_mass = "log:200 g:3 kg"
-satellites = "1:4"
-eccentricity = "10 mm:30 mm"
-[figures]
-stall_torque = { speed = "150 rad/s", minimum = "20 N.m" }
-torque_ripple = { speed = "150 rad/s", ratio = 0, goal = "least" }
-total_imbalance_mass = { goal = "least" }
-omega_out_final = { minimum = "100 rpm" }
-[search]
-population = 12
-generations = 4
-finalists = 3
-margin = "5 %"
-"""
+SPEC = Path(__file__).with_name("light_module.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -287,8 +260,7 @@ def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
 
 
 def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
-    harder = spec.with_name("harder.toml")
-    harder.write_text(SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "2 kN.m"'))
+    harder = read_spec(spec, ["figures.stall_torque.minimum=2 kN.m"])
     folder = designs.files["checked csv"].parent
     stopped = jobs.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
@@ -301,20 +273,15 @@ def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu
 
 def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec, fmu, cluster, tmp_path):
     """Whatever the seed: after one generation no design meets all limits, and there are some."""
-    far = spec.with_name("far.toml")
     # far from what the first generation has, within what the ranges allow
-    far.write_text(
-        SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "300 N.m"').replace(
-            "generations = 4", "generations = 1"
-        )
-    )
+    far = ["figures.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
-        keys = [f"search.seed={seed}"]
-        found = jobs.design(read_spec(far, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        keys = [*far, f"search.seed={seed}"]
+        found = jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
         assert found.chosen, seed
         assert len(found.rows) > 12
         assert not found.cut
-    short = read_spec(far, ["search.seed=1", "search.longest=0.001 ms"])
+    short = read_spec(spec, [*far, "search.seed=1", "search.longest=0.001 ms"])
     cut = jobs.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
@@ -339,20 +306,11 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
 
 def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
     """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
-    lone = spec.with_name("lone.toml")
-    lone.write_text(
-        SPEC.replace('150 rad/s", minimum = "20 N.m"', '150 rad/s", minimum = "250 N.m"').replace(
-            "population = 12\ngenerations = 4", "population = 4\ngenerations = 1\nstall = 1"
-        )
-    )
-    found = [
-        jobs.design(
-            read_spec(lone, [f"search.starts={n}"]), output=tmp_path, fmu=fmu, scheduler=cluster.address
-        )
-        for n in (1, 50)
-    ]
-    assert not found[0].chosen
-    assert found[1].chosen
+    lone = ["figures.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
+    for starts in (1, 50):
+        keys = [*lone, "search.stall=1", f"search.starts={starts}"]
+        found = jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        assert bool(found.chosen) == (starts == 50)
 
 
 def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):

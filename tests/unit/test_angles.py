@@ -131,13 +131,6 @@ def test_both_are_within_one_and_a_half_units_all_around():
         assert_both_are_close(0.0707 * n)
 
 
-@pytest.mark.parametrize("x", [math.inf, -math.inf])
-def test_what_is_no_angle_is_left_to_the_library(x):
-    with pytest.raises(ValueError, match=r"math domain error|expected a finite"):
-        sine_cosine(x)
-    assert all(math.isnan(value) for value in sine_cosine(math.nan))
-
-
 # --- inertia over the drive angle ---
 
 

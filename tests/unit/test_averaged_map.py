@@ -16,17 +16,7 @@ from inertia_module.contract.records import record_type
 from inertia_module.contract.variables import MAP_KEY
 from inertia_module.harness.chart import SteadyMachine
 from inertia_module.kernel import fields
-from inertia_module.kernel.averaged.rates import (
-    SLIPPING,
-    energy_at,
-    look_up,
-    look_up_input,
-    write_mean_rates,
-)
-from inertia_module.kernel.averaged.run import input_inertia, mean_accelerations
-from inertia_module.kernel.averaged.steady import find_steady, hold_output, momentum, speed_of_sums, thrown
-from inertia_module.kernel.averaged.step import differentiate, make_gentle_step, take_step
-from inertia_module.kernel.averaged.table import INPUT, OMEGA2, TORQUE, inner_slope, set_slopes
+from inertia_module.kernel.averaged import rates, run, steady, step, table
 from inertia_module.kernel.links import inertia_at_input
 from inertia_module.memory import Module
 from studies.stability.motion import solve_at
@@ -101,11 +91,11 @@ def test_momentum_while_link_2_is_held_changes_by_what_holds_it(mechanism, drive
     omega1 = direction / inertia_at_input(d, q) ** 0.5 if drive else direction
     housing = -solve_at(module, True, False, q=q, omega1=omega1, omega2=0.0).mesh
     rate = (1.0 if drive else 2.0) * housing / (d.k * omega1)
-    assert_rates(rate, lambda angle: momentum(d, direction, q + angle))
+    assert_rates(rate, lambda angle: steady.momentum(d, direction, q + angle))
     # and where link 2 is thrown it still rests, the slip being that of link 1
     side = d.forward
-    d.map_inertia, side.direction, side.thrown = 1.0, direction, momentum(d, direction, q)
-    assert thrown(d, side, q) == pytest.approx((0.0, omega1**2), abs=1e-12)
+    d.map_inertia, side.direction, side.thrown = 1.0, direction, steady.momentum(d, direction, q)
+    assert steady.thrown(d, side, q) == pytest.approx((0.0, omega1**2), abs=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.3])
@@ -119,9 +109,9 @@ def test_steady_motion_under_a_torque_ends_a_period_as_it_began(compiled, direct
     )
     p, d, w = module.parameters, module.derived, module._records[5]
     side = d.forward if direction > 0.0 else d.backward
-    hold_output(d, w, 1e-4)
+    steady.hold_output(d, w, 1e-4)
     w.drive, w.begin_energy, w.begin_omega2 = 0.0, 1.0, 0.0
-    assert find_steady(p, w, side, ratio, 0.0)
+    assert steady.find_steady(p, w, side, ratio, 0.0)
     assert direction * w.drive > 0.0
     assert w.held.map_evaluations < most
     x = w.part
@@ -129,7 +119,7 @@ def test_steady_motion_under_a_torque_ends_a_period_as_it_began(compiled, direct
     assert abs(x.omega2 - w.begin_omega2) < 1e-3
     # the energy comes back, and that of the mean speed is that of v = 1
     assert abs(w.sum_gain) < 1e-4 * d.map_inertia
-    assert speed_of_sums(d, w) == pytest.approx(1.0, abs=1e-4)
+    assert steady.speed_of_sums(d, w) == pytest.approx(1.0, abs=1e-4)
 
 
 def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
@@ -185,7 +175,7 @@ def averaged(request):
     side.direction, side.count, side.end = direction, 2.0, 0.9
     side.knots[0].ratio, side.knots[1].ratio = 0.1, 0.9
     for knot in side.knots[:2]:
-        for curve in (TORQUE, OMEGA2, INPUT):
+        for curve in (table.TORQUE, table.OMEGA2, table.INPUT):
             knot.value[curve], knot.slope[curve] = chance.uniform(0.1, 1.0), chance.uniform(-1.0, 1.0)
         knot.lost[0] = chance.uniform(0.0, 0.1)
     d.lossy = 1.0
@@ -198,7 +188,9 @@ def averaged(request):
 
 def rates_of(averaged, change=0.0, change3=0.0):
     d, side, x, speed, omega3 = averaged
-    write_mean_rates(d, side, x, SLIPPING, side.direction * (speed + change), omega3 + change3, d.mean)
+    rates.write_mean_rates(
+        d, side, x, rates.SLIPPING, side.direction * (speed + change), omega3 + change3, d.mean
+    )
     return d.mean
 
 
@@ -212,13 +204,13 @@ def test_mean_power_of_link_1_goes_to_the_output_or_into_its_energy_or_is_lost(a
 
     def energy(change, change3):
         x.omega3 = omega3 + change3
-        return energy_at(d, side, x, side.direction * (speed + change))
+        return rates.energy_at(d, side, x, side.direction * (speed + change))
 
     if not d.by_torque:
         assert_rates(m.drive * m.theta1 - used, lambda t: energy(rate * t, rate3 * t))
         x.omega3 = omega3
-        momentum = input_inertia(d, side, x, side.direction * speed)
-        assert_rates(speed * momentum, lambda t: energy(t, 0.0))
+        inertia = run.input_inertia(d, side, x, side.direction * speed)
+        assert_rates(speed * inertia, lambda t: energy(t, 0.0))
     else:
         assert m.drive == x.drive_torque
         assert d.map_inertia * speed * rate == pytest.approx(m.drive * m.theta1 - used)
@@ -230,7 +222,7 @@ def test_accelerations_of_the_mean_motion_are_the_rates_of_its_speeds(averaged):
     x.alpha1 = 0.7
     m = rates_of(averaged)
     rate, rate3 = side.direction * m.omega1, m.omega3
-    found = mean_accelerations(d, side, x, SLIPPING, side.direction * speed)
+    found = run.mean_accelerations(d, side, x, rates.SLIPPING, side.direction * speed)
 
     def speeds(t):
         now = rates_of(averaged, rate * t, rate3 * t)
@@ -245,9 +237,9 @@ def mean_changes(averaged, make_step, h, parts=1):
     w = record_type(fields.WORKSPACE)()
     x.omega1, x.omega3 = side.direction * speed, omega3
     for _ in range(parts):
-        write_mean_rates(d, side, x, SLIPPING, x.omega1, x.omega3, w.rates[0])
-        differentiate(d, side, x, w, SLIPPING)
-        make_step(d, side, x, w, SLIPPING, h / parts)
+        rates.write_mean_rates(d, side, x, rates.SLIPPING, x.omega1, x.omega3, w.rates[0])
+        step.differentiate(d, side, x, w, rates.SLIPPING)
+        make_step(d, side, x, w, rates.SLIPPING, h / parts)
         x.omega1 += w.change.omega1
         x.omega3 += w.change.omega3
     return np.array([x.omega1 - side.direction * speed, x.omega3 - omega3])
@@ -255,8 +247,9 @@ def mean_changes(averaged, make_step, h, parts=1):
 
 def test_a_stiff_step_of_the_mean_motion_is_of_its_order(averaged):
     averaged[2].alpha1 = 0.7
+    stiff, gentle = step.take_step, step.make_gentle_step
     whole, half = (
-        abs(mean_changes(averaged, take_step, h) - mean_changes(averaged, make_gentle_step, h, 100)).max()
+        abs(mean_changes(averaged, stiff, h) - mean_changes(averaged, gentle, h, 100)).max()
         for h in (0.02, 0.01)
     )
     assert whole < 1e-6
@@ -266,7 +259,7 @@ def test_a_stiff_step_of_the_mean_motion_is_of_its_order(averaged):
 
 def test_slopes_of_the_table_are_those_of_scipy():
     x, y = [0.0, 0.3, 1.0], [2.0, 1.5, 0.1]
-    found = inner_slope(x[1] - x[0], x[2] - x[1], *y)
+    found = table.inner_slope(x[1] - x[0], x[2] - x[1], *y)
     assert found == pytest.approx(PchipInterpolator(x, y).derivative()(x[1]), rel=1e-13)
 
 
@@ -275,9 +268,9 @@ def test_table_of_two_knots_is_a_straight_line():
     side = module.derived.forward
     side.count, side.end = 2.0, 0.9
     for knot, values in zip(side.knots, [(0.1, 3.0, 1.0, 0.0), (0.9, 1.0, 2.0, 0.4)], strict=False):
-        knot.ratio, knot.value[TORQUE], knot.value[INPUT], knot.value[OMEGA2] = values
+        knot.ratio, knot.value[table.TORQUE], knot.value[table.INPUT], knot.value[table.OMEGA2] = values
     for n in range(2):
-        set_slopes(side, n)
-    assert look_up(side, module.state, 1.0, 0.3) == pytest.approx((2.5, 0.1))
-    assert look_up(side, module.state, 1.0, 0.7) == pytest.approx((1.5, 0.3))
-    assert look_up_input(side, module.state, 0.3) == pytest.approx((1.25, 1.25))
+        table.set_slopes(side, n)
+    assert rates.look_up(side, module.state, 1.0, 0.3) == pytest.approx((2.5, 0.1))
+    assert rates.look_up(side, module.state, 1.0, 0.7) == pytest.approx((1.5, 0.3))
+    assert rates.look_up_input(side, module.state, 0.3) == pytest.approx((1.25, 1.25))

@@ -64,23 +64,7 @@ def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, acro
     assert warned("no body has such inertias", layout=layout, **values) == (layout == 0 and along < 0.0)
 
 
-@pytest.mark.parametrize(
-    "values",
-    [
-        *({}, PLANAR, {**PLANAR, "satellites": 3}, {"satellites": 5}, {"b": 1.2}),
-        # parts that touch
-        {**PLANAR, "eccentricity": 0.03},
-        # neighbours of six touch where the sun is as large as they are
-        {**PLANAR, "satellites": 6, "sun_radius": 0.03},
-        # flat cones of four side by side: sin(pi/4) sqrt(1 + s^2) = 1 at s = 1 and Sigma = pi/2
-        {"satellites": 4, "z17": 20, "z6": 20},
-        {"a": 0.7, "b": 0.7},
-        # a thin disc
-        {"satellite_inertia": 3e-3, "satellite_transverse_inertia": 1.5e-3},
-        # an internal satellite, its imbalance outside its pitch cone
-        INTERNAL,
-    ],
-)
+@pytest.mark.parametrize("values", REFUSED["buildable"])
 def test_what_can_be_built_is_not_warned_of(values):
     assert Module("plain").start(**values).warnings() == []
     assert DrivenShaft("plain").start().warnings() == []

@@ -11,18 +11,7 @@ from refused import assert_refused
 from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
-from inertia_module.fidelity.trials import (
-    NOT_MODELLED,
-    Row,
-    all_levels,
-    at_levels,
-    event,
-    measured_rows,
-    print_levels,
-    recommend,
-    run_in_process,
-    window_errors,
-)
+from inertia_module.fidelity.trials import Row, event, recommend, run_in_process, window_errors
 from inertia_module.harness.simulate import Result
 from inertia_module.scene import load_scene, run_scene
 
@@ -70,9 +59,9 @@ def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
 
 
 def test_names_that_a_level_lacks_are_those_of_the_module_and_have_a_reason():
-    for lacking in NOT_MODELLED.values():
+    for lacking in trials.NOT_MODELLED.values():
         assert set(lacking) <= set(COMPUTED) <= set(BY_NAME)
-    averaged = NOT_MODELLED[1]
+    averaged = trials.NOT_MODELLED[1]
     assert "no pulses" in averaged["output_torque"]
     assert "no drive angle" in averaged["imbalance_acceleration"]
     assert not {"output_torque_mean", "omega_out"} & averaged.keys()
@@ -170,10 +159,10 @@ def test_another_mechanism_is_measured_anew():
 
 
 def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):
-    levels = list(all_levels(False))[::6]
+    levels = list(trials.all_levels(False))[::6]
     monkeypatch.setattr(trials, "all_levels", lambda *_, **__: levels)
     short = SCENE.replaced(run={"stop_time": 0.05})
-    rows = measured_rows(short)
+    rows = trials.measured_rows(short)
     assert {row.communication_step for row in rows} == {0.005, 0.05}
     done = [row for row in rows if not row.failure]
     assert all(row.worst(["omega_out"]) == row.errors["omega_out"] for row in done)
@@ -301,7 +290,7 @@ LEVELS = [
 @pytest.mark.parametrize("wanted", [OUTPUTS[:1], OUTPUTS[:2], OUTPUTS[7:9], OUTPUTS])
 def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    print_levels("A scene", LEVELS, wanted)
+    trials.print_levels("A scene", LEVELS, wanted)
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
@@ -317,12 +306,12 @@ def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, m
 
 def test_recommended_level_is_the_fastest_of_those_printed_that_meet_the_error():
     for error in (1e-2, 1e-4, 1e-8):
-        printed = at_levels(LEVELS, error, OUTPUTS)
+        printed = trials.at_levels(LEVELS, error, OUTPUTS)
         choice = recommend(LEVELS, error, OUTPUTS)
         meeting = [row for row in printed if row.worst(OUTPUTS) <= error]
         assert choice.row is min(meeting, key=lambda row: row.wall_time)
 
 
 def test_level_that_does_not_meet_the_error_shows_its_most_accurate_setting():
-    printed = at_levels(LEVELS, 1e-12, OUTPUTS)
+    printed = trials.at_levels(LEVELS, 1e-12, OUTPUTS)
     assert [row.setting for row in printed if row.fidelity == "rigid"] == ["step 1 ms", "tolerance 1e-07"]

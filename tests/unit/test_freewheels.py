@@ -69,16 +69,6 @@ def test_link_2_stays_held_where_the_input_stops_and_the_shaft_runs_on(compiled,
     assert module["contact_switches"] == switches
 
 
-@pytest.mark.parametrize("omega1", [0.0, 100.0])
-def test_standstill_can_be_left_and_come_back_to(compiled, scene, omega1):
-    module = advanced(started(compiled, scene, omega1=omega1), 0.01)
-    advanced(module, 0.05, omega1=100.0)
-    assert module["omega_out"] > 0.0
-    advanced(module, 10.0, omega1=0.0, load_torque=50.0)
-    assert module["omega2"] == module["omega_out"] == 0.0
-    assert module["contact_mode"] == HELD_DRIVING
-
-
 @motions(LEVELS, added=("ideal", "losses", "wind-up"), missing=tuple(FREEWHEELS)[1:], drives=("speed",))
 def test_duty_of_the_freewheels_is_that_of_a_record_in_short_steps(compiled, scene):
     whole = advanced(started(compiled, scene), 0.2, 0.1)

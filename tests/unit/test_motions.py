@@ -3,21 +3,9 @@
 import math
 
 import pytest
+import scenes
 from refused import assert_refused
-from scenes import (
-    ACCOUNTS,
-    DRIVEN,
-    ELASTIC,
-    LEVELS,
-    MEANS,
-    MOTION,
-    PLANAR,
-    advanced,
-    input_angle,
-    motions,
-    passed,
-    started,
-)
+from scenes import ACCOUNTS, LEVELS, MEANS, MOTION, advanced, motions, passed, started
 
 from inertia_module.compiling.ir import llvm_text
 from inertia_module.contract.models import INERTIA_MODULE
@@ -209,14 +197,14 @@ def test_one_input_alone_counts_and_its_work_is_torque_times_angle(compiled, sce
         for step in (1e-3, 0.01, 0.03):
             one.advance(step)
             assert one["input_torque_mean"] == pytest.approx(one["drive_torque"], rel=1e-14)
-        assert one["energy_in"] == pytest.approx(one["drive_torque"] * input_angle(one), rel=1e-12)
+        assert one["energy_in"] == pytest.approx(one["drive_torque"] * scenes.input_angle(one), rel=1e-12)
     else:
         assert one["input_speed"] == one["omega1"]
 
 
-@pytest.mark.parametrize("layout", DRIVEN)
+@pytest.mark.parametrize("layout", scenes.DRIVEN)
 def test_torque_with_a_rate_counts_by_its_mean_over_the_step(compiled, layout):
-    ramp, mean = (started(compiled, DRIVEN[layout], drive_torque=10.0) for _ in range(2))
+    ramp, mean = (started(compiled, scenes.DRIVEN[layout], drive_torque=10.0) for _ in range(2))
     ramp.set_rates(drive_torque=400.0, load_torque=-100.0)
     advanced(ramp, 0.05)
     advanced(mean, 0.05, drive_torque=20.0, load_torque=mean["load_torque"] - 2.5)
@@ -232,10 +220,10 @@ AT_ONCE = 100.0
 PER_TURN = 0.1
 KINDS = {
     "bevel": {},
-    "planar": PLANAR,
+    "planar": scenes.PLANAR,
     "no housing freewheel": {"housing_freewheel": 0},
     "heavy output": {"output_inertia": 500.0},
-    "elastic": ELASTIC,
+    "elastic": scenes.ELASTIC,
 }
 RUNS = [(0, -100.0, 0.0), (0, 100.0, 0.0), (0, 30.0, 3.0), (1, -100.0, 0.0), (1, 100.0, 0.0)]
 # without it a load runs away with both links
@@ -301,7 +289,7 @@ def test_both_kernels_give_the_same_results(compiled, scene):
 
 
 def test_both_kernels_give_the_same_mean_motion(compiled):
-    assert_led_alike(compiled, PLANAR, LEVELS["averaged"], {"input_hold": 1})
+    assert_led_alike(compiled, scenes.PLANAR, LEVELS["averaged"], {"input_hold": 1})
 
 
 def test_both_kernels_give_the_same_motion_of_a_driven_shaft(compiled):

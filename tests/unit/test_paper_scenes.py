@@ -7,15 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from refused import REFUSED, assert_refused
-from typer.testing import CliRunner
 
-from inertia_module.cli import app
 from inertia_module.figures.scenes import scene_figure
 from inertia_module.scene import load_any_scene, load_scene, run_scene, run_shaft_scene
 from studies.papers.karetin import Geometry, dynamic_mode, exact
 from studies.papers.lysenko import EXAMPLE
 from studies.papers.lysenko import exact as lysenko_at
 from studies.papers.stelmashchuk import Criteria, response
+from tests.system.programs import command, is_one_line, left
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = PAPERS / "stelmashchuk_stepping.toml"
@@ -94,13 +93,10 @@ def test_one_line_says_what_is_wrong(key, value, line):
 
 def test_a_scene_of_a_shaft_is_none_of_the_module():
     assert_refused(r"there is no such key .there are title", load_scene, SHAFT)
-    done = CliRunner().invoke(app, ["run", str(SHAFT), "--fidelity", "rigid"])
-    assert done.exit_code == 1
-    assert "--fidelity, --error and --view must come with a scene of the module" in done.output
+    told = "--fidelity, --error and --view must come with a scene of the module"
+    is_one_line(command("run", SHAFT, "--fidelity", "rigid"), told)
 
 
 def test_command_runs_a_shaft(built, tmp_path):
-    arguments = ["run", str(SHAFT), "--fmu", str(built / "DrivenShaft.fmu")]
-    done = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "out")])
-    assert done.exit_code == 0, done.output
+    left("run", SHAFT, "--fmu", built / "DrivenShaft.fmu", "-o", tmp_path / "out")
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"table.csv", "summary.json", "plot.png"}

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refused import assert_refused
 
 import inertia_module
 from inertia_module import PUBLIC, Result
@@ -95,8 +96,7 @@ def test_result_plots_the_columns_asked_for():
     figure = table().plot("omega")
     assert [axis.get_ylabel() for axis in figure.axes] == ["rad/s"]
     assert len(table().plot().axes) == 2
-    with pytest.raises(ValueError, match=r"alpha must be a column \(there are time, omega, M\)"):
-        table().plot("alpha")
+    assert_refused(r"alpha must be a column \(there are time, omega, M\)", table().plot, "alpha")
 
 
 def test_result_of_a_scene_is_a_table_too(tmp_path):

@@ -12,7 +12,6 @@ import pytest
 from faulty import faulty, raising, showing
 from scenes import PLAY, mechanism
 
-from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import ELASTIC, EVENT, RIGID
 from inertia_module.memory import Module
 from studies.stability import random_motions as campaign
@@ -158,33 +157,3 @@ def test_rows_tell_the_figure_next_to_its_bound_or_furthest_over_it():
     row, long, refused = campaign.rows_of(outcomes)
     assert row == ("averaged", "error", 4, 1, 1, 1, "1e-06", "1e-07", 1)
     assert (long[1:6], refused[1:6]) == (("not long", 4, 0, 0, 0), ("not refused", 4, 0, 0, 0))
-
-
-def test_motion_that_takes_long_is_run_once_and_counted(monkeypatch):
-    motion = motions(RIGID_EVENT, 1)[0]
-    often = set(examine(motion).figures)
-    assert {"restored state", "long and short steps", REFERENCE} < often
-    monkeypatch.setattr(campaign, "LONGEST", 1.0)
-    finding = examine(motion)
-    assert finding.long
-    assert {"finite", "energy residual"} <= set(finding.figures) < often - {"restored state", REFERENCE}
-    (row,) = (
-        row for row in campaign.rows_of([Outcome(7, motion.level.name, finding)]) if row[1] == "not long"
-    )
-    assert row[2:] == (1, 0, 0, 1, "", "", 7)
-
-
-def test_refusals_are_counted_by_their_sentence_and_are_no_failures():
-    class Refusing(Module):
-        def advance(self, step_size):
-            if step_size > 1e-6:
-                raise Refused(f"communication step = {step_size} s is abandoned: too long")
-            super().advance(step_size)
-
-    outcomes = [campaign.try_number(SEED, number, Refusing) for number in (1, 3)]
-    kinds = campaign.findings(outcomes)
-    assert sum(kind["count"] for kind in kinds) == 2
-    assert {kind["what"] for kind in kinds} == {"communication step = # s is abandoned: too long"}
-    refused = [row for row in campaign.rows_of(outcomes) if row[1] == "not refused"]
-    assert sum(row[5] for row in refused) == 2
-    assert not any(outcome.finding.failed for outcome in outcomes)

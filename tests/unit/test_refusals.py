@@ -6,19 +6,9 @@ import pytest
 from refused import REFUSED, refusal, sentence
 from scenes import ENGINE, advanced, started
 
-from inertia_module.contract.variables import (
-    BOOLEAN,
-    BY_NAME,
-    ENUMERATION,
-    INPUT,
-    INTEGER,
-    LOCAL,
-    OUTPUT,
-    PARAMETER,
-    REAL,
-    with_causality,
-)
-from inertia_module.memory import NO_STATE, DrivenShaft, Module
+from inertia_module.contract import variables
+from inertia_module.contract.variables import BY_NAME, LOCAL, OUTPUT, PARAMETER, with_causality
+from inertia_module.memory import DrivenShaft, Module
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
@@ -26,9 +16,9 @@ NO_NUMBERS = (math.nan, math.inf, -math.inf)
 def bad_values(variable):
     """Values just outside the range of a variable, and those that are no numbers."""
     yield from NO_NUMBERS
-    if variable.kind in (INTEGER, ENUMERATION, BOOLEAN):
+    if variable.kind in (variables.INTEGER, variables.ENUMERATION, variables.BOOLEAN):
         yield from (0.5, 1.5, -1)
-    if variable.kind == BOOLEAN:
+    if variable.kind == variables.BOOLEAN:
         yield 2
     if variable.minimum is not None:
         yield from (variable.minimum - 1, math.nextafter(variable.minimum, -math.inf))
@@ -50,9 +40,9 @@ def test_parameter_out_of_its_range_is_refused_by_name_value_and_range(instance_
 
 @pytest.mark.parametrize("instance_type", [Module, DrivenShaft])
 def test_input_out_of_its_range_is_refused_and_the_next_good_step_works(instance_type):
-    variables = list(instance_type.model.with_causality(INPUT))
-    module = advanced(instance_type("plain").start(**{variables[0].name: 100.0}), 0.01)
-    for variable in variables:
+    inputs = list(instance_type.model.with_causality(variables.INPUT))
+    module = advanced(instance_type("plain").start(**{inputs[0].name: 100.0}), 0.01)
+    for variable in inputs:
         for value in bad_values(variable):
             assert refusal(module.set, **{variable.name: value}) == sentence(variable, value)
     module.advance(0.01)
@@ -93,17 +83,6 @@ def test_rate_that_makes_an_input_absurd_is_refused_with_its_unit(name):
         module.set_rates(**{name: rate})
         said = f"the rate of {name} must keep it {variable.allowed} over 0.01 s, is {rate:.16g}"
         assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100"
-
-
-@pytest.mark.parametrize("record, field, value", [("state", "mode", 4.0), ("state", "map_knot", 0.5)])
-def test_state_with_a_number_that_is_no_index_is_refused(record, field, value):
-    module = Module("plain").start()
-    good = module.save()
-    setattr(getattr(module, record), field, value)
-    forged = module.save()
-    module.restore(good)
-    assert refusal(module.restore, forged) == NO_STATE
-    assert module.save() == good
 
 
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
@@ -150,9 +129,9 @@ def test_combination_that_is_sound_runs(compiled):
 
 def test_start_and_ends_of_each_range_are_within_it():
     module = Module("plain")
-    for variable in with_causality(PARAMETER, INPUT):
-        assert variable.kind == REAL or variable.start == int(variable.start)
-        ends = (False, True) if variable.kind == BOOLEAN else (variable.minimum, variable.maximum)
+    for variable in with_causality(PARAMETER, variables.INPUT):
+        assert variable.kind == variables.REAL or variable.start == int(variable.start)
+        ends = (False, True) if variable.kind == variables.BOOLEAN else (variable.minimum, variable.maximum)
         for value in (variable.start, *ends):
             assert variable.accepts(value), variable.name
             module.set(**{variable.name: value})

@@ -85,17 +85,7 @@ def test_urban_example_adds_the_car_to_the_output_inertia():
     assert scene.measured == "vehicle_speed"
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "number"),
-    [
-        ("layout", "planar", 1.0),
-        ("housing_freewheel", False, 0.0),
-        ("sun_radius", "60 mm", 0.06),
-        ("satellites", 3, 3.0),
-        ("mesh_efficiency", "98 %", 0.98),
-        ("satellite_inertia", "500 g.m2", 0.5),
-    ],
-)
+@pytest.mark.parametrize(("key", "value", "number"), QUANTITIES["mechanism"])
 def test_mechanism_takes_names_switches_and_units(key, value, number):
     assert getattr(Mechanism.model_validate({key: value}), key) == pytest.approx(number)
 

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from inertia_module.common.errors import UnknownName
-from inertia_module.contract.variables import BY_NAME, LOSSES, PARAMETER, with_causality
+from inertia_module.contract.variables import BY_NAME, LOSSES
 from inertia_module.fidelity.trials import run_in_process, time_of
 from inertia_module.figures.jobs import chart_figure
 from inertia_module.figures.scenes import FLOWS, end_of_run, losses, plot, scene_figure
@@ -16,17 +16,8 @@ from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
 from inertia_module.harness.results import Result
 from inertia_module.loops import EngineMap, Governor
 from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.scene import load_scene, run_scene
-from inertia_module.scene.run import (
-    SUMMARISED,
-    above_stall,
-    engagements,
-    fastest,
-    forces,
-    start_of,
-    summarise,
-    times_to,
-)
+from inertia_module.scene import load_scene, run, run_scene
+from inertia_module.scene.run import SUMMARISED, summarise
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 R1 = load_scene(EXAMPLES / "reference.toml").replaced(run={"outputs": None}, accuracy={"tolerance": None})
@@ -78,7 +69,7 @@ def test_load_above_stall_is_told():
 
     def told(load, parameters=None, **columns):
         given = {"omega1": [100.0] * 3, "load_torque": [load] * 3, "omega_out": [3.0, 0.0, 0.0], **columns}
-        return above_stall(Result.from_columns({"time": [0.0, 1.0, 2.0], **given}), parameters or {})
+        return run.above_stall(Result.from_columns({"time": [0.0, 1.0, 2.0], **given}), parameters or {})
 
     sentence = f"is above stall: {stall + 1:.4g} N.m, the mechanism gives {stall:.4g} N.m at 100 rad/s"
     assert told(stall + 1.0) == {"load_torque": sentence}
@@ -122,7 +113,7 @@ def test_each_loss_is_told_where_there_is_one():
 
 def test_forces_are_magnitudes_of_what_is_recorded():
     one = table(satellite_force=5.0, shaking_force_x=2.0, shaking_force_y=-3.0, shaking_force_z=6.0)
-    assert {name: values[-1] for name, values in forces(one).items()} == {
+    assert {name: values[-1] for name, values in run.forces(one).items()} == {
         "satellite_force": 5.0,
         "shaking_force": 7.0,
     }
@@ -131,11 +122,11 @@ def test_forces_are_magnitudes_of_what_is_recorded():
     assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
     assert "shaking_moment_peak" not in found
     # two of three components are no force, and what is 0 throughout is not known
-    assert not forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
-    assert not forces(table(satellite_force=0.0))
+    assert not run.forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
+    assert not run.forces(table(satellite_force=0.0))
     # nor is what three satellites leave of 3 kN by rounding
     balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
-    assert list(forces(balanced)) == ["satellite_force"]
+    assert list(run.forces(balanced)) == ["satellite_force"]
     between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, 1.0, {})
     assert between["satellite_force_peak"] == (8.0, "N")
 
@@ -149,11 +140,11 @@ def test_the_largest_frequency_is_that_of_ten_engagements_in_a_row_and_hardly_de
     for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
         time = np.arange(0.0, 6.0, step)
         count = np.searchsorted(events, time + 1e-9).astype(float)
-        assert fastest(time, count) == pytest.approx(50.0, rel=allowed)
+        assert run.fastest(time, count) == pytest.approx(50.0, rel=allowed)
     few = np.array([0.0, 1.0, 2.0, 5.0]), np.array([0.0, 1.0, 1.0, 3.0])
-    assert fastest(*few) == pytest.approx(0.5)
-    assert fastest(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
-    assert fastest(few[0], np.zeros(4)) == 0.0
+    assert run.fastest(*few) == pytest.approx(0.5)
+    assert run.fastest(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
+    assert run.fastest(few[0], np.zeros(4)) == 0.0
 
 
 def test_overruns_through_which_sprags_stay_engaged_do_not_count():
@@ -163,7 +154,7 @@ def test_overruns_through_which_sprags_stay_engaged_do_not_count():
         "housing_slip_peak": np.radians(degrees) / 1e-3,
     }
     record = Result.from_columns({"time": 1e-3 * np.arange(8.0), **columns})
-    assert engagements(record, "housing").tolist() == [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 4.0]
+    assert run.engagements(record, "housing").tolist() == [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 4.0]
 
 
 def test_duty_does_not_count_the_jumps_of_a_speed_that_is_held_over_each_step(fmu):
@@ -233,7 +224,7 @@ def car(speed, time, **columns):
 def test_times_to_a_speed_count_from_the_last_standstill():
     time = np.linspace(0.0, 2.0, 201)
     record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
-    found = summarise(record, None, 1.0, times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
+    found = summarise(record, None, 1.0, run.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
     times = {name: found[name].value for name in found if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
@@ -324,16 +315,6 @@ def test_an_ideal_run_leaves_the_wanted_columns_and_is_drawn_without_panels_of_l
     assert (tmp_path / "run.png").stat().st_size > 10_000
 
 
-def test_examples_of_real_machines_have_every_loss_body_and_weight():
-    names = [variable.name for variable in with_causality(PARAMETER)]
-    lossy = names[names.index("input_friction") : names.index("gravity") + 1]
-    # what only the elastic output has, and what not all levels have
-    partial = ("_stiffness", "_damping", "_engagement_angle", "windage")
-    lossy = [name for name in lossy if not name.endswith(partial)]
-    given = {name for example in REAL for name in load_scene(EXAMPLES / f"{example}.toml").parameters()}
-    assert set(lossy) <= given
-
-
 @pytest.mark.parametrize("example", REAL)
 def test_examples_lose_to_every_cause_but_the_shaft_and_balance(fmu, example):
     result = run_scene(load_scene(EXAMPLES / f"{example}.toml").replaced(run={"stop_time": 0.5}), fmu)
@@ -391,7 +372,7 @@ def test_a_controller_commands_the_torque_within_its_limits(fmu):
         controller={**gains, "minimum": "-10 N.m", "maximum": "20 N.m", "reference": reference},
     )
     assert light.parameters()["drive"] == 1.0
-    assert start_of(light)[1]["omega1"] == 80.0
+    assert run.start_of(light)[1]["omega1"] == 80.0
     result = run_scene(light, fmu)
     torque = result.table["drive_torque"]
     assert torque.max() == 20.0
