@@ -41,7 +41,7 @@ INERTIA = ("i", "i1", "b", "g")
 # moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torques and slips
 SUMS = (
     *("input_impulse", "output_impulse", "housing_impulse", "output_square", "turned3", "step_lost"),
-    *("step_switches", "step_evaluations", "seen", "largest_square", "torque_peak"),
+    *("step_evaluations", "seen", "largest_square", "torque_peak"),
     *("housing_torque_peak", "housing_slip_peak", "output_slip_peak"),
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
@@ -171,21 +171,18 @@ WORKSPACE = (
     # fixed steps: inertia at the end and the slip angle to there, and where look_ahead looked, which a part
     # of the step does not come to; what links 1 and 2 come to
     *(("end", INERTIA), "slip_angle", ("far", INERTIA), "far_angle"),
-    *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
-    *("work1", "friction_work", "reached"),
-    # ... and what the freewheels leave of it: speeds of link 2 and the hub, impulse of Tc, contact mode
-    *("settled2", "settled3", "output", "mode"),
+    *("end1", "end2", "new_slip_angle", "foreseen", "reached"),
+    # ... and what the freewheels leave of it: speeds of link 2 and the hub, contact mode
+    *("settled2", "settled3", "mode"),
     # ... mean and end speed of the hub; elastic output: slip behind it, the driven mass
     *("mean3", "end3", "stiff", "relative_load", "relative_gain", "mean_relative", "seen3", "omega4"),
     # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
-    # share of the journals in it, what it takes, whether it has stopped the slip; whether the way is all that
-    # is asked for
-    *("friction", "friction_before", "spun", "mesh", "journal_share", "lost_by_load", "slip_stopped"),
-    "straight",
+    # share of the journals in it, whether it has stopped the slip; whether the way is all that is asked for
+    *("friction", "friction_before", "spun", "mesh", "journal_share", "slip_stopped", "straight"),
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
-    # ... drag of the freewheels: whether it acts, what it takes, whether a mean slip went against it
-    *("dragging", "lost_by_drag", "reversed"),
+    # ... drag of the freewheels: whether it acts, whether a mean slip went against it
+    *("dragging", "reversed"),
     # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it
