@@ -131,9 +131,9 @@ class Model:
 
 
 _P, _U, _Y = interface(variables.VARIABLES)
-_D = fields.constants(_P, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
+_D = (*_P, *fields.CONSTANTS, ("map_key", len(variables.MAP_KEY)))
 _RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
-_W = fields.workspace(_RATED, _D)  # type: ignore[no-untyped-call]
+_W = (*fields.WORKSPACE, ("held", _D), ("outputs_0", _RATED), ("outputs_1", _RATED))
 
 INERTIA_MODULE = Model(
     name="InertiaModule",

@@ -109,7 +109,7 @@ def run_events(d, x, w, h):
             if changed and switched and w.stops != 0.0 and time > SHORTEST * h:
                 copy(x.numbers, w.kept.numbers)
                 x.switching = 1.0
-                x.length = x.held_step = time
+                x.length = time
                 return OK
             stalls = 0 if changed else stalls + 1
             allowed = SWITCHES_PER_PULSE * d.harmonic * travel
