@@ -103,7 +103,7 @@ def driving(scene):
     """Constants, state and an empty workspace at a moment at which link 2 drives the shaft."""
     module = advanced(started("plain", scene, ELASTIC, tolerance=1e-9), 0.005)
     d, x = module.derived, module.state
-    w = record_type(fields.workspace(fields.FOLLOWED, fields.CONSTANTS))()
+    w = record_type(fields.WORKSPACE)()
     w.prescribed = x.drive_torque if d.by_torque else x.alpha1
     w.load = x.load_torque
     assert x.output_state == 1.0

@@ -115,30 +115,25 @@ class Model:
         of = self.by_name.get(name)
         return place(self.records[RECORD_OF[of.causality if of else INPUT]], name)
 
-    @cached_property
-    def _parameters(self) -> list[tuple[Variable, int]]:
-        """The parameters, each with its place in its record."""
-        return [(one, self.place(one.name)) for one in self.with_causality(PARAMETER)]
-
     def with_causality(self, *causalities: str) -> Iterator[Variable]:
         """Variables of these causalities, in the order of the table."""
         return with_causality(*causalities, table=self.variables)
 
     def refused(self, parameters: Any) -> list[str]:
         """One message for each parameter of a record that is out of its own range."""
-        numbers = parameters.numbers[:]
+        given = [(one, getattr(parameters, one.name)) for one in self.with_causality(PARAMETER)]
         # start values are allowed, and most parameters have theirs
         return [
-            must_be(one.name, one.allowed, numbers[place])
-            for one, place in self._parameters
-            if numbers[place] != one.start and not one.accepts(numbers[place])
+            must_be(one.name, one.allowed, number)
+            for one, number in given
+            if number != one.start and not one.accepts(number)
         ]
 
 
 _P, _U, _Y = interface(variables.VARIABLES)
-_D = fields.constants(_P, len(variables.MAP_KEY))  # type: ignore[no-untyped-call]
+_D = (*_P, *fields.CONSTANTS, ("map_key", len(variables.MAP_KEY)))
 _RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
-_W = fields.workspace(_RATED, _D)  # type: ignore[no-untyped-call]
+_W = (*fields.WORKSPACE, ("held", _D), ("outputs_0", _RATED), ("outputs_1", _RATED))
 
 INERTIA_MODULE = Model(
     name="InertiaModule",

@@ -8,7 +8,7 @@ import math
 
 from . import codes
 from .accumulate import TWO_PI, TWO_PI_LOW
-from .equations.losses import add_to_bounds, by_load, only_by_events
+from .equations.losses import add_to_bounds, by_load
 
 # the leading 30 bits of 2 pi: a whole number below 2**23 times this is exact
 TWO_PI_LEADING = 6.283185303211212
@@ -239,7 +239,7 @@ def derive(p, d):
         return codes.NO_PLAY if d.plays != 0.0 else codes.OK
     if d.method == codes.TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
         return codes.WIND_UP_STEPPED
-    if (d.method == codes.TIMESTEPPING or d.fidelity == codes.AVERAGED) and only_by_events(d) > 0.0:
+    if (d.method == codes.TIMESTEPPING or d.fidelity == codes.AVERAGED) and d.windage > 0.0:
         return codes.EVENTS_ONLY
     if d.fidelity == codes.AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return codes.NO_RECTIFIER

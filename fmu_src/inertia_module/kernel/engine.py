@@ -5,7 +5,7 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 
 from .accumulate import add, copy
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
-from .equations.choice import GOES_ON, choose_next_states, choose_states
+from .equations.choice import GOES_ON, choose_next_states, choose_states, switch_states
 from .equations.motion import evaluate, recall, take_state
 from .equations.states import GEARED
 from .events.advance import advance_general
@@ -55,10 +55,9 @@ def switch_now(d, x):
     """Carry out the switch that the last step has stopped at, if it has."""
     if x.switching == 0.0:
         return
-    switches, evaluations = x.step_switches, x.step_evaluations
+    x.step_evaluations = 0.0
     choose_next_states(d, x)
-    x.switches += x.step_switches - switches
-    x.evaluations += x.step_evaluations - evaluations
+    x.evaluations += x.step_evaluations
     x.switching = 0.0
     x.torques_continue = 1.0
     follow_torque(d, x)
@@ -75,7 +74,7 @@ def run_events(d, x, w, h):
     stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         x.rates_cached = 0.0
-        choose_states(d, x, GOES_ON)
+        switch_states(d, x, GOES_ON)
     if d.losses != 0.0:
         x.rates_cached = 0.0  # losses and guards are not kept from one communication step to the next
     x.torques_continue = 0.0
@@ -110,11 +109,12 @@ def run_events(d, x, w, h):
             if changed and switched and w.stops != 0.0 and time > SHORTEST * h:
                 copy(x.numbers, w.kept.numbers)
                 x.switching = 1.0
-                x.length = x.held_step = time
+                x.length = time
                 return OK
             stalls = 0 if changed else stalls + 1
             allowed = SWITCHES_PER_PULSE * d.harmonic * travel
-            if stalls > STALLS_ALLOWED + allowed or x.step_switches > SWITCHES_ALLOWED + allowed:
+            switches = x.switches - w.before.switches
+            if stalls > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed:
                 return TOO_MANY_SWITCHES
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK

@@ -1,7 +1,7 @@
 """The records the module's kernel reads and writes, by the names of their fields.
 
 p parameters, u inputs (with omega1_rate, its rate over the coming step, omega1_rate_given, and so on), y
-outputs and locals: their fields are made from the table of variables (contract.models.interface). First in p
+outputs and locals: their fields are made from the table of variables (contract/models.py). First in p
 stands what the map of fidelity averaged depends on. x is the state, d what is derived from the parameters, w
 the workspace of one call. A field is a name (one double), a name with a length (an array of doubles), or a
 name with a list of fields (a record within) and maybe a number (so many).
@@ -41,7 +41,7 @@ INERTIA = ("i", "i1", "b", "g")
 # moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torques and slips
 SUMS = (
     *("input_impulse", "output_impulse", "housing_impulse", "output_square", "turned3", "step_lost"),
-    *("step_switches", "step_evaluations", "seen", "largest_square", "torque_peak"),
+    *("step_evaluations", "seen", "largest_square", "torque_peak"),
     *("housing_torque_peak", "housing_slip_peak", "output_slip_peak"),
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
@@ -53,7 +53,7 @@ STATE = (
     *SUMS,
     *("q_low", "drive_turns", "theta1_low", "input_turns"),
     *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
-    *("alpha1", "held_input", "held_step", "load_torque", "drive_torque", "step_size", "short_size"),
+    *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
     # ... rigid output: the size in each contact mode when it was left, the mode of step_size
     *(("sizes", 4), "sized_mode"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
@@ -119,6 +119,7 @@ FOLLOWED = (
     *("twist", "relative", "wound_housing", "wound_output"),
 )
 
+# d, behind all fields of p, of some of which derive makes something else
 CONSTANTS = (
     *("k", "s", "mass", "planar", "phase_a", "phase_b"),
     *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
@@ -144,17 +145,8 @@ CONSTANTS = (
     *(("forward", SIDE), ("backward", SIDE)),
 )
 
-
-def constants(parameters, map_key):
-    """Fields of d: all of p, with what derive makes of some of them, and what follows.
-
-    Args:
-        parameters: fields of p. map_key: number of parameters that the map of fidelity averaged depends on.
-    """
-    return *parameters, *CONSTANTS, ("map_key", map_key)
-
-
-# nothing in it outlives the call
+# w, before a copy of d for the mechanism of a map, and two of the outputs that have rates: nothing in it
+# outlives the call
 WORKSPACE = (
     # whether a step ends at a switch; the tolerance that holds
     *("stops", "tolerance"),
@@ -171,21 +163,18 @@ WORKSPACE = (
     # fixed steps: inertia at the end and the slip angle to there, and where look_ahead looked, which a part
     # of the step does not come to; what links 1 and 2 come to
     *(("end", INERTIA), "slip_angle", ("far", INERTIA), "far_angle"),
-    *("end1", "end2", "new_slip_angle", "foreseen", "angle1", "impulse1"),
-    *("work1", "friction_work", "reached"),
-    # ... and what the freewheels leave of it: speeds of link 2 and the hub, impulse of Tc, contact mode
-    *("settled2", "settled3", "output", "mode"),
+    *("end1", "end2", "new_slip_angle", "foreseen", "reached"),
+    # ... and what the freewheels leave of it: speeds of link 2 and the hub, contact mode
+    *("settled2", "settled3", "mode"),
     # ... mean and end speed of the hub; elastic output: slip behind it, the driven mass
     *("mean3", "end3", "stiff", "relative_load", "relative_gain", "mean_relative", "seen3", "omega4"),
-    # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
-    # share of the journals in it, what it takes, whether it has stopped the slip; whether the way is all that
-    # is asked for
-    *("friction", "friction_before", "spun", "mesh", "journal_share", "lost_by_load", "slip_stopped"),
-    "straight",
+    # ... losses by load: torque against the slip, share of the journals in it, whether it has stopped
+    # the slip; whether the way is all that is asked for
+    *("friction", "journal_share", "slip_stopped", "straight"),
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
-    # ... drag of the freewheels: whether it acts, what it takes, whether a mean slip went against it
-    *("dragging", "lost_by_drag", "reversed"),
+    # ... drag of the freewheels: whether it acts, whether a mean slip went against it
+    *("dragging", "reversed"),
     # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it
@@ -195,13 +184,3 @@ WORKSPACE = (
     # state at the beginning of the call, of two short steps for rates, of a part of a step
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
 )
-
-
-def workspace(outputs, held):
-    """Fields of w.
-
-    Args:
-        outputs: fields of y that have rates, which come first in it.
-        held: fields of the constants of the mechanism that a map is made of.
-    """
-    return *WORKSPACE, ("held", held), ("outputs_0", outputs), ("outputs_1", outputs)

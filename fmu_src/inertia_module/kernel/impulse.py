@@ -41,7 +41,8 @@ def settle(d, inertia2, free2, inertia3, free3, stops, meets):
             return free2, free3, 0.0, FREE
     together = (inertia2 * free2 + inertia3 * free3) / (inertia2 + inertia3)
     if not stops or together > 0.0:
-        return together, together, inertia3 * (together - free3), DRIVING
+        reduced = inertia2 * inertia3 / (inertia2 + inertia3)
+        return together, together, reduced * (free2 - free3), DRIVING
     return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 
 
@@ -145,11 +146,9 @@ def close_freewheels(d, x):
     omega2, omega3 = x.omega2, x.omega3
     own = inertia_of_link2(d, i, b, g) + carried
     stops, meets = holds_link2(d, x), meets_output(d, x)
-    end2, end3, output, mode = settle(d, own, omega2, shaft - carried, omega3, stops, meets)
+    end2, end3, output, _ = settle(d, own, omega2, shaft - carried, omega3, stops, meets)
     if d.output == 0.0:
         output = shaft * (end3 - omega3)
-    elif mode == DRIVING:
-        output = own * shaft / (own + shaft) * (omega2 - omega3)  # the change of a heavy shaft is rounding
     change = end2 - omega2
     jump = 0.0
     if d.by_torque != 0.0:

@@ -1,5 +1,6 @@
 """Reduced inertia I, B, G of all imbalances and its exact derivatives in q (docs/mechanics.md)."""
 
+from .layout import imbalance_at
 from .sine import sine_cosine, sines_cosines
 
 
@@ -28,8 +29,7 @@ def reduced_inertia(d, q):
         return fixed - 2.0 * cosine, 2.0 * sine, own - cosine, sine, own, 0.0
     s = d.s
     half = 0.5 * (s * q + d.phase_b)
-    sin_a = 0.0
-    cos_a = 0.0
+    sin_a, cos_a = 0.0, 1.0
     if d.satellites > 2.0:
         sin_half, cos_half = sine_cosine(half)
     else:
@@ -42,19 +42,11 @@ def reduced_inertia(d, q):
     spin = d.spin
     g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
-    arm = d.arm
-    z = d.axial - d.axial_cos * cos_b
-    z1 = s * d.axial_cos * sin_b
-    radial = d.radial - d.radial_cos * cos_b
-    tangential = -arm * sin_b
-    radial1 = s * d.radial_cos * sin_b
-    tangential1 = -s * arm * cos_b
+    x, y, z, x1, y1, z1, _, y2, z2 = imbalance_at(d, sin_a, cos_a, sin_b, cos_b)
     if d.satellites > 2.0:
-        i = mass * (0.5 * (radial * radial + tangential * tangential) + z * z)
-        i1 = mass * (radial * radial1 + tangential * tangential1 + 2.0 * z * z1)
+        i = mass * (0.5 * (x * x + y * y) + z * z)
+        i1 = mass * (x * x1 + y * y1 + 2.0 * z * z1)
         return i, i1, 0.0, 0.0, g, g1
-    y = radial * sin_a + tangential * cos_a
-    y1 = (radial1 - tangential) * sin_a + (tangential1 + radial) * cos_a
     i = mass * (y * y + z * z)
     i1 = 2.0 * mass * (y * y1 + z * z1)
     if d.bodies != 0.0:
@@ -62,10 +54,6 @@ def reduced_inertia(d, q):
         i1 -= 2.0 * d.body_i * cos_a * sin_a
     if d.satellites > 1.0:
         return i, i1, 0.0, 0.0, g, g1
-    z2 = s * s * d.axial_cos * cos_b
-    radial2 = s * s * d.radial_cos * cos_b
-    tangential2 = s * s * arm * sin_b
-    y2 = (radial2 - 2.0 * tangential1 - radial) * sin_a + (tangential2 + 2.0 * radial1 - tangential) * cos_a
     b = mass * (y * z1 - z * y1)
     b1 = mass * (y * z2 - z * y2)
     if d.bodies != 0.0:

@@ -40,19 +40,18 @@ def input_speed(u):
     return omega1 if abs(omega1) >= SMALLEST_SPEED else 0.0
 
 
-def take_speed(hold, x, speed, rate_given, rate, h):
+def take_speed(hold, x, speed, rate_given, rate):
     """Slope of a given speed over the coming step: its rate if given, or that of the last step if so held.
 
     Args:
-        hold: input_hold. x: state with held_input and held_step. speed: rad/s. rate: rad/s^2. h: s.
+        hold: input_hold. x: state with held_input, and length of the last step. speed: rad/s. rate: rad/s^2.
     """
     slope = 0.0
     if rate_given != 0.0:
         slope = rate
-    elif hold != 0.0 and x.held_step > 0.0:
-        slope = (speed - x.held_input) / x.held_step
+    elif hold != 0.0 and x.length > 0.0:
+        slope = (speed - x.held_input) / x.length
     x.held_input = speed
-    x.held_step = h
     return slope
 
 
@@ -67,7 +66,7 @@ def begin(d, u, x, h):
     if d.drive == DRIVE_SPEED:
         omega1 = input_speed(u)
         jump = omega1 - x.omega1
-        x.alpha1 = take_speed(d.input_hold, x, omega1, u.omega1_rate_given, u.omega1_rate, h)
+        x.alpha1 = take_speed(d.input_hold, x, omega1, u.omega1_rate_given, u.omega1_rate)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h

@@ -22,8 +22,13 @@ def imbalance(d, q, turned):
         y = d.radial * sine
         z = d.radial * cosine
         return 0.0, y, d.axial - z, 0.0, z, y, 0.0, -y, z
+    sin_a, sin_b, cos_a, cos_b = sines_cosines(q + d.phase_a + turned, d.s * q + d.phase_b)
+    return imbalance_at(d, sin_a, cos_a, sin_b, cos_b)
+
+
+def imbalance_at(d, sin_a, cos_a, sin_b, cos_b):
+    """An imbalance as above (bevel), by the sines and cosines of the angles A of its axis and B about it."""
     s = d.s
-    sin_a, sin_b, cos_a, cos_b = sines_cosines(q + d.phase_a + turned, s * q + d.phase_b)
     radial = d.radial - d.radial_cos * cos_b
     tangential = -d.arm * sin_b
     radial1 = s * d.radial_cos * sin_b

@@ -107,12 +107,6 @@ def kinetic_energy(d, q, omega1, omega2, omega3):
     )
 
 
-def stored_in_shaft(d, x):
-    """Energy of the driven mass and the twist, J."""
-    omega4 = x.omega3 - x.relative
-    return 0.5 * d.J4 * omega4 * omega4 + 0.5 * d.shaft_stiffness * x.twist * x.twist
-
-
 def shaft_frequency(d, compliance):
     """Angular frequency of the shaft between hub and driven mass, without damping, rad/s.
 

@@ -8,7 +8,7 @@ from .averaged.run import averaged_energy, write_averaged
 from .codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
 from .engine import solve_now
 from .equations.motion import stored_besides
-from .links import kinetic_energy, stored_in_shaft
+from .links import kinetic_energy
 from .loads import write_loads
 
 
@@ -25,7 +25,10 @@ def stored_energy(d, x):
     # prescribed motion ends at the output, before J3
     omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
     stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
-    return stored + stored_in_shaft(d, x) if d.fidelity == ELASTIC else stored
+    if d.fidelity == ELASTIC:
+        omega4 = x.omega3 - x.relative
+        stored += 0.5 * d.J4 * omega4 * omega4 + 0.5 * d.shaft_stiffness * x.twist * x.twist
+    return stored
 
 
 def write_torques(d, x, y):

@@ -70,11 +70,10 @@ def start(p, d, u, x, y, w):
         x.omega1 = speed_at_start(d, x)
         end_step(d, x)
         x.omega1 = x.held_input  # the map has it but for rounding
-        x.step_switches = 0.0
+        x.switches = 0.0
     else:
         follow_parameters(d, x)
         x.step_mode = x.mode
-        x.housing_engagements = x.output_engagements = 0.0
         if d.method == codes.TIMESTEPPING:
             write_inertia(d, x.q, x.here)
     x.energy_start = stored_energy(d, x)
@@ -107,7 +106,6 @@ def end(x, h, input_jump, output_jump):
     variance = x.output_square / h - mean * mean
     x.torque_ripple = math.sqrt(variance) if variance > 0.0 else 0.0
     turn_output(x)
-    x.switches += x.step_switches
     x.evaluations += x.step_evaluations
 
 

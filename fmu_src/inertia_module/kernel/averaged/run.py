@@ -84,7 +84,7 @@ def show_mode(x, leg):
         mode = FREE
     if mode != x.mode:
         x.mode = mode
-        x.step_switches += 1.0
+        x.switches += 1.0
 
 
 def meet_limits(d, side, x, leg, ends, change):

@@ -17,7 +17,7 @@ from .motion import characteristic, end, integral, keep_step, square_integral
 # its records (see kernel.fields)
 STATE = (
     *("twist", "twist_low", "slip", "slip_low", "omega4", "omega4_low"),
-    *("hub_slope", "held_input", "held_step", "load_torque", "shaft_torque_mean", "energy_start"),
+    *("hub_slope", "held_input", "length", "load_torque", "shaft_torque_mean", "energy_start"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
 )
 # all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow and
@@ -85,7 +85,7 @@ def start(p, d, u, x, y):
 
 def begin(p, u, x, h):
     """Take the inputs of the coming step; a jump of the hub's speed pushes the driven mass."""
-    jump = (u.hub_speed - x.held_input) - x.hub_slope * x.held_step
+    jump = (u.hub_speed - x.held_input) - x.hub_slope * x.length
     push = p.balancer * jump
     work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
     # the one of slip and speed that has kept fewer digits follows from the other
@@ -96,7 +96,8 @@ def begin(p, u, x, h):
         x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
         x.omega4, x.omega4_low = add(u.hub_speed, -x.slip_low, -x.slip)
     x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
-    x.hub_slope = take_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate, h)
+    x.hub_slope = take_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate)
+    x.length = h
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
 
 

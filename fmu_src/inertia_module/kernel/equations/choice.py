@@ -163,8 +163,6 @@ def choose_states(d, x, before_misses):
     Args:
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
-    if x.output_state == states.GEARED:
-        return
     before = (x.housing_state, x.output_state, x.slip_sign)
     best, equal = least_violation(d, x, before, before_misses, False)
     if equal > 1:
@@ -173,15 +171,20 @@ def choose_states(d, x, before_misses):
     take_speeds(x)
     take_state(d, x)
     evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
-    x.step_evaluations += 1.0
     x.flow_sign, x.spin_signs = d.machine.flow_sign, d.machine.spin_signs
     recall(x.now, d.machine)
     x.rates_cached = 0.0 if d.losses != 0.0 else 1.0
-    mode = states.contact_mode(x)
-    if mode != x.mode:
-        states.count_engagements(x, x.mode, mode)
-        x.mode = mode
-        x.step_switches += 1.0
+    x.mode = states.contact_mode(x)
+
+
+def switch_states(d, x, before_misses):
+    """Choose them in the course of a motion, where each choice and what it switches counts."""
+    if x.output_state == states.GEARED:
+        return
+    mode = x.mode
+    choose_states(d, x, before_misses)
+    x.step_evaluations += 1.0
+    states.count_switch(x, mode, x.mode)
 
 
 def choose_next_states(d, x):
@@ -190,5 +193,5 @@ def choose_next_states(d, x):
     if x.slip_reached_zero != 0.0:
         x.slip_sign = 0.0
         take_speeds(x)
-    choose_states(d, x, ENDED if x.ended != 0.0 else 0.0)
+    switch_states(d, x, ENDED if x.ended != 0.0 else 0.0)
     return before != (x.housing_state, x.output_state, x.slip_sign)

@@ -22,11 +22,6 @@ def windage_in_all(d):
     return d.windage * d.modules * d.satellites
 
 
-def only_by_events(d):
-    """Sum of the coefficients of losses that fidelity averaged and fixed steps do not have."""
-    return d.windage
-
-
 def by_load(d):
     """Sum of the coefficients of losses that the general equations alone have: 0 without any."""
     return d.mesh_loss + d.satellite_loss + d.journal_friction + d.weight + windage_in_all(d)

@@ -10,7 +10,7 @@ from ..inertia import reduced_inertia
 from ..layout import acceleration, imbalance
 from ..sine import sine_cosine
 
-# angles in one turn at which it is looked at, for each of its highest harmonics; turns looked at
+# angles in one turn at which it is looked at, for each of its highest harmonics; of more turns as many angles
 ANGLES = 64
 # satellites at most whose torques' signs are followed: bits of one number, set where negative
 MANY = 50
@@ -123,33 +123,14 @@ def jams(d):
     if d.satellite_loss == 0.0 and (d.by_torque == 0.0 or d.mesh_loss == 0.0):
         return False
     if d.by_torque == 0.0:
-        return jams_between(d, 0.0, TWO_PI / d.s, 2.0 * ANGLES)
-    # of many turns those that are so many places of B apart
-    places = float(math.ceil(d.period_turns / ANGLES))
-    apart = places * turns_to_next_place(d)
-    for n in range(int(math.ceil(d.period_turns / places))):
-        begin = TWO_PI * (n * apart % d.period_turns)
-        if jams_between(d, begin, TWO_PI, ANGLES * d.harmonic):
-            return True
-    return False
+        return jams_within(d, TWO_PI / d.s, 2.0 * ANGLES)
+    return jams_within(d, d.period, ANGLES * d.harmonic * min(d.period_turns, ANGLES))
 
 
-def turns_to_next_place(d):
-    """Turns of the drive after which the angle B, at its beginning, is one place further.
-
-    Over a period B stands at so many even places as the period has turns, once at each: n z17/z6 turns.
-    """
-    ahead = float(math.floor(d.s * d.period_turns + 0.5))
-    turns = 1.0
-    while turns * ahead % d.period_turns > 1.0:
-        turns += 1.0
-    return turns
-
-
-def jams_between(d, begin, length, count):
-    """Tell whether they jam at one of so many angles of the drive from begin on, rad."""
+def jams_within(d, length, count):
+    """Tell whether they jam at one of so many angles of the drive, spread evenly over a length, rad."""
     for n in range(int(count)):
-        q = begin + length * n / count
+        q = length * n / count
         i, _, b, _, g, _ = reduced_inertia(d, q)
         by_alpha1 = by_rate2 = 0.0
         if d.satellite_loss != 0.0:

@@ -28,12 +28,21 @@ def contact_mode(x):
     return FREE if is_open(x.output_state) else DRIVING
 
 
-def count_engagements(x, before, mode):
-    """Count the freewheels that are engaged in this contact mode and were not in the one before."""
-    if mode == HELD or mode == HELD_DRIVING:
-        x.housing_engagements += 1.0 if before == FREE or before == DRIVING else 0.0
-    if mode == DRIVING or mode == HELD_DRIVING:
-        x.output_engagements += 1.0 if before == HELD or before == FREE else 0.0
+def holds(mode):
+    """Tell whether the housing freewheel is engaged in this contact mode."""
+    return mode == HELD or mode == HELD_DRIVING
+
+
+def drives(mode):
+    """Tell whether the output freewheel is engaged in this contact mode."""
+    return mode == DRIVING or mode == HELD_DRIVING
+
+
+def count_switch(x, before, mode):
+    """Count a switch to another contact mode, if it is one, and the freewheels that engage in it."""
+    x.switches += 1.0 if mode != before else 0.0
+    x.housing_engagements += 1.0 if holds(mode) and not holds(before) else 0.0
+    x.output_engagements += 1.0 if drives(mode) and not drives(before) else 0.0
 
 
 def is_wound(x):

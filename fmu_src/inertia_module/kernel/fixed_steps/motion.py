@@ -8,8 +8,8 @@ midpoint rule.
 
 import math
 
-from ..accumulate import add, add_loss, copy
-from ..equations.losses import SHAFT, VISCOUS
+from ..accumulate import copy
+from ..equations.losses import MESH, SHAFT, VISCOUS
 from ..equations.motion import stored_besides
 from ..equations.satellites import AS_THEY_ARE, spin_torques, weight_torques
 from ..impulse import push_driven_mass
@@ -20,8 +20,6 @@ from ..links import friction_power, inertia_of_link1, inertia_of_link2, kinetic_
 SMALLEST_DIFFERENCE = 1e-8
 # share of the kinetic energy that the speeds give back
 UNFALLEN = 0.5
-# share of a change of friction that it does not cause itself, at least: meshes that jam are refused
-NOT_ITS_OWN = 0.1
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
 RESOLVED = 4.0
 
@@ -29,16 +27,17 @@ RESOLVED = 4.0
 def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     """Links 1 and 2 over the step, link 2 held or against the impulse load + gain u, u its mean speed.
 
-    Writes w.end1, end2, new_slip_angle, angle1 (of link 1), impulse1 and work1 (of the input torque),
-    friction_work (the work of the links' viscous friction), lost_by_load, slip_stopped (whether
-    w.friction has stopped the slip) and reached: whether the energy suffices to come to where the step is to
-    end. Besides the load w.friction, N m, resists the slip, and weights w.weight1 and w.weight_slip, N m, the
-    angles of link 1 and of the slip. With w.straight the energy is not looked at: the way would be too short.
+    Writes w.end1, end2, new_slip_angle, of w.change the angle of link 1, impulse and work of the input torque
+    and what friction takes (that by loads as lost in the mesh), slip_stopped (whether w.friction has stopped
+    the slip) and reached: whether the energy suffices to come to where the step is to end. Besides the load
+    w.friction, N m, resists the slip, and weights w.weight1 and w.weight_slip, N m, the angles of link 1 and
+    of the slip. With w.straight the energy is not looked at: the way would be too short.
 
     Args:
         carried: inertia that link 2 carries, kg m^2.
         prescribed: change of omega1, rad/s, or impulse of the input torque, N m s.
     """
+    change = w.change
     w.slip_stopped = 0.0
     if held and d.by_torque == 0.0:
         turn_link1(d, x, w, prescribed, h)
@@ -63,7 +62,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     end_rate = 0.0
     speed = y + 0.5 * prescribed
     force = 0.5 * y
-    change = d.k * d.k * (w.end.g - x.here.g)
+    growth = d.k * d.k * (w.end.g - x.here.g)
     driven = prescribed - by_torque * h * w.weight1
     if by_torque != 0.0:
         y = total * (x.omega1 - coupling * slip)
@@ -71,7 +70,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
         end_rate = 0.0 if held else 0.5 / end_total
         speed = 0.5 * (x.omega1 - coupling * slip) + (y + driven) * end_rate
         force = (x.omega1 - coupling * slip) * end_rate
-        change = end_inertia - inertia
+        growth = end_inertia - inertia
     slope = 0.5 * d.k * (x.here.i1 + w.end.i1)
     if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
         slope = (w.end.i - x.here.i) / w.slip_angle
@@ -101,7 +100,7 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     at_stop = friction = 0.0
     stop = 1e300
     if w.friction > 0.0:
-        at_stop = slip * (change * per_root - end_root)
+        at_stop = slip * (growth * per_root - end_root)
         stop = (free - at_stop) / by_friction
         turn = (twice + free) / by_friction
         if (stop > 0.0) == (turn > 0.0):
@@ -128,71 +127,68 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
         w.slip_stopped = 1.0
     turned = (twice + rise) * per_root
     # rho by its change: else omega2 would take over the rounding of omega1
-    change_slip = (rise - change * per_root * slip) * per_end
+    change_slip = (rise - growth * per_root * slip) * per_end
     end_slip = slip + change_slip
     w.new_slip_angle = h * turned
-    w.lost_by_load = friction * turned
+    change.lost[MESH] = friction * turned
     mean1 += answer1 * turned
     mean2 = mean1 - turned
-    w.friction_work = h * friction_power(d, mean1, mean2, d.b2)
+    change.lost[VISCOUS] = h * friction_power(d, mean1, mean2, d.b2)
     resisted = load + gain * mean2 + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
         end_y = y + driven - resisted
         w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
-        w.angle1 = h * mean1
-        w.work1 = prescribed / h * w.angle1
+        change.theta1 = h * mean1
     else:
         w.end1 = end_y
-        w.angle1 = h * speed
+        change.theta1 = h * speed
         kept = mean_coupling * change_slip - d.k * (w.end.b - x.here.b) * (slip + 0.5 * change_slip)
-        w.impulse1 = 0.5 * (total + end_total) * prescribed + (w.end.i - x.here.i) * speed - kept + resisted
-        w.impulse1 += h * w.weight1
+        change.drive = 0.5 * (total + end_total) * prescribed + (w.end.i - x.here.i) * speed - kept + resisted
+        change.drive += h * w.weight1
         missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
-        w.work1 = speed * w.impulse1 + prescribed * missing
+        change.work_in = speed * change.drive + prescribed * missing
     w.end2 = x.omega2 + ((w.end1 - x.omega1) - change_slip)
     if held:
         w.end2 = 0.0
     if w.slip_stopped != 0.0:
         w.end2 = w.end1
-    w.weighing = w.weight1 * w.angle1 + w.weight_slip * w.slip_angle
+    w.weighing = w.weight1 * change.theta1 + w.weight_slip * w.slip_angle
 
 
 def turn_link1(d, x, w, prescribed, h):
     """Step with link 2 held and the speed given: link 1 turns the inertia Phi."""
+    change = w.change
     inertia = inertia_of_link1(d, x.here.i, x.here.b, x.here.g)
     end_inertia = inertia_of_link1(d, w.end.i, w.end.b, w.end.g)
     w.reached = 1.0
     w.end2 = 0.0
     w.end1 = x.omega1 + prescribed
     mean1 = x.omega1 + 0.5 * prescribed
-    w.angle1 = w.new_slip_angle = w.foreseen = h * mean1
+    change.theta1 = w.new_slip_angle = w.foreseen = h * mean1
     friction = h * (d.b1 + d.k * d.k * d.bq)
     against = h * (w.weight1 + w.weight_slip)
     against += math.copysign(h * w.friction, mean1) if mean1 != 0.0 else 0.0
-    w.impulse1 = 0.5 * (
+    change.drive = 0.5 * (
         end_inertia * w.end1 - inertia * x.omega1 + 0.5 * (inertia + end_inertia) * prescribed
     )
-    w.impulse1 += friction * mean1 + against
-    w.work1 = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
-    w.work1 += (friction * mean1 + against) * mean1 + w.weight_slip * (w.slip_angle - w.angle1)
-    w.friction_work = friction * mean1 * mean1
-    w.lost_by_load = h * w.friction * abs(mean1)
-    w.weighing = (w.weight1 + w.weight_slip) * w.angle1
+    change.drive += friction * mean1 + against
+    change.work_in = 0.5 * (end_inertia * w.end1 * w.end1 - inertia * x.omega1 * x.omega1)
+    change.work_in += (friction * mean1 + against) * mean1 + w.weight_slip * (w.slip_angle - change.theta1)
+    change.lost[VISCOUS] = friction * mean1 * mean1
+    change.lost[MESH] = h * w.friction * abs(mean1)
+    w.weighing = (w.weight1 + w.weight_slip) * change.theta1
 
 
 def mesh_impulse(d, x, w, h):
     """Impulse that the mesh passes to link 2 in the step that w has found: what link 1 does not keep."""
-    put_in = x.drive_torque * h if d.by_torque != 0.0 else w.impulse1
+    put_in = x.drive_torque * h if d.by_torque != 0.0 else w.change.drive
     before = (d.J1 + x.here.i) * x.omega1 + d.k * x.here.b * (x.omega1 - x.omega2)
     after = (d.J1 + w.end.i) * w.end1 + d.k * w.end.b * (w.end1 - w.end2)
-    return put_in - (after - before) - d.b1 * w.angle1 - h * w.weight1
+    return put_in - (after - before) - d.b1 * w.change.theta1 - h * w.weight1
 
 
 def find_friction(d, x, w, h):
-    """Take from the step that w has found what its loads resist its slip with, w.friction, N m.
-
-    All is linear in it but for signs, so the step before and this one tell where it is its own cause.
-    """
+    """Take from the step that w has found what its loads resist its slip with, w.friction, N m."""
     k = d.k
     journals = spun = 0.0
     if d.journal_friction + d.satellite_loss > 0.0:
@@ -204,21 +200,7 @@ def find_friction(d, x, w, h):
             d, q, imbalance(d, q, 0.0), mean1, k * w.new_slip_angle / h, alpha1, rate2_q, AS_THEY_ARE
         )
         spun = k * (journals + spun + by_alpha1 * alpha1 + by_rate2 * rate2_q)
-    mesh = mesh_impulse(d, x, w, h) / h
-    change = w.friction - w.friction_before
-    by_spun = by_mesh = more = 0.0
-    if change != 0.0 and w.slip_stopped == 0.0:
-        by_spun = (spun - w.spun) / change
-        by_mesh = (mesh - w.mesh) / change
-    for sign in (1.0, -1.0):
-        share = max(1.0 - by_spun - sign * d.mesh_loss * by_mesh, NOT_ITS_OWN)
-        more = (spun + sign * d.mesh_loss * mesh - w.friction) / share
-        if sign * (mesh + by_mesh * more) >= 0.0:
-            break
-    w.spun = spun
-    w.mesh = mesh
-    w.friction_before = w.friction
-    w.friction = max(0.0, w.friction + more)
+    w.friction = spun + d.mesh_loss * abs(mesh_impulse(d, x, w, h)) / h
     w.journal_share = min(1.0, k * journals / w.friction) if w.friction > 0.0 else 0.0
 
 
@@ -325,18 +307,23 @@ def drive_mass(d, x, w, h):
         w.omega4 = max(-mean4, min(mean4, w.omega4))
 
 
-def turn_shaft(d, x, w, end3, h):
-    """The hub to its end speed, with twist, driven mass and works of the shaft behind it."""
+def turn_shaft(d, x, w, h):
+    """Write what the step changes behind link 2: twist, angle of the output, works of friction and shaft."""
+    change = w.change
     mean4 = w.mean3
-    if d.viscous != 0.0:
-        lost = w.friction_work + h * d.b3 * w.mean3 * w.mean3
-        add_loss(x, VISCOUS, lost)
+    change.lost[VISCOUS] += h * d.b3 * w.mean3 * w.mean3
     if d.elastic != 0.0:
         mean4 -= w.mean_relative
         lost = h * (d.shaft_damping * w.mean_relative * w.mean_relative + d.driven_friction * mean4 * mean4)
         lost -= d.balancer * d.J4 * (w.seen3 - x.omega3) * mean4
-        add_loss(x, SHAFT, lost)
-        x.twist, x.twist_low = add(x.twist, x.twist_low, h * w.mean_relative)
+        change.lost[SHAFT] = lost
+        change.twist = h * w.mean_relative
+    change.turned3 = h * mean4
+
+
+def end_hub(d, x, w, end3):
+    """Set hub and driven mass to the speeds that the step ends with, end3 after the impacts at its end."""
+    if d.elastic != 0.0:
         x.omega3 = w.seen3
         x.relative = w.seen3 - w.omega4
         x.relative_low = 0.0
@@ -346,7 +333,4 @@ def turn_shaft(d, x, w, end3, h):
             x.relative = 0.0
             x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
-    angle = h * mean4
-    x.turned3 += angle
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * angle)
     x.omega3 = end3

@@ -7,11 +7,12 @@ elastic shaft moves by the midpoint rule (docs/mechanics.md).
 
 import math
 
-from ..accumulate import add, add_loss, copy, wrap_drive_angle, wrap_input_angle
-from ..codes import DRIVING, HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
+from ..accumulate import clear, copy
+from ..codes import HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
 from ..equations.choice import choose_states
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH
-from ..equations.states import count_engagements, is_rough
+from ..equations.states import OPEN, count_switch, drives, holds, is_rough
+from ..events.advance import commit
 from ..impulse import settle, shaft_inertia
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
@@ -77,7 +78,7 @@ def follow(d, x, w, held, joined, prescribed, h):
         load += hub_load
         gain += hub_gain
     motion.move_links(d, x, w, held, carried, load, gain, prescribed, h)
-    mean2 = 0.0 if held else (w.angle1 - w.new_slip_angle) / h
+    mean2 = 0.0 if held else (w.change.theta1 - w.new_slip_angle) / h
     drag = drag_load + drag_gain * mean2
     overrun = over_load - over_gain * mean2
     if joined:
@@ -94,7 +95,7 @@ def follow(d, x, w, held, joined, prescribed, h):
     meets = closes(d.output_engagement_angle, x.play_output + h * (w.mean3 - mean2))
     drag *= mean2
     overrun *= w.mean3 - mean2
-    w.lost_by_drag = drag + overrun
+    w.change.lost[FREEWHEEL] = drag + overrun
     w.reversed = 1.0 if drag < 0.0 or overrun < 0.0 else 0.0
     inertia3 = shaft_inertia(d, w.stiff != 0.0)
     if d.elastic != 0.0:
@@ -110,12 +111,12 @@ def follow(d, x, w, held, joined, prescribed, h):
         w.settled2, w.settled3, output, mode = settle(
             d, inertia2, end2, inertia3, w.end3 - push / inertia3, stops, meets
         )
-        w.output = output - holding
+        w.change.output = output - holding
         w.mode = mode
-        if mode == DRIVING or mode == HELD_DRIVING:
+        if drives(mode):
             return push
     w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3, stops, meets)
-    w.output = output + contact
+    w.change.output = output + contact
     w.mode = mode
     return push
 
@@ -128,7 +129,7 @@ def follow_closed(d, x, w, prescribed, h):
     if joined and not always and push <= 0.0:
         follow(d, x, w, False, False, prescribed, h)
     stays = x.omega2 == 0.0 and x.play_housing == 0.0
-    if d.housing != 0.0 and stays and (w.mode == HELD or w.mode == HELD_DRIVING):
+    if d.housing != 0.0 and stays and holds(w.mode):
         joined = always or (x.omega3 == 0.0 and x.play_output == 0.0 and w.mode == HELD_DRIVING)
         push = follow(d, x, w, True, joined, prescribed, h)
         if joined and not always and push < 0.0:
@@ -156,12 +157,11 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
         foresee: whether it ends where that one came to.
     """
     w.straight = 1.0
-    w.friction_before = w.friction
     for _ in range(passes(d)):
         follow_contacts(d, x, w, prescribed, h)
         motion.find_friction(d, x, w, h)
         if foresee:
-            w.far_angle1 = w.angle1
+            w.far_angle1 = w.change.theta1
             look_ahead(d, x, w, w.foreseen)
     w.straight = 0.0
     follow_contacts(d, x, w, prescribed, h)
@@ -169,11 +169,11 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
 
 def share_until_closed(d, x, w):
     """Share of the step after which a freewheel without play closes in it, 1 where none does (see follow)."""
-    drives = d.output_engagement_angle == 0.0 and (w.mode == DRIVING or w.mode == HELD_DRIVING)
-    if drives and x.omega3 > x.omega2 and w.end2 > w.end3:
+    meets = d.output_engagement_angle == 0.0 and drives(w.mode)
+    if meets and x.omega3 > x.omega2 and w.end2 > w.end3:
         return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3)
-    holds = d.housing_engagement_angle == 0.0 and (w.mode == HELD or w.mode == HELD_DRIVING)
-    if holds and x.omega2 > 0.0 and w.end2 < 0.0:
+    stops = d.housing_engagement_angle == 0.0 and holds(w.mode)
+    if stops and x.omega2 > 0.0 and w.end2 < 0.0:
         return x.omega2 / (x.omega2 - w.end2)
     return 1.0
 
@@ -216,76 +216,59 @@ def close_within(d, x, w, prescribed, h, share):
     return True
 
 
-def use_play(d, x, w, end2, end3, h):
-    """Turn freewheels within their play by the step in hand; what an impact at its end takes is lost.
-
-    end2 and end3 are the speeds of link 2 and hub after it, rad/s. Returns whether one with play has closed.
-    """
-    turned2 = w.angle1 - w.new_slip_angle
-    held = w.mode == HELD or w.mode == HELD_DRIVING
-    driving = w.mode == DRIVING or w.mode == HELD_DRIVING
-    impact = (held and x.play_housing > 0.0) or (driving and x.play_output > 0.0)
-    x.play_housing = max(0.0, min(x.play_housing + turned2, d.housing_engagement_angle))
-    x.play_output = max(0.0, min(x.play_output + h * w.mean3 - turned2, d.output_engagement_angle))
-    if held:
-        x.play_housing = 0.0
-    if driving:
-        x.play_output = 0.0
-    if impact:
-        inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
-        inertia3 = shaft_inertia(d, w.stiff != 0.0)
-        lost = inertia2 * (w.end2 * w.end2 - end2 * end2) + inertia3 * (w.end3 * w.end3 - end3 * end3)
-        add_loss(x, FREEWHEEL, 0.5 * lost)
-    return impact
-
-
 def finish(d, x, w, h):
     """Take over what the step, or a part of it, ends with."""
+    change = w.change
     end2, end3 = w.settled2, w.settled3
     if w.slip_stopped != 0.0 and abs(end2 - w.end1) <= STOPPED * abs(w.end1):
         if end3 == end2:
             end3 = w.end1
         end2 = w.end1
-    impact = d.plays != 0.0 and use_play(d, x, w, end2, end3, h)
+    held, driving = holds(w.mode), drives(w.mode)
+    impact = (held and x.play_housing > 0.0) or (driving and x.play_output > 0.0)
+    if impact:
+        inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
+        inertia3 = shaft_inertia(d, w.stiff != 0.0)
+        lost = inertia2 * (w.end2 * w.end2 - end2 * end2) + inertia3 * (w.end3 * w.end3 - end3 * end3)
+        change.lost[FREEWHEEL] += 0.5 * lost
     # links 1 and 2 take the impact that brings link 2 to its end speed
     reaction = d.k * (w.end.b + d.k * w.end.g) * (end2 - w.end2)
     if d.by_torque != 0.0:
         w.end1 += reaction / inertia_of_link1(d, w.end.i, w.end.b, w.end.g)
     else:
-        w.impulse1 -= reaction
-        x.input_impulse += w.impulse1
-        w.work1 -= w.end1 * reaction
-    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, w.angle1)
-    wrap_input_angle(x)
+        change.drive -= reaction
+        change.work_in -= w.end1 * reaction
     w.end2 = end2
+    turned2 = change.theta1 - w.new_slip_angle
     mesh = motion.mesh_impulse(d, x, w, h)
-    housing = d.J2 * (end2 - x.omega2) + d.b2 * (w.angle1 - w.new_slip_angle) + w.output - mesh
-    x.housing_impulse += housing
-    if d.losses != 0.0:
-        w.weighed += w.weighing
-        add_loss(x, MESH, (1.0 - w.journal_share) * w.lost_by_load)
-        add_loss(x, JOURNAL, w.journal_share * w.lost_by_load)
-        add_loss(x, FREEWHEEL, w.lost_by_drag)
-    motion.turn_shaft(d, x, w, end3, h)
+    change.housing = d.J2 * (end2 - x.omega2) + d.b2 * turned2 + change.output - mesh
+    change.square = change.output * change.output / h
     # on to just where the inertia at the end is that of: with another the energy would not be the same
-    x.q, x.q_low = add(x.q, x.q_low, d.k * w.slip_angle)
-    wrap_drive_angle(d, x)
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, w.work1)
-    x.output_impulse += w.output
-    x.output_square += w.output * w.output / h
+    change.q = d.k * w.slip_angle
+    change.wound_housing = -turned2
+    change.wound_output = turned2 - h * w.mean3
+    w.weighed += w.weighing
+    change.lost[JOURNAL] = w.journal_share * change.lost[MESH]
+    change.lost[MESH] -= change.lost[JOURNAL]
+    motion.turn_shaft(d, x, w, h)
+    commit(d, x, w)
+    # (speeds as they are, so that those of parts that move together are equal)
+    x.omega1 = w.end1
+    x.omega2 = end2
+    motion.end_hub(d, x, w, end3)
+    if held:
+        x.play_housing = 0.0
+    if driving:
+        x.play_output = 0.0
     if not impact:
-        x.torque_peak = max(x.torque_peak, abs(w.output) / h)
-        x.housing_torque_peak = max(x.housing_torque_peak, d.housing * abs(housing) / h)
+        x.torque_peak = max(x.torque_peak, abs(change.output) / h)
+        x.housing_torque_peak = max(x.housing_torque_peak, d.housing * abs(change.housing) / h)
     x.housing_slip_peak = max(x.housing_slip_peak, end2)
     x.output_slip_peak = max(x.output_slip_peak, end3 - end2)
     copy(x.here.numbers, w.end.numbers)
     x.friction = w.friction
-    x.omega1 = w.end1
-    x.omega2 = end2
-    if w.mode != x.step_mode:
-        count_engagements(x, x.step_mode, w.mode)
-        x.step_mode = w.mode
-        x.step_switches += 1.0
+    count_switch(x, x.step_mode, w.mode)
+    x.step_mode = w.mode
 
 
 def one_step(d, x, w, prescribed, h):
@@ -294,7 +277,6 @@ def one_step(d, x, w, prescribed, h):
     Args:
         prescribed: change of omega1, rad/s, or impulse of the input torque, N m s.
     """
-    w.load = x.load_torque
     w.friction = x.friction
     w.journal_share = w.weight1 = w.weight_slip = w.weighed = 0.0
     w.dragging = d.losses
@@ -334,6 +316,10 @@ def run_timestepping(d, x, w, h):
         return TOO_MUCH_WORK
     part = h / count
     start1 = x.omega1
+    w.load, w.prescribed = x.load_torque, x.drive_torque
+    clear(w.change.numbers)
+    # what takes over the changes of a step is told by these whether play is left to turn back
+    x.housing_state = x.output_state = OPEN
     number = 0.0
     while number < count:
         number += 1.0
@@ -344,9 +330,5 @@ def run_timestepping(d, x, w, h):
         one_step(d, x, w, prescribed, part)
         sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
-    switches, evaluations = x.step_switches, x.step_evaluations
-    engagements = x.housing_engagements, x.output_engagements
     choose_states(d, x, 0.0)
-    x.step_switches, x.step_evaluations = switches, evaluations
-    x.housing_engagements, x.output_engagements = engagements
     return OK
