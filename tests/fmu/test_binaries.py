@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import lief
 import pytest
 
+from inertia_module import __version__
 from inertia_module.compiling.linking import with_kernel
 from inertia_module.compiling.targets import TARGETS
 from inertia_module.contract.models import DRIVEN_SHAFT
@@ -116,6 +117,13 @@ def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(
     elif target.suffix == ".dll":
         assert found.needs == {"ucrtbase.dll"}
         assert found.loader_writes_to == {".rdata"}
+        (version,) = found.binary.resources_manager.version
+        (texts,) = version.string_file_info.children
+        says = {entry.key: entry.value for entry in texts.entries}
+        assert says["FileDescription"] == fmu.model.title
+        assert says["FileVersion"] == says["ProductVersion"] == __version__
+        assert __version__.startswith("{}.{}.".format(*divmod(version.file_info.file_version_ms, 1 << 16)))
+        assert says["OriginalFilename"] == f"{fmu.identifier}.dll"
     else:
         assert found.needs == {"/usr/lib/libSystem.B.dylib"}
         assert found.binary.build_version.minos[:2] == [11, 0]

@@ -112,7 +112,7 @@ def link(
     """A shared library for a target, or a module of WebAssembly.
 
     Args:
-        target: for which platform. file: its name. content: C files, headers, objects by name.
+        target: for which platform. file: its name. content: C files, headers, objects, resources by name.
         flags: more of them for the compiler. imports: on Windows, functions it needs, by library of Windows.
     """
     with tempfile.TemporaryDirectory() as name:
@@ -125,7 +125,7 @@ def link(
             own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
         elif target.system == "wasi":
             kind = ["-mexec-model=reactor"]
-        linked = sorted(path for path in content if path.endswith((".c", ".o")))
+        linked = sorted(path for path in content if path.endswith((".c", ".o", ".rc")))
         given = ["-target", target.compiler, *FLAGS, *WARNINGS, *flags, *kind, "-s", "-o", file]
         run_tool("cc", [*given, *linked, *own], folder)
         return (folder / file).read_bytes()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import importlib.resources
+import re
 import struct
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from .. import __version__
 from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
 from ..compiling.ir import tool_versions
 from ..compiling.linking import link
 from ..compiling.targets import Target
 from ..contract.models import Model
+from .archive import TEMPLATES, filled
 from .tables import generated
 
 # what is told each stage of a build as it begins
@@ -54,14 +57,25 @@ def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
     return files | {file: text.encode() for file, text in generated(model, guid, fmi).items()}
 
 
+def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
+    """Resource with the version of a library, which Windows shows, by the name of its file; else none."""
+    if target.system != "windows":
+        return {}
+    numbers = ",".join([*re.findall(r"\d+", __version__), "0", "0", "0"][:4])
+    values = {"numbers": numbers, "title": title, "version": __version__, "library": library}
+    return {"version.rc": filled(TEMPLATES / "version.rc", values).encode()}
+
+
 def link_front(target: Target, behind: str) -> bytes:
     """The library in front of pythonfmu's, from the cache if it was built before; behind: name of that."""
     files = sources("fmu/front/*", "compiling/windows.c")
-    made_from = files | sources("fmu/linking.py", "compiling/linking.py") | tool_versions("ziglang", "fmpy")
+    made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
+    made_from |= sources("compiling/linking.py") | tool_versions("ziglang", "fmpy")
     made_from[behind] = target.label.encode()
 
     def linked() -> bytes:
         content = {Path(path).name: text for path, text in files.items()}
+        content |= version_file(target, "front.dll", "Library in front of pythonfmu's")
         flags = ("-std=c11", "-isystem", str(header_folder()), f'-DPYTHONFMU="{behind}"')
         windows = {"kernel32.dll": WINDOWS_FUNCTIONS}
         needed = target._replace(libraries=("-ldl",))

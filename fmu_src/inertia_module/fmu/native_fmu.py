@@ -22,7 +22,7 @@ from .c_source import c_source
 from .component import FOLDER, MANIFEST, PLATFORM, component
 from .description import FLANGE, model_description, terminals
 from .documentation import MECHANISM, index_page
-from .linking import Progress, header_folder, join_for_mac, shell_files
+from .linking import Progress, header_folder, join_for_mac, shell_files, version_file
 from .tables import generated
 
 Content = TypeVar("Content")
@@ -179,7 +179,7 @@ def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -
 
     def linked() -> bytes:
         progress(f"compiling {fmu.identifier} for {target.label}")
-        content = shell_files(fmu.model, made_for, fmu.fmi)
+        content = shell_files(fmu.model, made_for, fmu.fmi) | version_file(target, file, fmu.model.title)
         return with_kernel(fmu.model, target, file, content, "-isystem", str(header_folder()))
 
     name = f"{fmu.identifier}-{target.label}{target.suffix}"
