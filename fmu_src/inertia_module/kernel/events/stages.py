@@ -74,9 +74,11 @@ def rates_of(d, x, w, n, lossy):
         rates.wound_housing = -m.omega2 if turns else 0.0
         turns = x.output_state == WOUND or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
-    for which in range(how_many_guards(d) if lossy else SLIP):
-        if SLIP < which < FLOW and d.plays == 0.0:
-            continue
+    # (of a number known to the compiler it makes one after the other, without questions)
+    for which in range(FLOW if lossy else SLIP):
+        if which <= SLIP or d.plays != 0.0:
+            w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+    for which in range(FLOW, how_many_guards(d) if lossy else FLOW):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
