@@ -145,12 +145,12 @@ def stages_of(d, x, w, first, last, lossy):
         if lossy and d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1))
-        if d.elastic != 0.0:
-            m.twist = x.twist + h * weighed_rate(w, row, n, TWIST)
-            m.relative = x.relative + h * weighed_rate(w, row, n, RELATIVE)
-        if lossy and d.turning != 0.0:
-            housing = h * weighed_rate(w, row, n, WOUND_HOUSING)
-            turn_freewheels(x, m, housing, h * weighed_rate(w, row, n, WOUND_OUTPUT))
+        if d.elastic != 0.0 or (lossy and d.turning != 0.0):
+            twist, relative, housing, output = weighed_four(w.rates, WEIGHTS, STAGES * row, n, TWIST)
+            m.twist = x.twist + h * twist
+            m.relative = x.relative + h * relative
+            if lossy and d.turning != 0.0:
+                turn_freewheels(x, m, h * housing, h * output)
         equations(d, x, w.prescribed, w.load, True, lossy)
         rates_of(d, x, w, n, lossy)
         x.step_evaluations += 1.0
