@@ -20,8 +20,8 @@ TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = range(LOST + CAUSES, LOST + CAUSE
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
 RIGID_OUTPUT, WITH_SHAFT, WITH_TURNING = 4, 6, 8
 TWIST_MOVES = 4
-# how many of them an ideal module of rigid output has, and how many of these tell its motion
-FEWEST, MOVING = 12, 4
+# how many of them an ideal module of rigid output has
+FEWEST = 12
 
 
 def how_many_move(d):
@@ -122,6 +122,17 @@ def weigh(stages, weights, begin, count, factor, sums, first, end):
         sums[which + 3] = factor * four
 
 
+def weigh_motion(d, stages, weights, begin, count, factor, sums):
+    """Write weighed sums of what moves (see weigh)."""
+    weigh(stages, weights, begin, count, factor, sums, 0, TWIST_MOVES)
+    if d.elastic + d.losses != 0.0:
+        weigh(stages, weights, begin, count, factor, sums, TWIST, len(sums))
+    if d.weight != 0.0:
+        sums[THETA1] = 0.0
+        for n in range(count):
+            sums[THETA1] += factor * weights[begin + n] * stages[n].theta1
+
+
 def evaluate_stages(d, x, w, first, last):
     """Evaluate stages of the step in hand, from the first to the last."""
     if d.losses != 0.0:
@@ -156,15 +167,12 @@ def stages_of(d, x, w, first, last, lossy):
         x.step_evaluations += 1.0
 
 
-def set_changes(d, x, w, changes, h, count, fewest):
-    """Changes of what is followed over the time h, by the weights of so many stages in w.weights.
-
-    Args:
-        fewest: how many of them a rigid module without losses wants.
-    """
-    followed = fewest if d.elastic + d.losses == 0.0 else len(changes.numbers)
-    weigh(w.rates, w.weights, 0, count, w.step, changes.numbers, 0, followed)
-    prescribe_link1(d, x, w, changes, h)
+def set_changes(d, x, w, h, count):
+    """Changes of what is followed over the time h, by the weights of so many stages in w.weights."""
+    changes = w.change.numbers
+    followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
+    weigh(w.rates, w.weights, 0, count, w.step, changes, 0, followed)
+    prescribe_link1(d, x, w, w.change, h)
 
 
 def prescribe_link1(d, x, w, changes, h):
@@ -183,7 +191,7 @@ def make_step(d, x, w, pair, h):
     row = pair + last
     for n in range(last):
         w.weights[n] = WEIGHTS[STAGES * row + n]
-    set_changes(d, x, w, w.change, h, last, FEWEST)
+    set_changes(d, x, w, h, last)
 
 
 def solve_changed(d, x, w, changes):
@@ -202,12 +210,6 @@ def solve_changed(d, x, w, changes):
     solve_motion(d, x, w)
 
 
-def write_changes_inside(d, x, w, changes, sigma, fewest):
-    """Write the changes up to the part sigma of the step in hand, its inside known (see set_changes)."""
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
-
-
 def exact_guard(d, x, w, which, sigma):
     """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
     values = w.watched[which].value
@@ -215,7 +217,9 @@ def exact_guard(d, x, w, which, sigma):
     if sigma == 1.0:
         value = values[END]
     elif sigma > 0.0:
-        write_changes_inside(d, x, w, w.inside, sigma, MOVING)
+        write_inside_weights(sigma, w.weights)
+        weigh_motion(d, w.rates, w.weights, 0, STAGES, w.step, w.inside.numbers)
+        prescribe_link1(d, x, w, w.inside, sigma * w.step)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
     return value - min(values[0], 0.0)
@@ -223,7 +227,8 @@ def exact_guard(d, x, w, which, sigma):
 
 def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
-    write_changes_inside(d, x, w, w.change, sigma, FEWEST)
+    write_inside_weights(sigma, w.weights)
+    set_changes(d, x, w, sigma * w.step, STAGES)
     w.step *= sigma
     if d.losses == 0.0:
         solve_changed(d, x, w, w.change)
