@@ -8,6 +8,7 @@ from ..equations.losses import write_powers_lost
 from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
+from ..links import energy_of_links
 from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import FLOW, SLIP, how_many_guards, value_and_rate
 
@@ -58,7 +59,9 @@ def rates_of(d, x, w, n, lossy):
     rates.omega3 = m.alpha3
     rates.theta1 = m.omega1
     # (in maps of fidelity averaged, where the output turns evenly, the energy takes its place)
-    rates.turned3 = m.omega3 if d.averaged == 0.0 else m.energy
+    rates.turned3 = m.omega3
+    if d.averaged != 0.0:
+        rates.turned3 = energy_of_links(d, m.i, m.b, m.g, m.omega1, m.omega2)
     if d.elastic != 0.0:
         rates.turned3 -= m.relative
         rates.twist = m.relative
