@@ -93,10 +93,14 @@ def turn_freewheels(x, m, housing, output):
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w, row, count, which):
-    """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau."""
-    total = 0.0
-    for n in range(count):
+def weighed_rate(w, row, count, which, after=1):
+    """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau.
+
+    Args:
+        after: the first stage after stage 0 that the row weighs, or one before it.
+    """
+    total = WEIGHTS[STAGES * row] * w.rates[0].numbers[which]
+    for n in range(after, count):
         total += WEIGHTS[STAGES * row + n] * w.rates[n].numbers[which]
     return total
 
