@@ -112,8 +112,6 @@ def kinetic_energy(d, q, omega1, omega2, omega3):
     return energy_of_links(d, i, b, g, omega1, omega2) + 0.5 * d.J3 * omega3 * omega3
 
 
-
-
 def stored_in_shaft(d, x):
     """Energy of the driven mass and the twist, J."""
     omega4 = x.omega3 - x.relative

@@ -93,8 +93,9 @@ ROWS = (
     (-5 / 72, 1 / 12, 1 / 9, -1 / 8),
 )
 # fmt: on
-# all rows one after the other, each as long as there are stages
+# all rows one after the other, each as long as there are stages; the stage each weighs first after stage 0
 WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (STAGES - len(row))))
+AFTER = tuple(next((n for n, weight in enumerate(row) if n > 0 and weight != 0.0), 1) for row in ROWS)
 
 
 def last_stage(pair):

@@ -104,7 +104,7 @@ def advance_kinematic(d, x, w, remaining):
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
     x.step_evaluations += GAUSS
-    set_changes(d, x, w, h, GAUSS)
+    set_changes(d, x, w, h, 1, GAUSS)
     # the motion, without the rounding of a sum
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1

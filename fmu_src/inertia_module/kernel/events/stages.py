@@ -9,7 +9,7 @@ from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
 from ..links import energy_of_links
-from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
+from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import FLOW, SLIP, how_many_guards, value_and_rate
 
 # places in fields.FOLLOWED
@@ -105,10 +105,12 @@ def weighed_rate(w, row, count, which, after=1):
     return total
 
 
-def weighed_four(stages, weights, begin, count, first):
-    """Weighed sums of four quantities at so many stages (w.rates ...), weights from place begin on."""
-    a = b = c = d = 0.0
-    for n in range(count):
+def weighed_four(stages, weights, begin, after, count, first):
+    """Weighed sums of four quantities at stage 0 and others (w.rates ...), weights from place begin on."""
+    weight, numbers = weights[begin], stages[0].numbers
+    a, b = weight * numbers[first], weight * numbers[first + 1]
+    c, d = weight * numbers[first + 2], weight * numbers[first + 3]
+    for n in range(after, count):
         weight = weights[begin + n]
         numbers = stages[n].numbers
         a += weight * numbers[first]
@@ -118,22 +120,22 @@ def weighed_four(stages, weights, begin, count, first):
     return a, b, c, d
 
 
-def weigh(stages, weights, begin, count, factor, sums, first, end):
+def weigh(stages, weights, begin, after, count, factor, sums, first, end):
     """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
     for begins in range(first, end, 4):
         which = min(begins, end - 4)
-        one, two, three, four = weighed_four(stages, weights, begin, count, which)
+        one, two, three, four = weighed_four(stages, weights, begin, after, count, which)
         sums[which] = factor * one
         sums[which + 1] = factor * two
         sums[which + 2] = factor * three
         sums[which + 3] = factor * four
 
 
-def weigh_motion(d, stages, weights, begin, count, factor, sums):
+def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
     """Write weighed sums of what moves (see weigh)."""
-    weigh(stages, weights, begin, count, factor, sums, 0, TWIST_MOVES)
+    weigh(stages, weights, begin, after, count, factor, sums, 0, TWIST_MOVES)
     if d.elastic + d.losses != 0.0:
-        weigh(stages, weights, begin, count, factor, sums, TWIST, len(sums))
+        weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
     if d.weight != 0.0:
         sums[THETA1] = 0.0
         for n in range(count):
@@ -155,7 +157,7 @@ def stages_of(d, x, w, first, last, lossy):
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, n, Q)
+        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, AFTER[row], n, Q)
         m.q = x.q + h * q
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
@@ -164,7 +166,9 @@ def stages_of(d, x, w, first, last, lossy):
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1))
         if d.elastic != 0.0 or (lossy and d.turning != 0.0):
-            twist, relative, housing, output = weighed_four(w.rates, WEIGHTS, STAGES * row, n, TWIST)
+            twist, relative, housing, output = weighed_four(
+                w.rates, WEIGHTS, STAGES * row, AFTER[row], n, TWIST
+            )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
             if lossy and d.turning != 0.0:
@@ -174,11 +178,11 @@ def stages_of(d, x, w, first, last, lossy):
         x.step_evaluations += 1.0
 
 
-def set_changes(d, x, w, h, count):
+def set_changes(d, x, w, h, after, count):
     """Changes of what is followed over the time h, by the weights of so many stages in w.weights."""
     changes = w.change.numbers
     followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
-    weigh(w.rates, w.weights, 0, count, w.step, changes, 0, followed)
+    weigh(w.rates, w.weights, 0, after, count, w.step, changes, 0, followed)
     prescribe_link1(d, x, w, w.change, h)
 
 
@@ -198,7 +202,7 @@ def make_step(d, x, w, pair, h):
     row = pair + last
     for n in range(last):
         w.weights[n] = WEIGHTS[STAGES * row + n]
-    set_changes(d, x, w, h, last)
+    set_changes(d, x, w, h, AFTER[row], last)
 
 
 def solve_changed(d, x, w, changes):
@@ -225,7 +229,7 @@ def exact_guard(d, x, w, which, sigma):
         value = values[END]
     elif sigma > 0.0:
         write_inside_weights(sigma, w.weights)
-        weigh_motion(d, w.rates, w.weights, 0, STAGES, w.step, w.inside.numbers)
+        weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
         prescribe_link1(d, x, w, w.inside, sigma * w.step)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
@@ -235,7 +239,7 @@ def exact_guard(d, x, w, which, sigma):
 def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
     write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, STAGES)
+    set_changes(d, x, w, sigma * w.step, LATE, STAGES)
     w.step *= sigma
     if d.losses == 0.0:
         solve_changed(d, x, w, w.change)
