@@ -98,7 +98,9 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         push = passed * demand - resisting
         if d.by_torque == 0.0:
             if x.housing_state != LOCKED and not geared:
-                alpha2 = (push + passed * coupling * alpha1) / (own2 + passed * k * by_q)
+                # (divided before the torques are known: a good part of the time of an evaluation)
+                mobility = 1.0 / (own2 + passed * k * by_q)
+                alpha2 = mobility * (push + passed * coupling * alpha1)
         else:
             drive = prescribed - rest1 - passed * demand
             phi = own1 + k * b + passed * coupling
