@@ -27,7 +27,7 @@ def reduced_inertia(d, q):
         fixed = own + mass * centre * centre
         return fixed - 2.0 * cosine, 2.0 * sine, own - cosine, sine, own, 0.0
     s = d.s
-    half = 0.5 * (s * q + d.phase_b)
+    half = 0.5 * s * q + 0.5 * d.phase_b
     sin_a = 0.0
     cos_a = 0.0
     if d.satellites > 2.0:
@@ -43,9 +43,9 @@ def reduced_inertia(d, q):
     g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
     arm = d.arm
-    z = d.axial - d.axial_cos * cos_b
+    z = (d.axial - d.axial_cos) + d.axial_cos * versed
     z1 = s * d.axial_cos * sin_b
-    radial = d.radial - d.radial_cos * cos_b
+    radial = (d.radial - d.radial_cos) + d.radial_cos * versed
     tangential = -arm * sin_b
     radial1 = s * d.radial_cos * sin_b
     tangential1 = -s * arm * cos_b
