@@ -51,7 +51,9 @@ def compile_ir(model: Model, target: Target) -> bytes:
     module.data_layout = str(machine.target_data)
     # no other library may put its own in its place
     module.get_function(model.symbol).visibility = "hidden"
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.slp_vectorization = True  # sines of two angles, sums of four quantities at once: the same bits
+    builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
     return bytes(machine.emit_object(module))
 

@@ -34,6 +34,7 @@ from ..contract.records import record_type
 INLINED = (
     *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
     *("events.stages.rates_of", "events.stages.weighed_four"),
+    *("equations.losses.outer_torques", "equations.losses.write_powers_lost"),
     *("inertia.reduced_inertia", "layout.imbalance_at", "sine.sine_cosine", "sine.sines_cosines"),
 )
 # of all passes: what the first makes simple is short enough to become part of its callers in the second

@@ -26,14 +26,14 @@ KNOTS = 64
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
 MOMENTS = 8
 
-# motion of an instant, and what is kept of it from one step to the next: accelerations, torques, angular
-# momentum and kinetic energy of links 1 and 2 and the imbalances
+# motion of an instant, and what is kept of it from one step to the next: accelerations, torques, reduced
+# inertia
 MOTION = ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output")
 # play that is left until a freewheel which has overrun carries again
 PLAY = ("play_housing", "play_output")
 NOW = (
     *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
-    *("momentum", "energy"),
+    *("i", "b", "g"),
 )
 # reduced inertia at an angle of the drive: I, I', B, G
 INERTIA = ("i", "i1", "b", "g")

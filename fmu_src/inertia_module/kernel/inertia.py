@@ -28,7 +28,7 @@ def reduced_inertia(d, q):
         fixed = own + mass * centre * centre
         return fixed - 2.0 * cosine, 2.0 * sine, own - cosine, sine, own, 0.0
     s = d.s
-    half = 0.5 * (s * q + d.phase_b)
+    half = 0.5 * s * q + 0.5 * d.phase_b
     sin_a, cos_a = 0.0, 1.0
     if d.satellites > 2.0:
         sin_half, cos_half = sine_cosine(half)

@@ -94,17 +94,22 @@ def slip_inertia(d, i, b, g, carried):
     return total, coupling * per_total, determinant * per_total
 
 
+def momentum_of_links(d, i, b, omega1, omega2):
+    """Angular momentum of links 1 and 2 and the imbalances, N m s."""
+    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
+
+
+def energy_of_links(d, i, b, g, omega1, omega2):
+    """Kinetic energy of links 1 and 2 and the imbalances, J."""
+    rate_q = d.k * (omega1 - omega2)
+    links = 0.5 * ((d.J1 + i) * omega1 * omega1 + d.J2 * omega2 * omega2)
+    return links + (b * omega1 + 0.5 * g * rate_q) * rate_q
+
+
 def kinetic_energy(d, q, omega1, omega2, omega3):
     """Kinetic energy T of links 1 and 2, the imbalances and J3, J."""
     i, _, b, _, g, _ = reduced_inertia(d, q)
-    rate_q = d.k * (omega1 - omega2)
-    return (
-        0.5 * (d.J1 + i) * omega1 * omega1
-        + b * omega1 * rate_q
-        + 0.5 * g * rate_q * rate_q
-        + 0.5 * d.J2 * omega2 * omega2
-        + 0.5 * d.J3 * omega3 * omega3
-    )
+    return energy_of_links(d, i, b, g, omega1, omega2) + 0.5 * d.J3 * omega3 * omega3
 
 
 def shaft_frequency(d, compliance):

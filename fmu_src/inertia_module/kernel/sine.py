@@ -1,8 +1,8 @@
 """Sine and cosine together, faster than the library gives them: a good part of the cost of the mechanism.
 
 The argument is reduced to |r| <= pi/4 with pi/2 in three parts, the first two of 33 bits so that their
-multiples are exact; then both Taylor series, summed in pairs (Estrin) so that a processor works on
-several terms at once. The error stays below one and a half units in the last place.
+multiples are exact; then the polynomials of fdlibm (k_sin.c, k_cos.c), summed in pairs (Estrin) so that a
+processor works on several terms at once. The error stays below one and a half units in the last place.
 """
 
 import math
@@ -25,20 +25,14 @@ def reduced(x):
     z = r * r
     z2 = z * z
     z4 = z2 * z2
-    odd = (-0.16666666666666666 + z * 0.008333333333333333) + z2 * (
-        -0.0001984126984126984 + z * 2.7557319223985893e-06
+    odd = (-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03) + z2 * (
+        -1.98412698298579493134e-04 + z * 2.75573137070700676789e-06
     )
-    odd += z4 * (
-        (-2.505210838544172e-08 + z * 1.6059043836821613e-10)
-        + z2 * (-7.647163731819816e-13 + z * 2.8114572543455206e-15)
+    odd += z4 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+    even = (4.16666666666666019037e-02 + z * -1.38888888888741095749e-03) + z2 * (
+        2.48015872894767294178e-05 + z * -2.75573143513906633035e-07
     )
-    even = (0.041666666666666664 + z * -0.001388888888888889) + z2 * (
-        2.48015873015873e-05 + z * -2.755731922398589e-07
-    )
-    even += z4 * (
-        (2.08767569878681e-09 + z * -1.1470745597729725e-11)
-        + z2 * (4.779477332387385e-14 + z * -1.5619206968586225e-16)
-    )
+    even += z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
     sine = r + r * z * odd
     half = 0.5 * z
     whole = 1.0 - half

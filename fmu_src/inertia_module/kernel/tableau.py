@@ -13,6 +13,8 @@ LONG, SHORT = 0, 16
 # nodes of the parts at which the inside of a stiff step is looked at (events.rosenbrock), and how many
 THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
+# the stage after stage 0 that errors of the long pair begin with
+LATE = 5
 # the pair of order 3 of gentle steps: its rows, last stage, and row of errors
 GENTLE, GENTLE_END, GENTLE_ERROR = 30, 3, 34
 # the five-point Gauss rule on [0, 1], for what is known at any instant
@@ -91,8 +93,9 @@ ROWS = (
     (-5 / 72, 1 / 12, 1 / 9, -1 / 8),
 )
 # fmt: on
-# all rows one after the other, each as long as there are stages
+# all rows one after the other, each as long as there are stages; the stage each weighs first after stage 0
 WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (STAGES - len(row))))
+AFTER = tuple(next((n for n, weight in enumerate(row) if n > 0 and weight != 0.0), 1) for row in ROWS)
 
 
 def last_stage(pair):

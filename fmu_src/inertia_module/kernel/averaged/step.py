@@ -113,20 +113,21 @@ def take_step(d, side, x, w, leg, h):
     c, e = -by_v[OMEGA3], own - by_omega3[OMEGA3]
     determinant = a * e - b * c
     w.step = h
+    clear(w.stages[0].numbers)
     for stage in range(STAGES):
         row = (STAGES - 1) * stage
         rates, changes = w.rates[min(stage, 1)].numbers, w.stages[stage].numbers
         if stage > 0:
-            _, v, _, omega3 = weighed_four(w.stages, A, row, stage, Q)
+            _, v, _, omega3 = weighed_four(w.stages, A, row, 1, stage, Q)
             write_mean_rates(d, side, x, leg, x.omega1 + v, x.omega3 + omega3, w.rates[1])
-        weigh(w.stages, C, row, stage, per_step, changes, 0, followed)
+        weigh(w.stages, C, row, 1, stage, per_step, changes, 0, followed)
         for n in range(followed):
             changes[n] += rates[n]
         v = (e * changes[V] - b * changes[OMEGA3]) / determinant
         omega3 = (a * changes[OMEGA3] - c * changes[V]) / determinant
         for n in range(followed):
             changes[n] = GAMMA * h * (changes[n] + by_v[n] * v + by_omega3[n] * omega3)
-    weigh(w.stages, A, (STAGES - 1) * (STAGES - 1), STAGES - 1, 1.0, w.change.numbers, 0, followed)
+    weigh(w.stages, A, (STAGES - 1) * (STAGES - 1), 1, STAGES - 1, 1.0, w.change.numbers, 0, followed)
     for n in range(followed):
         w.change.numbers[n] += w.stages[STAGES - 1].numbers[n]
     keep_to_leg(d, side, x, w, leg)

@@ -98,7 +98,9 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         push = passed * demand - resisting
         if d.by_torque == 0.0:
             if x.housing_state != LOCKED and not geared:
-                alpha2 = (push + passed * coupling * alpha1) / (own2 + passed * k * by_q)
+                # (divided before the torques are known: a good part of the time of an evaluation)
+                mobility = 1.0 / (own2 + passed * k * by_q)
+                alpha2 = mobility * (push + passed * coupling * alpha1)
         else:
             drive = prescribed - rest1 - passed * demand
             phi = own1 + k * b + passed * coupling
@@ -134,9 +136,6 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     m.alpha1 = alpha1
     m.alpha2 = alpha2
     m.drive = own1 * alpha1 + k * b * (alpha1 - alpha2) + rest1 + m.mesh
-    m.momentum = own1 * m.omega1 + b * rate_q + d.J2 * m.omega2
-    m.energy = 0.5 * (own1 * m.omega1 * m.omega1 + d.J2 * m.omega2 * m.omega2)
-    m.energy += (b * m.omega1 + 0.5 * g * rate_q) * rate_q
     if lossy:
         m.flow_sign = flow
         m.journals = journals
@@ -171,8 +170,6 @@ def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
     m.alpha1 = alpha
     m.alpha2 = alpha
     m.drive = (d.J1 + i) * alpha + rest1 + m.mesh
-    m.momentum = (d.J1 + i + d.J2) * omega1
-    m.energy = 0.5 * m.momentum * omega1
     needed = m.mesh / d.k - ideal
     m.margin = journals + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(needed)
     if held and d.by_torque == 0.0 and prescribed != 0.0:
@@ -205,6 +202,7 @@ def equations(d, x, prescribed, load, fixed, lossy):
         inertia = inertia_at(d, place)
     else:
         inertia = reduced_inertia(d, m.q)
+    m.i, _, m.b, _, m.g, _ = inertia
     if lossy:
         outer_torques(d, x, m, place)
     freewheel_torques(d, x, m, lossy)

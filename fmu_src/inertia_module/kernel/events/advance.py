@@ -9,6 +9,7 @@ from ..equations.satellites import with_sign_changed
 from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_wound
 from ..fields import CAUSES
 from ..impulse import close_freewheels, holds_link2
+from ..links import energy_of_links, momentum_of_links
 from ..loads import INSIDE_PHASE, sample_load
 from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS, last_stage
 from . import guards
@@ -34,7 +35,9 @@ def balance(d, x, w):
     change = w.change
     if d.elastic == 0.0 and x.output_state == LOCKED:
         change.output = d.J3 * change.omega3 + w.load * w.step + d.b3 * change.turned3
-    passed = d.machine.momentum - w.momentum + change.output
+    m = d.machine  # (of its motion nothing is known here)
+    omega1, omega2 = x.omega1 + change.omega1, x.omega2 + change.omega2
+    passed = momentum_of_links(d, m.i, m.b, omega1, omega2) - w.momentum + change.output
     passed += d.b1 * change.theta1 + d.b2 * (change.theta1 - change.q / d.k)
     if d.by_torque != 0.0:
         change.housing = passed - w.prescribed * w.step
@@ -42,7 +45,8 @@ def balance(d, x, w):
         change.drive = passed
         if x.housing_state == LOCKED:
             lost = (d.b1 + d.k * d.k * d.bq) * change.theta1
-            change.drive = (d.machine.energy - w.energy) / x.omega1 + lost if x.omega1 != 0.0 else 0.0
+            gained = energy_of_links(d, m.i, m.b, m.g, omega1, omega2) - w.energy
+            change.drive = gained / x.omega1 + lost if x.omega1 != 0.0 else 0.0
         change.housing = passed - change.drive
         change.work_in = x.omega1 * change.drive
 
@@ -192,7 +196,8 @@ def begin_step(d, x, w):
     else:
         keep_rates(d, x, w, 0)
     x.rates_cached = 0.0
-    w.momentum, w.energy = m.momentum, m.energy
+    w.momentum = momentum_of_links(d, m.i, m.b, x.omega1, x.omega2)
+    w.energy = energy_of_links(d, m.i, m.b, m.g, x.omega1, x.omega2)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
 
 

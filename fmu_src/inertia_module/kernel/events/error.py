@@ -5,7 +5,7 @@ import math
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, OPEN, WOUND, is_open, is_wound
 from ..links import response, shaft_frequency
-from ..tableau import END, FIFTH, FOURTH, LONG, SHORT, SHORT_END, THIRD, THIRDS
+from ..tableau import END, FIFTH, FOURTH, LATE, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from . import stages
 
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
@@ -179,15 +179,14 @@ def step_error(d, x, w, fastest):
             scale = w.tolerance * max(scale, abs(w.change.numbers[n]))
         if scale > 0.0:
             count += 1
+            found5 = 0.0
             if w.pair == THIRDS:
                 found3 = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
-                found5 = 0.0
+            elif w.pair == SHORT:
+                found3 = stages.weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale
             else:
-                low = w.pair == SHORT
-                found3 = (
-                    stages.weighed_rate(w, FOURTH if low else THIRD, SHORT_END + 1 if low else END, n) / scale
-                )
-                found5 = 0.0 if low else stages.weighed_rate(w, FIFTH, END, n) / scale
+                found3 = stages.weighed_rate(w, THIRD, END, n, LATE) / scale
+                found5 = stages.weighed_rate(w, FIFTH, END, n, LATE) / scale
             sum3 += found3 * found3
             sum5 += found5 * found5
     if d.losses == 0.0 and w.pair != THIRDS:

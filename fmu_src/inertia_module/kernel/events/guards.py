@@ -103,6 +103,15 @@ def value_and_rate(d, x, m, which):
     return -m.output, -m.output
 
 
+def ends_of(values, last):
+    """The least and the largest of the values up to stage last."""
+    low = high = values[0]
+    for n in range(1, last + 1):
+        low = min(low, values[n])
+        high = max(high, values[n])
+    return low, high
+
+
 def is_clear(x, w, which):
     """Tell whether a guard does not fall in the step, by its stages.
 
@@ -110,26 +119,22 @@ def is_clear(x, w, which):
     only falls, not to zero.
     """
     values = w.watched[which].value
-    start = values[0]
     pair = int(w.pair)
     last = last_stage(pair)
+    low, high = ends_of(values, last)
+    if low > CLEAR * (high - low):
+        return True
     if is_speed(x, which):
-        rates = w.watched[which].rate
-        lowest = highest = rates[0]
-        for n in range(1, last + 1):
-            lowest = min(lowest, rates[n])
-            highest = max(highest, rates[n])
+        lowest, highest = ends_of(w.watched[which].rate, last)
         if lowest >= 0.0 or (highest <= 0.0 and values[last] > 0.0):
             return True
-    low = high = start
+    start = values[0]
     least = most = values[last] - start
     for n in range(1, last + 1):
-        low = min(low, values[n])
-        high = max(high, values[n])
         growth = (values[n] - start) / NODES[pair + n]
         least = min(least, growth)
         most = max(most, growth)
-    return low > CLEAR * (high - low) or (start >= 0.0 and least > CLEAR * (most - least))
+    return start >= 0.0 and least > CLEAR * (most - least)
 
 
 def fit_through(x, w, which):

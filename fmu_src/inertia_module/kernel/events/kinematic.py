@@ -11,7 +11,7 @@ from ..equations.states import GEARED, OPEN
 from ..loads import sample_load
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from .advance import commit
-from .stages import FEWEST, keep_rates, set_changes
+from .stages import keep_rates, set_changes
 
 # phase of the highest harmonic within one Gauss interval, rad
 GAUSS_PHASE = 1.0
@@ -104,7 +104,7 @@ def advance_kinematic(d, x, w, remaining):
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
     x.step_evaluations += GAUSS
-    set_changes(d, x, w, w.change, h, GAUSS, FEWEST)
+    set_changes(d, x, w, h, 1, GAUSS)
     # the motion, without the rounding of a sum
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1

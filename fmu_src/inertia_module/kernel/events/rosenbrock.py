@@ -10,11 +10,12 @@ argument and U_8, which is the error as well. What moves alone is solved for: of
 depends, change and error are weighed sums of f + J U over the stages.
 """
 
+from ..accumulate import clear
 from ..equations.losses import SHAFT
 from ..equations.motion import take_state
 from ..equations.states import LOCKED, WOUND, is_open
 from ..tableau import PARTS, THIRDS
-from .stages import MOTION, keep_rates, prescribe_link1, solve_changed, solve_motion, weigh
+from .stages import MOTION, keep_rates, prescribe_link1, solve_changed, solve_motion, weigh, weigh_motion
 
 STAGES = 8
 GAMMA = 0.21193756319429014
@@ -173,20 +174,10 @@ def invert(w, count):
             a[MOVING * n + i], a[MOVING * n + pivot] = a[MOVING * n + pivot], a[MOVING * n + i]
 
 
-def weigh_motion(d, w, weights, begin, count, factor, sums):
-    """Write weighed sums of what moves (see weigh) at so many stages, times a factor, into sums."""
-    weigh(w.stages, weights, begin, count, factor, sums, 0, MOVE_TWIST)
-    weigh(w.stages, weights, begin, count, factor, sums, MOTION[MOVE_TWIST], len(sums))
-    if d.weight != 0.0:
-        sums[MOTION[MOVE_THETA]] = 0.0
-        for n in range(count):
-            sums[MOTION[MOVE_THETA]] += factor * weights[begin + n] * w.stages[n].theta1
-
-
 def solve_stage(d, w, stage, kept, count):
     """Changes of what moves at a stage, from the rates kept."""
     rates, changes, b = w.rates[kept].numbers, w.stages[stage].numbers, w.right_side
-    weigh_motion(d, w, C, (STAGES - 1) * stage, stage, 1.0 / w.step, changes)
+    weigh_motion(d, w.stages, C, (STAGES - 1) * stage, 1, stage, 1.0 / w.step, changes)
     for i in range(count):
         b[i] = changes[place_of(w, i)] + rates[place_of(w, i)]
     for i in range(count):
@@ -198,7 +189,7 @@ def solve_stage(d, w, stage, kept, count):
 
 def weigh_sums(w, begin, sums, count):
     """Write changes over the step of all but what moves, or their errors, into sums (what moves: in vain)."""
-    weigh(w.rates, SUMS, begin, KEPT, w.step, sums, 0, len(sums))
+    weigh(w.rates, SUMS, begin, PARTS + 1, KEPT, w.step, sums, 0, len(sums))
     for i in range(count):
         slopes, place = w.slopes[int(w.moves[i])].numbers, place_of(w, i)
         known = SUMS[begin] * w.stages[0].numbers[place]
@@ -214,9 +205,10 @@ def make_stiff_step(d, x, w, h):
     w.pair = THIRDS
     count = int(w.moving)
     invert(w, count)
+    clear(w.stages[0].numbers)
     solve_stage(d, w, 0, 0, count)
     for stage in range(1, STAGES):
-        weigh_motion(d, w, A, (STAGES - 1) * stage, stage, 1.0, w.change.numbers)
+        weigh_motion(d, w.stages, A, (STAGES - 1) * stage, 1, stage, 1.0, w.change.numbers)
         solve_changed(d, x, w, w.change)
         keep_rates(d, x, w, PARTS + stage)
         solve_stage(d, w, stage, PARTS + stage, count)
@@ -232,7 +224,7 @@ def set_part(d, x, w, sigma):
         whole = A[(STAGES - 1) * (STAGES - 1) + n] if n < STAGES - 1 else 1.0
         inside = DENSE[n] + sigma * (DENSE[STAGES + n] + sigma * DENSE[2 * STAGES + n])
         w.weights[n] = sigma * (whole + (1.0 - sigma) * inside)
-    weigh_motion(d, w, w.weights, 0, STAGES, 1.0, w.change.numbers)
+    weigh_motion(d, w.stages, w.weights, 0, 1, STAGES, 1.0, w.change.numbers)
     if x.output_state == LOCKED:
         w.change.omega3 = w.change.omega2
     prescribe_link1(d, x, w, w.change, sigma * w.step)

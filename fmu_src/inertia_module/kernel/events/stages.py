@@ -8,7 +8,8 @@ from ..equations.losses import write_powers_lost
 from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
-from ..tableau import END, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
+from ..links import energy_of_links
+from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
 from .guards import FLOW, SLIP, how_many_guards, value_and_rate
 
 # places in fields.FOLLOWED
@@ -20,8 +21,8 @@ TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = range(LOST + CAUSES, LOST + CAUSE
 MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
 RIGID_OUTPUT, WITH_SHAFT, WITH_TURNING = 4, 6, 8
 TWIST_MOVES = 4
-# how many of them an ideal module of rigid output has, and how many of these tell its motion
-FEWEST, MOVING = 12, 4
+# how many of them an ideal module of rigid output has
+FEWEST = 12
 
 
 def how_many_move(d):
@@ -58,7 +59,9 @@ def rates_of(d, x, w, n, lossy):
     rates.omega3 = m.alpha3
     rates.theta1 = m.omega1
     # (in maps of fidelity averaged, where the output turns evenly, the energy takes its place)
-    rates.turned3 = m.omega3 if d.averaged == 0.0 else m.energy
+    rates.turned3 = m.omega3
+    if d.averaged != 0.0:
+        rates.turned3 = energy_of_links(d, m.i, m.b, m.g, m.omega1, m.omega2)
     if d.elastic != 0.0:
         rates.turned3 -= m.relative
         rates.twist = m.relative
@@ -74,9 +77,11 @@ def rates_of(d, x, w, n, lossy):
         rates.wound_housing = -m.omega2 if turns else 0.0
         turns = x.output_state == WOUND or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
-    for which in range(how_many_guards(d) if lossy else SLIP):
-        if SLIP < which < FLOW and d.plays == 0.0:
-            continue
+    # (of a number known to the compiler it makes one after the other, without questions)
+    for which in range(FLOW if lossy else SLIP):
+        if which <= SLIP or d.plays != 0.0:
+            w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+    for which in range(FLOW, how_many_guards(d) if lossy else FLOW):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
@@ -88,18 +93,24 @@ def turn_freewheels(x, m, housing, output):
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w, row, count, which):
-    """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau."""
-    total = 0.0
-    for n in range(count):
+def weighed_rate(w, row, count, which, after=1):
+    """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau.
+
+    Args:
+        after: the first stage after stage 0 that the row weighs, or one before it.
+    """
+    total = WEIGHTS[STAGES * row] * w.rates[0].numbers[which]
+    for n in range(after, count):
         total += WEIGHTS[STAGES * row + n] * w.rates[n].numbers[which]
     return total
 
 
-def weighed_four(stages, weights, begin, count, first):
-    """Weighed sums of four quantities at so many stages (w.rates ...), weights from place begin on."""
-    a = b = c = d = 0.0
-    for n in range(count):
+def weighed_four(stages, weights, begin, after, count, first):
+    """Weighed sums of four quantities at stage 0 and others (w.rates ...), weights from place begin on."""
+    weight, numbers = weights[begin], stages[0].numbers
+    a, b = weight * numbers[first], weight * numbers[first + 1]
+    c, d = weight * numbers[first + 2], weight * numbers[first + 3]
+    for n in range(after, count):
         weight = weights[begin + n]
         numbers = stages[n].numbers
         a += weight * numbers[first]
@@ -109,15 +120,26 @@ def weighed_four(stages, weights, begin, count, first):
     return a, b, c, d
 
 
-def weigh(stages, weights, begin, count, factor, sums, first, end):
+def weigh(stages, weights, begin, after, count, factor, sums, first, end):
     """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
     for begins in range(first, end, 4):
         which = min(begins, end - 4)
-        one, two, three, four = weighed_four(stages, weights, begin, count, which)
+        one, two, three, four = weighed_four(stages, weights, begin, after, count, which)
         sums[which] = factor * one
         sums[which + 1] = factor * two
         sums[which + 2] = factor * three
         sums[which + 3] = factor * four
+
+
+def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
+    """Write weighed sums of what moves (see weigh)."""
+    weigh(stages, weights, begin, after, count, factor, sums, 0, TWIST_MOVES)
+    if d.elastic + d.losses != 0.0:
+        weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
+    if d.weight != 0.0:
+        sums[THETA1] = 0.0
+        for n in range(count):
+            sums[THETA1] += factor * weights[begin + n] * stages[n].theta1
 
 
 def evaluate_stages(d, x, w, first, last):
@@ -135,7 +157,7 @@ def stages_of(d, x, w, first, last, lossy):
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, n, Q)
+        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, AFTER[row], n, Q)
         m.q = x.q + h * q
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
@@ -143,26 +165,25 @@ def stages_of(d, x, w, first, last, lossy):
         if lossy and d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1))
-        if d.elastic != 0.0:
-            m.twist = x.twist + h * weighed_rate(w, row, n, TWIST)
-            m.relative = x.relative + h * weighed_rate(w, row, n, RELATIVE)
-        if lossy and d.turning != 0.0:
-            housing = h * weighed_rate(w, row, n, WOUND_HOUSING)
-            turn_freewheels(x, m, housing, h * weighed_rate(w, row, n, WOUND_OUTPUT))
+        if d.elastic != 0.0 or (lossy and d.turning != 0.0):
+            twist, relative, housing, output = weighed_four(
+                w.rates, WEIGHTS, STAGES * row, AFTER[row], n, TWIST
+            )
+            m.twist = x.twist + h * twist
+            m.relative = x.relative + h * relative
+            if lossy and d.turning != 0.0:
+                turn_freewheels(x, m, h * housing, h * output)
         equations(d, x, w.prescribed, w.load, True, lossy)
         rates_of(d, x, w, n, lossy)
         x.step_evaluations += 1.0
 
 
-def set_changes(d, x, w, changes, h, count, fewest):
-    """Changes of what is followed over the time h, by the weights of so many stages in w.weights.
-
-    Args:
-        fewest: how many of them a rigid module without losses wants.
-    """
-    followed = fewest if d.elastic + d.losses == 0.0 else len(changes.numbers)
-    weigh(w.rates, w.weights, 0, count, w.step, changes.numbers, 0, followed)
-    prescribe_link1(d, x, w, changes, h)
+def set_changes(d, x, w, h, after, count):
+    """Changes of what is followed over the time h, by the weights of so many stages in w.weights."""
+    changes = w.change.numbers
+    followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
+    weigh(w.rates, w.weights, 0, after, count, w.step, changes, 0, followed)
+    prescribe_link1(d, x, w, w.change, h)
 
 
 def prescribe_link1(d, x, w, changes, h):
@@ -181,7 +202,7 @@ def make_step(d, x, w, pair, h):
     row = pair + last
     for n in range(last):
         w.weights[n] = WEIGHTS[STAGES * row + n]
-    set_changes(d, x, w, w.change, h, last, FEWEST)
+    set_changes(d, x, w, h, AFTER[row], last)
 
 
 def solve_changed(d, x, w, changes):
@@ -200,12 +221,6 @@ def solve_changed(d, x, w, changes):
     solve_motion(d, x, w)
 
 
-def write_changes_inside(d, x, w, changes, sigma, fewest):
-    """Write the changes up to the part sigma of the step in hand, its inside known (see set_changes)."""
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, changes, sigma * w.step, STAGES, fewest)
-
-
 def exact_guard(d, x, w, which, sigma):
     """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
     values = w.watched[which].value
@@ -213,7 +228,9 @@ def exact_guard(d, x, w, which, sigma):
     if sigma == 1.0:
         value = values[END]
     elif sigma > 0.0:
-        write_changes_inside(d, x, w, w.inside, sigma, MOVING)
+        write_inside_weights(sigma, w.weights)
+        weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
+        prescribe_link1(d, x, w, w.inside, sigma * w.step)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
     return value - min(values[0], 0.0)
@@ -221,7 +238,8 @@ def exact_guard(d, x, w, which, sigma):
 
 def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
-    write_changes_inside(d, x, w, w.change, sigma, FEWEST)
+    write_inside_weights(sigma, w.weights)
+    set_changes(d, x, w, sigma * w.step, LATE, STAGES)
     w.step *= sigma
     if d.losses == 0.0:
         solve_changed(d, x, w, w.change)
