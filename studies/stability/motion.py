@@ -358,7 +358,7 @@ def distance(one: Run, other: Run, inertia: float = 0.0, share: float = 0.0) -> 
     what it has gone through (at least a radian).
 
     Args:
-        inertia: driven, kg m^2: the output's impulse is known as well as its speed is.
+        inertia: of hub and driven mass, kg m^2: the output's impulse is known as well as their speeds are.
         share: of the fastest speed: with a slower swing the inertia may have any energy.
     """
     speed = max(one.speed, other.speed)

@@ -127,7 +127,7 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
         return {STEPS: Figure(math.inf, 0.0)}
     # what swings far slower than the fastest speed is followed to the tolerance of that alone
     elastic = motion.level.fidelity == ELASTIC
-    swinging = motion["driven_inertia"] if elastic else 0.0, tolerance
+    swinging = motion["driven_inertia"] + motion["output_inertia"] if elastic else 0.0, tolerance
     bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
 
     def sensitivity() -> float:

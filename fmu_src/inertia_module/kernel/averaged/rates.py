@@ -5,13 +5,15 @@ is given that of the energy J* v^2 / 2 of links 1 and 2 (see torque_map). The ou
 legs: it rests, is locked to link 1, coasts beyond the end of the map, or slips under the mean torque.
 """
 
+import math
+
 from ..accumulate import total
 from ..equations.losses import FREEWHEEL, VISCOUS
 from .table import INPUT, MOTIONS, OMEGA2, PEAK, RIPPLE, SLOWNESS, TORQUE, interpolate
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
 # to find the ratio of the accelerations from rest
-FROM_REST = 40
+FROM_REST = 64
 # motions of a knot about a slowness that it is interpolated from
 NEAR = 4
 
@@ -115,15 +117,29 @@ def trend(d, x):
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
-def ratio_from_rest(d, side, x):
-    """Speed ratio with which both speeds begin at rest: that of the accelerations, the shaft by its load."""
-    pushed = max(-x.load_torque - min(d.output_drag, d.housing_drag), 0.0) / d.J3
-    if d.by_torque == 0.0:
-        return ratio(pushed, abs(x.alpha1))
-    growing = alone = abs(x.drive_torque) / d.map_inertia
+def free_torque(d, side, torque):
+    """Mean torque at a shaft beyond the map: drag (between its motions the map may have a trace of it)."""
+    return 0.0 - d.output_drag if side.locks != 0.0 else min(torque, 0.0)
+
+
+def ratio_from_rest(d, side, x, lost):
+    """Speed ratio with which both speeds begin at rest: that of the accelerations, which go with it."""
+    low, high = 1e-100, 1e100
     for _ in range(FROM_REST):
-        growing = alone * look_up_input(side, x, ratio(pushed, growing))[0]
-    return ratio(pushed, growing)
+        s = math.sqrt(low * high)
+        torque = look_up(side, x, 0.0, s)[0]
+        if s >= side.end:
+            torque = free_torque(d, side, torque)
+        growing = abs(x.alpha1)
+        if d.by_torque != 0.0:
+            resisting = write_losses(side, x, 0.0, s, lost) if d.lossy != 0.0 else 0.0
+            driving = abs(x.drive_torque) * look_up_input(side, x, s)[0]
+            growing = max(driving - torque * min(s, side.end) - resisting, 0.0) / d.map_inertia
+        if torque - x.load_torque > d.J3 * s * growing:
+            low = s
+        else:
+            high = s
+    return low
 
 
 def write_mean_rates(d, side, x, leg, v, omega3, rates):
@@ -145,9 +161,10 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
     elif leg == LOCKED:
         omega3 = together * forward
     x.step_evaluations += 1.0
-    s = ratio(omega3, speed)
+    # (both may come to rest at once)
+    s = omega3 / forward if omega3 < 0.0 and forward < 0.0 else ratio(omega3, speed)
     if speed == 0.0 and omega3 == 0.0 and (leg == SLIPPING or leg == COASTING):
-        s = ratio_from_rest(d, side, x)
+        s = ratio_from_rest(d, side, x, rates.lost)
     within = max(s, side.end) if leg == LOCKED or leg == COASTING else s
     torque, part = look_up(side, x, speed, within)
     share, share1 = look_up_input(side, x, within)
@@ -155,12 +172,10 @@ def write_mean_rates(d, side, x, leg, v, omega3, rates):
         share1 = 0.0
     resisting = 0.0
     if d.lossy != 0.0:
-        resisting = write_losses(side, x, speed, s, rates.lost)
+        resisting = write_losses(side, x, speed, within, rates.lost)
     beyond = omega3 - side.end * forward  # of what the mechanism itself passes its torque to
     if leg == COASTING:
-        # drag alone is left (between its motions the map may have a trace of torque here)
-        torque = 0.0 - d.output_drag if side.locks != 0.0 else min(torque, 0.0)
-        torque -= d.output_drag_viscous * beyond
+        torque = free_torque(d, side, torque) - d.output_drag_viscous * beyond
     given = x.load_torque + d.b3 * omega3
     inertia, driving = d.map_inertia, direction * x.drive_torque * share - resisting
     if leg == RESTING:

@@ -23,6 +23,8 @@ ROUNDS = 60
 AT_REST = 1e-11
 # share of the speeds by which they change for a difference
 APART = 1e-5
+# time after which link 1, at rest, turns if it will, s
+JUST_TURNING = 1e-100
 # a jump up to this fraction of omega1 changes next to nothing in the inertia on its way
 SMALL_JUMP = 1e-3
 
@@ -59,12 +61,18 @@ def choose_leg(d, side, x, v):
     speed = abs(v)
     if stays_locked(d, side, x, v):
         return rates.LOCKED
-    past = beyond_rest(d, side, x, speed)
+    turning = speed
+    if speed == 0.0:
+        rates.write_mean_rates(d, side, x, rates.RESTING, v, 0.0, d.mean)
+        turning = JUST_TURNING * max(side.direction * d.mean.omega1, 0.0)
+    past = beyond_rest(d, side, x, turning)
     if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
         if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
             return rates.RESTING  # ... also while link 1 turns
         rates.write_mean_rates(d, side, x, rates.RESTING, v, 0.0, d.mean)
-        if past <= ARRIVED and side.direction * d.mean.omega1 <= 0.0:
+        rate = side.direction * d.mean.omega1
+        time = APART * (speed / abs(rate) if speed * rate != 0.0 else 1.0)
+        if past <= ARRIVED and beyond_rest(d, side, x, max(speed + rate * time, 0.0)) <= past:
             return rates.RESTING
         return rates.SLIPPING
     gap = x.omega3 - side.end * speed

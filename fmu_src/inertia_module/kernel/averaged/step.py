@@ -19,6 +19,7 @@ from .rates import (
     RESTING,
     SLIPPING,
     energy_at,
+    free_torque,
     lock_ratio,
     look_up,
     write_mean_rates,
@@ -241,11 +242,13 @@ def past_end(d, side, x, leg, v, omega3, fastest):
 def beyond_rest(d, side, x, speed):
     """How far the mean torque at a shaft at rest is beyond its load, over the torques there are.
 
-    A load that pushes it is held by the drag of both freewheels.
+    A load that pushes it is held by the drag of both freewheels; where link 1 rests it is beyond the map.
     """
     load = x.load_torque
     scale = abs(load) + side.knots[0].value[TORQUE] * speed * speed + d.housing_drag + d.output_drag
     held = min(d.output_drag, d.housing_drag) if load < 0.0 else 0.0
+    if load < 0.0 and speed == 0.0:
+        held = 0.0 - free_torque(d, side, look_up(side, x, 0.0, side.end)[0])
     return (look_up(side, x, speed, 0.0)[0] - load - held) / (scale + 1e-300)
 
 

@@ -33,7 +33,7 @@ LOSSY_MAP_ERROR = 2e-4
 FIRST_KNOTS = 9
 # the last ratio below lock-up
 LAST_SLIP = 1e-6
-# evaluations of the mechanism after which one sign of omega1 is refined no more
+# evaluations of the mechanism after which one sign of omega1 is refined no more, nor by its slowest motions
 ENOUGH_EVALUATIONS = 1e7
 # the fastest output that the drive may get past under the torque of link 1, over that which it comes to rest
 # at, and how near it is looked for
@@ -191,23 +191,51 @@ def write_steady(d, w, knot):
     return v
 
 
+def fill(knot, m, last, following):
+    """Write motion m of the knot by parabolas of the slowness through the two last and a later motion."""
+    z = table.SLOWNESS
+    za, zb, zc = z[m] - z[last - 1], z[m] - z[last], z[m] - z[following]
+    a = zb * zc / ((z[last - 1] - z[last]) * (z[last - 1] - z[following]))
+    b = za * zc / ((z[last] - z[last - 1]) * (z[last] - z[following]))
+    c = 1.0 - a - b
+    value, lost = knot.value, knot.lost
+    for n in (table.TORQUE, table.OMEGA2):
+        value[n + m] = a * value[n + last - 1] + b * value[n + last] + c * value[n + following]
+    value[table.OMEGA2 + m] = min(max(value[table.OMEGA2 + m], 0.0), knot.ratio)
+    for n in range(0, len(lost), table.MOTIONS):
+        lost[n + m] = a * lost[n + last - 1] + b * lost[n + last] + c * lost[n + following]
+
+
 def add_slower(p, d, w, side, knot, held):
-    """Find what friction and drag leave at this knot. Returns whether there are all these steady motions."""
+    """Find what friction and drag leave at this knot.
+
+    Returns:
+        Whether there are these steady motions. Slower than the table is refined for there may be none, or two
+        that come in turns, and a link 2 that is light is stiff under drag: such motions are filled in.
+    """
     # under its torque links at the lowest speed crawl: rounding decides whether there is a motion
     followed = CRAWLING - 1 if d.by_torque != 0.0 else CRAWLING
+    needed = table.SLOWER if d.by_torque + d.plays != 0.0 else 2
     before = growth = 0.0
+    found = followed
     for m in range(1, followed):
         slow = table.SLOWNESS[m] / (1.0 - table.SLOWNESS[m])
         given = w.drive
         w.drive += growth * (slow - before)
-        if not steady.find_steady(p, w, side, held, slow / side.slow):
-            return False
+        worth = m < table.SLOWER or d.map_evaluations < ENOUGH_EVALUATIONS
+        if not worth or not steady.find_steady(p, w, side, held, slow / side.slow):
+            if m < needed:
+                return False
+            found = m
+            break
         growth = (w.drive - given) / (slow - before)
         before = slow
         write_means(w, knot, m, steady.speed_of_sums(d, w))
         knot.value[table.OMEGA2 + m] = min(knot.value[table.OMEGA2 + m], knot.ratio)
     for m in range(followed, table.MOTIONS):
         crawl(p, d, side, knot, m)
+    for m in range(found, followed):
+        fill(knot, m, found - 1, followed)
     return True
 
 
@@ -248,7 +276,7 @@ def end_map(p, d, w, side, end):
         table.insert_knot(side, count, knot, 0.0)
     elif d.lossy == 0.0:
         last.value[table.TORQUE] = last.value[table.RIPPLE] = last.value[table.PEAK] = 0.0
-    elif side.direction < 0.0:
+    elif d.by_torque != 0.0 or side.direction < 0.0:
         for m in range(table.MOTIONS):
             last.value[table.TORQUE + m] = min(last.value[table.TORQUE + m], 0.0)
 
@@ -263,7 +291,9 @@ def add_first_knots(p, d, w, side, most):
         return False
     ratio = 0.0
     step = most / (FIRST_KNOTS - 1)
-    while ratio < most and step > SHORTEST * most and 2.0 * side.count < len(side.knots):
+    while ratio < most and 2.0 * side.count < len(side.knots):
+        if step <= (SHORTEST if d.map_evaluations < ENOUGH_EVALUATIONS else RAMP) * most:
+            break
         following = ratio + step if ratio + 1.5 * step < most else most
         if add_knot(p, d, w, side, int(side.count), following):
             ratio = following
@@ -302,12 +332,14 @@ def build_side(p, d, w, side, allowed):
     # link 2 surely rests where its momentum is largest, if any torque is passed
     start, side.thrown = steady.find_largest(d, side, steady.MOMENTUM)
     side.start = start - side.direction * steady.HEAD_START / d.harmonic
-    w.drive = 0.0
+    inertia = inertia_at_input(d, side.start)
+    # so much that losses do not take all the energy on the way
+    w.drive = 0.5 * side.direction * inertia if d.lossy != 0.0 else 0.0
     w.begin_energy = 1.0
     w.begin_omega2 = 0.0
     if d.map_inertia == 0.0:
         # that with which v is the mean of omega1 where the output rests; any energy shows it
-        d.map_inertia = inertia_at_input(d, side.start)
+        d.map_inertia = inertia
         steady.find_steady(p, w, side, 0.0, 0.0)
         d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
     last_ratio, end = find_end(d, side)
