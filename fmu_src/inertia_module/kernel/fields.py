@@ -168,9 +168,9 @@ WORKSPACE = (
     *("settled2", "settled3", "mode"),
     # ... mean and end speed of the hub; elastic output: slip behind it, the driven mass
     *("mean3", "end3", "stiff", "relative_load", "relative_gain", "mean_relative", "seen3", "omega4"),
-    # ... losses by load: torque against the slip, share of the journals in it, whether it has stopped
-    # the slip; whether the way is all that is asked for
-    *("friction", "journal_share", "slip_stopped", "straight"),
+    # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
+    # share of the journals in it, whether it has stopped the slip; whether the way is all that is asked for
+    *("friction", "friction_before", "spun", "mesh", "journal_share", "slip_stopped", "straight"),
     # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
     *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
     # ... drag of the freewheels: whether it acts, whether a mean slip went against it

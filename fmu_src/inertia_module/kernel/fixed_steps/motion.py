@@ -20,6 +20,8 @@ from ..links import friction_power, inertia_of_link1, inertia_of_link2, kinetic_
 SMALLEST_DIFFERENCE = 1e-8
 # share of the kinetic energy that the speeds give back
 UNFALLEN = 0.5
+# share of a change of friction that it does not cause itself, at least: meshes that jam are refused
+NOT_ITS_OWN = 0.1
 # what a torque of the shaft may change of the speed it acts on in a step that resolves it
 RESOLVED = 4.0
 
@@ -188,7 +190,10 @@ def mesh_impulse(d, x, w, h):
 
 
 def find_friction(d, x, w, h):
-    """Take from the step that w has found what its loads resist its slip with, w.friction, N m."""
+    """Take from the step that w has found what its loads resist its slip with, w.friction, N m.
+
+    All is linear in it but for signs, so the step before and this one tell where it is its own cause.
+    """
     k = d.k
     journals = spun = 0.0
     if d.journal_friction + d.satellite_loss > 0.0:
@@ -200,7 +205,21 @@ def find_friction(d, x, w, h):
             d, q, imbalance(d, q, 0.0), mean1, k * w.new_slip_angle / h, alpha1, rate2_q, AS_THEY_ARE
         )
         spun = k * (journals + spun + by_alpha1 * alpha1 + by_rate2 * rate2_q)
-    w.friction = spun + d.mesh_loss * abs(mesh_impulse(d, x, w, h)) / h
+    mesh = mesh_impulse(d, x, w, h) / h
+    change = w.friction - w.friction_before
+    by_spun = by_mesh = more = 0.0
+    if change != 0.0 and w.slip_stopped == 0.0:
+        by_spun = (spun - w.spun) / change
+        by_mesh = (mesh - w.mesh) / change
+    for sign in (1.0, -1.0):
+        share = max(1.0 - by_spun - sign * d.mesh_loss * by_mesh, NOT_ITS_OWN)
+        more = (spun + sign * d.mesh_loss * mesh - w.friction) / share
+        if sign * (mesh + by_mesh * more) >= 0.0:
+            break
+    w.spun = spun
+    w.mesh = mesh
+    w.friction_before = w.friction
+    w.friction = max(0.0, w.friction + more)
     w.journal_share = min(1.0, k * journals / w.friction) if w.friction > 0.0 else 0.0
 
 

@@ -157,6 +157,7 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
         foresee: whether it ends where that one came to.
     """
     w.straight = 1.0
+    w.friction_before = w.friction
     for _ in range(passes(d)):
         follow_contacts(d, x, w, prescribed, h)
         motion.find_friction(d, x, w, h)
