@@ -4,11 +4,11 @@ import functools
 
 import numpy as np
 import pytest
-from scenes import MECHANISMS
+from scenes import DRIVEN, MECHANISMS, parameters, started
 
 from inertia_module.common.extras import NotInstalled
 from studies.peers import PEERS, integrators, mujoco_model
-from studies.reference.geometry import Unavailable
+from studies.reference.geometry import Unavailable, ratio
 from studies.trade import Case, converged
 
 CASES = {
@@ -82,6 +82,39 @@ def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_
     assert max(off) < 2e-3
     if name in ("R1", "planar"):
         assert off[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
+
+
+def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled):
+    """Link 2 turns back from rest until it is caught; link 1 is light, and answers."""
+    engine, step = pytest.importorskip("mujoco"), 1e-6
+    scene = DRIVEN["planar"] | {"satellites": 1, "input_inertia": 0.002, "drive_torque": 0.0}
+    # (a speed that is none, so that it has overrun), and the output overruns throughout
+    scene |= {"housing_engagement_angle": 0.02, "omega2_start": 1e-9, "omega_out_start": 500.0}
+    module = started(compiled, scene, drive_angle_start=1.5, load_torque=0.0)
+    before = module["energy_stored"]
+    module.advance(2.1e-3)
+    assert module["housing_engagements"] == 1
+    k, solved = ratio(parameters(**scene)), f'="0 {-1.0 / step!r}"'
+    joints = {"drive 0 0": 1.0, "link 1": -k, "link 2": k}
+    mesh = "".join(f'<joint joint="{name}" coef="{value!r}"/>' for name, value in joints.items())
+    limit = f'limited="true" range="-0.02 1e9" solreflimit{solved} solimplimit="0.9999 0.9999 1"'
+    more = f"""<tendon><fixed {limit}><joint joint="link 2" coef="1"/></fixed>
+        <fixed name="mesh">{mesh}</fixed></tendon>
+        <equality><tendon tendon1="mesh" solref{solved} solimp="0.9999 0.9999 1"/></equality>"""
+    text = mujoco_model.mechanism(parameters(**scene), f'timestep="{step!r}" tolerance="1e-14"', more)
+    model = engine.MjModel.from_xml_string(text)
+    model.tendon_invweight0[:] = model.dof_invweight0[:] = mujoco_model.INVERSE_INERTIA
+    data = engine.MjData(model)
+    data.joint("drive 0 0").qpos[0], data.joint("link 1").qvel[0] = 1.5, scene["omega1"]
+    data.joint("drive 0 0").qvel[0] = k * scene["omega1"]
+    engine.mj_forward(model, data)
+    stored = data.energy[1]
+    engine.mj_step(model, data, 2100)
+    engine.mj_forward(model, data)
+    assert module["omega2"] == 0.0 == pytest.approx(data.joint("link 2").qvel[0], abs=1e-6)
+    assert module["input_speed"] == pytest.approx(data.joint("link 1").qvel[0], rel=1e-4)
+    assert module["energy_lost_freewheel"] == pytest.approx(before - module["energy_stored"], rel=1e-4)
+    assert module["energy_lost_freewheel"] == pytest.approx(stored - data.energy[1], rel=0.01)
 
 
 @pytest.mark.parametrize(
