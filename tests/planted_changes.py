@@ -29,14 +29,20 @@ TESTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="ut
 CHANGES = Path(__file__).with_suffix(".txt").read_text(encoding="utf-8").splitlines()
 
 
-def planted(folder, change):
-    """Copy the package into a folder with this change made. Returns the folder."""
+def edited(change):
+    """The file of the kernel that a change is made in, and its text with the change."""
     path, place = change.encode().decode("unicode_escape").split(": ", 1)
     old, new = (re.sub(r"{(.*?)\|(.*?)}", part, place) for part in (r"\1", r"\2"))
-    package = shutil.copytree(PACKAGE, folder / PACKAGE.name, ignore=shutil.ignore_patterns("__pycache__"))
-    source = (package / "kernel" / path).read_text()
+    source = (PACKAGE / "kernel" / path).read_text()
     assert source.count(old) == 1, f"{path} has {old!r} {source.count(old)} times, must have it once"
-    (package / "kernel" / path).write_text(source.replace(old, new))
+    return path, source.replace(old, new)
+
+
+def planted(folder, change):
+    """Copy the package into a folder with this change made. Returns the folder."""
+    path, source = edited(change)
+    package = shutil.copytree(PACKAGE, folder / PACKAGE.name, ignore=shutil.ignore_patterns("__pycache__"))
+    (package / "kernel" / path).write_text(source)
     return folder
 
 

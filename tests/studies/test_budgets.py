@@ -1,8 +1,9 @@
-"""Folders stay within their budgets (`make size`); words of docstrings."""
+"""Folders stay within their budgets (`make size`); words of docstrings; planted changes fit the kernel."""
 
 import re
 
 from studies.size import MARGIN, OVER, PACKAGE, ROOT, house, statements
+from tests.planted_changes import CHANGES, edited
 
 
 def test_rooms_stay_within_their_budgets_or_where_they_are_over_do_not_grow():
@@ -28,3 +29,9 @@ def test_docstrings_begin_with_a_verb_or_a_noun_of_the_field():
     begun = re.compile(r'^ *r?"""(?:What|Whether|The same)\b.*', re.M)
     found = [(path.name, line) for path in files for line in begun.findall(path.read_text(encoding="utf-8"))]
     assert found == []
+
+
+def test_every_planted_change_stands_once_in_the_kernel_and_changes_it():
+    for change in CHANGES:
+        path, source = edited(change)
+        assert source != (PACKAGE / "kernel" / path).read_text()
