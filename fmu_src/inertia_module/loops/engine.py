@@ -21,11 +21,6 @@ from .sources import Table, between
 __all__ = ["EngineMap", "Governor", "InterfaceInertia", "interface_inertia", "torque_driven"]
 
 
-def _positive(name: str, value: float, unit: str) -> None:
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} must be a positive number of {unit}, is {value}")
-
-
 @dataclass(frozen=True)
 class EngineMap:
     """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
@@ -77,7 +72,8 @@ class Governor:
     sample_time: float = 0.005
 
     def __post_init__(self) -> None:
-        _positive("sample_time", self.sample_time, "seconds")
+        if not (math.isfinite(self.sample_time) and self.sample_time > 0.0):
+            raise ValueError(f"sample_time must be a positive number of seconds, is {self.sample_time}")
         for name in ("proportional_gain", "integral_gain"):
             gain = getattr(self, name)
             if not (math.isfinite(gain) and gain >= 0.0):
