@@ -166,6 +166,8 @@ def step_error(d, x, w, fastest):
     if counts(d, x, w, stages.WORK_IN):
         energy = OF_ENERGY * (w.energy + 0.5 * d.J3 * x.omega3 * x.omega3)
         energy = max(energy, FROM_REST * momentum * moved)
+    if momentum == 0.0:
+        momentum = abs(w.change.output)  # links at rest pass on what it takes
     for number in range(moving + len(HELD_SUMS)):
         n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
