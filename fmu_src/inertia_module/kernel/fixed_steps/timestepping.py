@@ -105,19 +105,11 @@ def follow(d, x, w, held, joined, prescribed, h):
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
     push = contact + holding
-    if push > 0.0 and d.output != 0.0:
-        # it is the impulse over the whole step that must not pull, but for the drag
-        end2 = w.end2 if held else w.end2 + push / inertia2
-        w.settled2, w.settled3, output, mode = settle(
-            d, inertia2, end2, inertia3, w.end3 - push / inertia3, stops, meets
-        )
-        w.change.output = output - holding
-        w.mode = mode
-        if drives(mode):
-            return push
-    w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3, stops, meets)
+    # it is the impulse over the whole step that must not pull, but for the drag
+    w.settled2, w.settled3, output, w.mode = settle(
+        d, inertia2, w.end2, inertia3, w.end3, stops, meets, max(push, 0.0)
+    )
     w.change.output = output + contact
-    w.mode = mode
     return push
 
 
