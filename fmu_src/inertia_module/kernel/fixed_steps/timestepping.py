@@ -8,7 +8,7 @@ elastic shaft moves by the midpoint rule (docs/mechanics.md).
 import math
 
 from ..accumulate import clear, copy
-from ..codes import HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
+from ..codes import HELD, OK, TOO_MUCH_WORK
 from ..equations.choice import choose_states
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH
 from ..equations.states import OPEN, count_switch, drives, holds, is_rough
@@ -21,7 +21,7 @@ from . import motion
 
 # fixed steps that one communication step may take
 MAX_STEPS = 1e7
-# parts of a step that are too short to be told from none
+# shortest part of a step: what closes before it closes at its end
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
 LATER = 1.001
@@ -105,19 +105,11 @@ def follow(d, x, w, held, joined, prescribed, h):
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
     push = contact + holding
-    if push > 0.0 and d.output != 0.0:
-        # it is the impulse over the whole step that must not pull, but for the drag
-        end2 = w.end2 if held else w.end2 + push / inertia2
-        w.settled2, w.settled3, output, mode = settle(
-            d, inertia2, end2, inertia3, w.end3 - push / inertia3, stops, meets
-        )
-        w.change.output = output - holding
-        w.mode = mode
-        if drives(mode):
-            return push
-    w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3, stops, meets)
+    # it is the impulse over the whole step that must not pull, but for the drag
+    w.settled2, w.settled3, output, w.mode = settle(
+        d, inertia2, w.end2, inertia3, w.end3, stops, meets, max(push, 0.0)
+    )
     w.change.output = output + contact
-    w.mode = mode
     return push
 
 
@@ -130,7 +122,7 @@ def follow_closed(d, x, w, prescribed, h):
         follow(d, x, w, False, False, prescribed, h)
     stays = x.omega2 == 0.0 and x.play_housing == 0.0
     if d.housing != 0.0 and stays and holds(w.mode):
-        joined = always or (x.omega3 == 0.0 and x.play_output == 0.0 and w.mode == HELD_DRIVING)
+        joined = always or (x.omega3 == 0.0 and x.play_output == 0.0)
         push = follow(d, x, w, True, joined, prescribed, h)
         if joined and not always and push < 0.0:
             follow(d, x, w, True, False, prescribed, h)
@@ -184,23 +176,26 @@ def close_within(d, x, w, prescribed, h, share):
 
     No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
     """
+    share = max(share, SHORTEST)
     held = w.mode == HELD
-    target = 0.0 if held else x.omega3 + share * (w.end3 - x.omega3)
+    rests = x.omega2 == 0.0 and w.end2 == 0.0
+    target = 0.0 if held or rests else x.omega3 + share * (w.end3 - x.omega3)
     slip = x.omega1 + share * (w.end1 - x.omega1) - target
-    before = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
-    angle = before + (1.0 - share) * h * slip
+    turned = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
+    angle = turned + (1.0 - share) * h * slip
     look_ahead(d, x, w, angle)
-    part = before / angle if angle != 0.0 else 0.0
     for n in range(3):
-        if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
+        part = turned / angle if angle != 0.0 else share
+        if not (0.0 < part < 1.0 and share < 1.0):
             return False
         end_at(x, w, part)
-        follow(d, x, w, False, False, share * prescribed, share * h)
+        follow(d, x, w, rests, False, share * prescribed, share * h)
         gap = x.omega2 if held else x.omega3 - x.omega2
         left = w.end2 if held else w.end3 - w.end2
         if n < 2 and gap > left:
-            share *= LATER * gap / (gap - left)
-            part = LATER * gap / (gap - left) * w.new_slip_angle / angle
+            longer = max(LATER * gap / (gap - left), SHORTEST / share)
+            share *= longer
+            turned = longer * w.new_slip_angle
     if w.reached == 0.0 or w.reversed != 0.0:
         return False
     copy(w.part.numbers, x.numbers)
