@@ -150,7 +150,8 @@ def step_error(d, x, w, fastest):
     Hairer's mix of orders 5 and 3, or the errors of order 4. Errors of the motion count in full, those of
     losses and of stiff steps with all others by their mean: there are many.
     """
-    if not max(fastest, fastest_behind(d, x, w)) < 1e300:
+    behind = fastest_behind(d, x, w)
+    if not max(fastest, behind) < 1e300:
         return 1e300
     tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
     flies = x.housing_state == x.output_state == OPEN and x.omega3 > FLYING * fastest
@@ -165,7 +166,8 @@ def step_error(d, x, w, fastest):
     energy = 0.0
     if counts(d, x, w, stages.WORK_IN):
         energy = OF_ENERGY * (w.energy + 0.5 * d.J3 * x.omega3 * x.omega3)
-        energy = max(energy, FROM_REST * momentum * moved)
+        # (behind a shaft that a load twists links begin so gently that a loss is no scale of its own error)
+        energy = max(energy, FROM_REST * (momentum * moved + d.J3 * behind * behind))
     for number in range(moving + len(HELD_SUMS)):
         n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
