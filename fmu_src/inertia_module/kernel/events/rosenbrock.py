@@ -11,7 +11,7 @@ depends, change and error are weighed sums of f + J U over the stages.
 """
 
 from ..accumulate import clear
-from ..equations.losses import SHAFT
+from ..equations.losses import FREEWHEEL, SHAFT
 from ..equations.motion import take_state
 from ..equations.states import LOCKED, WOUND, is_open
 from ..tableau import PARTS, THIRDS
@@ -95,6 +95,11 @@ def differentiate_by(d, x, w, n, apart):
     lost = 2.0 * (d.shaft_damping * rates.twist * shaft.twist + d.driven_friction * rates.turned3 * by_driven)
     lost += d.balancer * d.J4 * (rates.omega3 * shaft.twist + shaft.omega3 * rates.twist)
     shaft.lost[SHAFT] = lost
+    # ... of squares of a speed far below it the difference has its own too much
+    if x.housing_state == WOUND:
+        shaft.lost[FREEWHEEL] -= apart * d.housing_damping * shaft.wound_housing * shaft.wound_housing
+    if x.output_state == WOUND:
+        shaft.lost[FREEWHEEL] -= apart * d.freewheel_damping * shaft.wound_output * shaft.wound_output
 
 
 def differentiate(d, x, w):
