@@ -29,14 +29,16 @@ CUSP = 1e-2
 # share of the tolerance where an output swings and nothing brings link 2 to rest, so that errors of phase add
 # up; it flies from pulse to pulse before an output that has this share of the speed of links 1 and 2
 SWINGING, FLYING = 0.15, 0.33
+# angle within a step that no sum of angles can tell, rad: what comes to rest need not be followed for ever
+NO_TURN = 1e-30
 # share of a scale that is rounding
 ROUNDING = 1e-13
 
 
 def fastest_speed(d, x, w):
-    """Largest speed of links 1 and 2 at the ends of the step in hand, rad/s."""
+    """Largest speed of links 1 and 2 at the ends of the step in hand, or one that is none, rad/s."""
     links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
-    return max(links, abs(x.omega2), abs(x.omega2 + w.change.omega2))
+    return max(links, abs(x.omega2), abs(x.omega2 + w.change.omega2), NO_TURN / w.step)
 
 
 def fastest_behind(d, x, w):
@@ -64,8 +66,8 @@ def speed_of_torque(d, x, w, fastest):
     if damping == 0.0:
         return 1e300
     pulses = 0.5 * (d.k * d.k * d.F_by_slip + d.F_by_speed) * fastest * fastest
-    # at rest, too, the springs hold something
-    held = abs(w.rates[0].housing) + abs(w.rates[0].output)
+    # at rest, too, the springs hold something, or will: what yet slows the hub down
+    held = abs(w.rates[0].housing) + abs(w.rates[0].output) + d.J3 * abs(w.rates[0].omega3)
     return (pulses + abs(w.load) + held) / damping
 
 
