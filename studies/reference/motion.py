@@ -131,14 +131,16 @@ class Reference:
         """All cases that the speeds allow."""
         y, places = self.state, list[tuple[int, ...]]()
         for n, wheel in enumerate(self._wheels):
+            speed = speed_of(y, n)
             # a relaxed spring that does not turn yet is bound to nothing
-            bound = wheel.stiffness > 0.0 and (y[cases.WOUND + n] != 0.0 or speed_of(y, n) != 0.0)
+            bound = wheel.stiffness > 0.0 and (y[cases.WOUND + n] != 0.0 or speed != 0.0)
             if not wheel.there or (bound and self.mode[n] == cases.CLOSED):
                 places.append((self.mode[n],))
-            elif speed_of(y, n) != 0.0:
-                places.append((cases.BACK if speed_of(y, n) < 0.0 < wheel.angle else cases.OPEN,))
+            elif speed > 0.0:
+                places.append((cases.OPEN,))
             elif y[cases.PLAY + n] > 0.0:
-                places.append((*[cases.DRAGGED] * (wheel.drag > 0.0), cases.OPEN, cases.BACK))
+                held = cases.DRAGGED, cases.OPEN, cases.BACK
+                places.append((cases.BACK,) if speed < 0.0 else held[wheel.drag == 0.0 :])
             else:
                 # a spring that is not wound up passes nothing yet: it would hold in any case
                 places.append(

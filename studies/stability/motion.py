@@ -14,7 +14,8 @@ from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.fidelity.trials import Level
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
 from inertia_module.kernel.equations.motion import evaluate
-from inertia_module.kernel.equations.states import LOCKED, OPEN
+from inertia_module.kernel.equations.states import LOCKED, OPEN, are_allowed
+from inertia_module.kernel.links import response
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency
@@ -263,10 +264,22 @@ class Run:
             self.breaches[name] = max(self.breaches[name], value)
 
 
-def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:
+def _kick(module: Module, kick: float) -> None:
+    """Change the speed of link 2 and what it is locked to, rad/s, where no freewheel is in the way."""
+    x, d = module.state, module.derived
+    if x.housing_state != LOCKED:
+        before, carried = x.omega2, d.J3 if x.output_state == LOCKED else 0.0
+        x.omega2 += kick * response(d, d.J2 + carried)  # type: ignore[no-untyped-call]
+        if not are_allowed(d, x):  # type: ignore[no-untyped-call]
+            x.omega2 = before
+        x.rates_cached = 0.0
+
+
+def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1, kick: float = 0.0) -> Run:
     """Run a module through a motion, each long communication step split in so many short ones.
 
-    From the segment saved_at on another module goes on from the saved state.
+    From the segment saved_at on another module goes on from the saved state. With each step link 2 is kicked,
+    rad/s, as far as the mechanism could move it so.
     """
     found, module = Run(), make()
     try:
@@ -281,7 +294,7 @@ def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:
         if number == saved_at:
             saved, module = module.save(), make()
             module.restore(saved)
-        _advance(found, module, segment, 1 if segment.whole else split)
+        _advance(found, module, segment, 1 if segment.whole else split, kick)
         if found.refused:
             return found
         found.points.append(module.snapshot())
@@ -293,8 +306,8 @@ def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1) -> Run:
     return found
 
 
-def _advance(found: Run, module: Module, segment: Segment, split: int) -> None:
-    """Advance through a segment, each of its steps split in so many."""
+def _advance(found: Run, module: Module, segment: Segment, split: int, kick: float) -> None:
+    """Advance through a segment, each of its steps split in so many; link 2 is kicked before each."""
     count = max(segment.steps, math.ceil(segment.duration / LARGEST_STEP)) * split
     step = segment.duration / count
     impulses = dict.fromkeys(IMPULSES, 0.0)
@@ -303,6 +316,8 @@ def _advance(found: Run, module: Module, segment: Segment, split: int) -> None:
         module.set(omega1=omega1, load_torque=segment.load, drive_torque=segment.drive)
         if segment.slope and not module["input_hold"]:
             module.set_rates(omega1=segment.slope)
+        if kick != 0.0:
+            _kick(module, kick)
         before = bytes(module.state)
         try:
             module.advance(step)

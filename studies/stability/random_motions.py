@@ -133,10 +133,11 @@ def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     bound = (SWINGING if elastic else EXPLAINED) * tolerance + ROUNDING
 
     def sensitivity() -> float:
-        others = (motions.run(beside, make) for beside in motion.nudged(tolerance))
-        return max(
-            (motions.distance(found, other, *swinging) for other in others if not other.refused), default=0.0
-        )
+        pairs = [(found, motions.run(beside, make)) for beside in motion.nudged(tolerance)]
+        # a link 2 that bounces or swings on its spring multiplies errors that none of these makes
+        kick = tolerance * found.speed
+        pairs += [(short, motions.run(motion, make, SPLIT, kick=one)) for one in (kick, -kick)]
+        return max((motions.distance(*pair, *swinging) for pair in pairs if not pair[1].refused), default=0.0)
 
     return {STEPS: held(motions.distance(found, short, *swinging), bound, sensitivity)}
 

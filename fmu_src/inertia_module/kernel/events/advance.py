@@ -284,7 +284,7 @@ def advance_general(d, x, w, remaining):
     meet_limits(d, x)
     if wound and which != NONE and not has_fallen(d, x, w, which):
         # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
-        x.step_size *= AFRESH
+        x.step_size = min(x.step_size, AFRESH * w.step / sigma)
         which = NONE
     pass_event(d, x, which)
     return w.step, NONE != which < guards.FLOW

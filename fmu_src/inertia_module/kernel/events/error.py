@@ -29,14 +29,16 @@ CUSP = 1e-2
 # share of the tolerance where an output swings and nothing brings link 2 to rest, so that errors of phase add
 # up; it flies from pulse to pulse before an output that has this share of the speed of links 1 and 2
 SWINGING, FLYING = 0.15, 0.33
+# angle within a step that no sum of angles can tell, rad: what comes to rest need not be followed for ever
+NO_TURN = 1e-30
 # share of a scale that is rounding
 ROUNDING = 1e-13
 
 
 def fastest_speed(d, x, w):
-    """Largest speed of links 1 and 2 at the ends of the step in hand, rad/s."""
+    """Largest speed of links 1 and 2 at the ends of the step in hand, or one that is none, rad/s."""
     links = max(abs(x.omega1), abs(x.omega1 + w.change.omega1))
-    return max(links, abs(x.omega2), abs(x.omega2 + w.change.omega2))
+    return max(links, abs(x.omega2), abs(x.omega2 + w.change.omega2), NO_TURN / w.step)
 
 
 def fastest_behind(d, x, w):
@@ -64,8 +66,8 @@ def speed_of_torque(d, x, w, fastest):
     if damping == 0.0:
         return 1e300
     pulses = 0.5 * (d.k * d.k * d.F_by_slip + d.F_by_speed) * fastest * fastest
-    # at rest, too, the springs hold something
-    held = abs(w.rates[0].housing) + abs(w.rates[0].output)
+    # at rest, too, the springs hold something, or will: what yet slows the hub down
+    held = abs(w.rates[0].housing) + abs(w.rates[0].output) + d.J3 * abs(w.rates[0].omega3)
     return (pulses + abs(w.load) + held) / damping
 
 
@@ -150,7 +152,8 @@ def step_error(d, x, w, fastest):
     Hairer's mix of orders 5 and 3, or the errors of order 4. Errors of the motion count in full, those of
     losses and of stiff steps with all others by their mean: there are many.
     """
-    if not max(fastest, fastest_behind(d, x, w)) < 1e300:
+    behind = fastest_behind(d, x, w)
+    if not max(fastest, behind) < 1e300:
         return 1e300
     tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
     flies = x.housing_state == x.output_state == OPEN and x.omega3 > FLYING * fastest
@@ -165,8 +168,9 @@ def step_error(d, x, w, fastest):
     energy = 0.0
     if counts(d, x, w, stages.WORK_IN):
         energy = OF_ENERGY * (w.energy + 0.5 * d.J3 * x.omega3 * x.omega3)
-        energy = max(energy, FROM_REST * momentum * moved)
-    if momentum == 0.0:
+        # (behind a shaft that a load twists links begin so gently that a loss is no scale of its own error)
+        energy = max(energy, FROM_REST * (momentum * moved + d.J3 * behind * behind))
+    if moved * w.step <= 2.0 * NO_TURN or momentum == 0.0:
         momentum = abs(w.change.output)  # links at rest pass on what it takes
     for number in range(moving + len(HELD_SUMS)):
         n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]

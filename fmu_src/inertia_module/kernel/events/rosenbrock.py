@@ -11,7 +11,7 @@ depends, change and error are weighed sums of f + J U over the stages.
 """
 
 from ..accumulate import clear
-from ..equations.losses import SHAFT
+from ..equations.losses import FREEWHEEL, SHAFT
 from ..equations.motion import take_state
 from ..equations.states import LOCKED, WOUND, is_open
 from ..tableau import PARTS, THIRDS
@@ -89,12 +89,14 @@ def differentiate_by(d, x, w, n, apart):
     per_apart = 1.0 / apart
     for which in range(len(start)):
         slopes[which] = (rates[which] - start[which]) * per_apart
-    # where friction pins the driven mass a difference of squares is far too coarse
-    shaft, rates = w.slopes[n], w.rates[0]
-    by_driven = shaft.turned3
-    lost = 2.0 * (d.shaft_damping * rates.twist * shaft.twist + d.driven_friction * rates.turned3 * by_driven)
-    lost += d.balancer * d.J4 * (rates.omega3 * shaft.twist + shaft.omega3 * rates.twist)
-    shaft.lost[SHAFT] = lost
+    # where a speed is hardly any, a difference of its square has far too much: that of the difference
+    by = w.slopes[n]
+    lost = d.shaft_damping * by.twist * by.twist + d.driven_friction * by.turned3 * by.turned3
+    by.lost[SHAFT] -= apart * (lost + d.balancer * d.J4 * by.omega3 * by.twist)
+    if x.housing_state == WOUND:
+        by.lost[FREEWHEEL] -= apart * d.housing_damping * by.wound_housing * by.wound_housing
+    if x.output_state == WOUND:
+        by.lost[FREEWHEEL] -= apart * d.freewheel_damping * by.wound_output * by.wound_output
 
 
 def differentiate(d, x, w):
