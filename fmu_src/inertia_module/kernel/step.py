@@ -17,7 +17,7 @@ from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
 from .inputs import begin, check_inputs, check_step, input_speed
-from .links import is_stiff
+from .links import fastest_own_rate, is_stiff
 from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
 
 # share of the tolerance that a step is tried again with whose energies do not balance
@@ -109,7 +109,8 @@ def is_instant(d, x, h):
     """
     m = d.machine
     fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
-    if d.fidelity == codes.AVERAGED or not h * d.harmonic * d.k * fastest < INSTANT:
+    swings = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    if d.fidelity == codes.AVERAGED or not h * (d.harmonic * d.k * fastest + swings) < INSTANT:
         return False
     solve_now(d, x)
     accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3) + abs(m.rate_relative)
