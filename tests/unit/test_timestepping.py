@@ -118,6 +118,15 @@ def test_shaft_that_a_load_has_stopped_is_held_where_it_is(compiled, housing_dra
     assert advanced(module, 1.0)["energy_out"] == pytest.approx(before, rel=1e-6)
 
 
+@pytest.mark.parametrize("drive", scenes.DRIVES)
+@pytest.mark.parametrize("layout", scenes.SCENES)
+def test_link_2_that_comes_to_rest_with_the_shaft_takes_no_energy_along(compiled, drive, layout):
+    scene = scenes.DRIVES[drive][layout] | LEVELS["timestepping"] | {"output_freewheel": 0}
+    module = advanced(started(compiled, scene, max_step=8e-4), 0.05)
+    assert module["contact_switches"] > 0
+    assert module["energy_residual"] < 1e-6 * passed(module)
+
+
 @pytest.mark.parametrize("step", [0.01, 0.001])
 def test_hub_that_a_load_presses_on_link_2_at_rest_stays_where_it_is(compiled, step):
     # which its drag would turn back faster than the load the hub

@@ -23,12 +23,12 @@ def meets_output(d, x):
     return d.freewheel_stiffness == 0.0 and x.play_output == 0.0
 
 
-def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed=0.0):
+def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed=0.0, rested=0.0):
     """Solve the complementarity problem on impulses, from the velocities without them.
 
     Args:
         stops, meets: whether the housing and the output freewheel take one.
-        pressed: impulse that link 2 has pressed the shaft with before, above zero, N m s.
+        pressed, rested: impulses that link 2 has pressed shaft and housing with before, N m s.
 
     Returns:
         (omega2, omega3, Pc besides what has been pressed, contact mode) at the end of the step.
@@ -36,7 +36,7 @@ def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed=0.0):
     # of equals as in equations.choice: link 2 stays held, and a shaft that nothing pulls away touches it
     reduced = inertia2 * inertia3 / (inertia2 + inertia3)
     apart = reduced * (free2 - free3) + pressed <= 0.0
-    if stops and inertia2 * free2 + pressed <= 0.0:
+    if stops and inertia2 * free2 + pressed <= rested:
         apart = inertia3 * free3 - pressed > 0.0
     if d.output != 0.0 and (apart or not meets):
         if stops and free2 <= 0.0:
@@ -46,7 +46,7 @@ def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed=0.0):
     together = free2
     if free2 != free3:
         together = (inertia2 * free2 + inertia3 * free3) / (inertia2 + inertia3)
-    if not stops or together > 0.0:
+    if not stops or (inertia2 + inertia3) * together > rested:
         return together, together, reduced * (free2 - free3), DRIVING
     return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 

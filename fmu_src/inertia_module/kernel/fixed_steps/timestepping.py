@@ -106,8 +106,9 @@ def follow(d, x, w, held, joined, prescribed, h):
     inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
     push = contact + holding
     # it is the impulse over the whole step that must not pull, but for the drag
+    rested = max(push - motion.mesh_impulse(d, x, w, h), 0.0) if held else 0.0
     w.settled2, w.settled3, output, w.mode = settle(
-        d, inertia2, w.end2, inertia3, w.end3, stops, meets, max(push, 0.0)
+        d, inertia2, w.end2, inertia3, w.end3, stops, meets, max(push, 0.0), rested
     )
     w.change.output = output + contact
     return push
