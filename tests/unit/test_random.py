@@ -55,6 +55,10 @@ def test_what_was_found_stays_mended(compiled, motion, switches):
     assert run(motion, lambda: Module(compiled)).points[-1]["contact_switches"] < switches
 
 
+def test_speeds_that_come_to_rest_at_once_are_not_followed_for_ever(compiled):
+    assert 0.0 < run(draw_motion(1, 18441), lambda: Module(compiled)).evaluations < 3e4
+
+
 @pytest.mark.parametrize("losses", [False, True], ids=["ideal", "losses"])
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch):

@@ -13,14 +13,14 @@ from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WO
 from ..events.advance import commit
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from . import rates
-from .step import ARRIVED, advance_leg, beyond_rest, most_locked_torque
+from .step import ARRIVED, AT_REST, advance_leg, beyond_rest, least_speed, most_locked_torque
 
+# contact mode that each leg is shown as
+MODES = (HELD_DRIVING, DRIVING, FREE, DRIVING)
 # legs and internal steps before a communication step is given up
 MOST_STEPS = 20000
 # to find the speed that a mean speed goes with
 ROUNDS = 60
-# v below this share of the speeds is zero where its leg ends
-AT_REST = 1e-11
 # share of the speeds by which they change for a difference
 APART = 1e-5
 # time after which link 1, at rest, turns if it will, s
@@ -81,22 +81,16 @@ def choose_leg(d, side, x, v):
 
 
 def show_mode(x, leg):
-    """Contact mode a leg is shown as; another than before counts as a switch."""
-    mode = DRIVING
-    if leg == rates.RESTING:
-        mode = HELD_DRIVING
-    elif leg == rates.COASTING:
-        mode = FREE
+    """Show the contact mode of a leg; another than before counts as a switch."""
+    mode = MODES[leg]
     if mode != x.mode:
         x.mode = mode
         x.switches += 1.0
 
 
-def meet_limits(d, side, x, leg, ends, change):
-    """Set speeds that have met where their leg ends, and those that turn together, there exactly."""
+def meet_limits(d, side, x, leg, near, change):
+    """Set speeds that have met where their leg ends, so near, and those that turn together, there exactly."""
     end = side.end * abs(x.omega1)
-    near = abs(x.omega1) + abs(change.omega1) + x.omega3 + abs(change.omega3)
-    near = AT_REST * near if ends else 0.0
     if leg == rates.LOCKED:
         x.omega3 = rates.lock_ratio(d, side) * x.omega1
     elif x.omega3 <= near and change.omega3 <= 0.0:
@@ -129,15 +123,17 @@ def run_averaged(d, x, w, h):
         if not found:
             return STEP_TOO_SMALL
         commit(d, x, w)
+        near = abs(x.omega1) + abs(w.change.omega1) + x.omega3 + abs(w.change.omega3)
+        near = max(AT_REST * near, least_speed(w)) if ends else 0.0
         arrived = w.step >= remaining
         done = arrived and not cut
         time = h if done else time + w.step
         if d.by_torque == 0.0:
             x.omega1 = 0.0 if cut and arrived else start + x.alpha1 * time
             x.omega1_low = 0.0
-        elif ends and side.direction * x.omega1 <= AT_REST * max(abs(x.omega1 - w.change.omega1), x.omega3):
+        elif ends and side.direction * x.omega1 <= near:
             x.omega1 = x.omega1_low = 0.0
-        meet_limits(d, side, x, leg, ends, w.change)
+        meet_limits(d, side, x, leg, near, w.change)
         if done:
             end_step(d, x)
             return OK

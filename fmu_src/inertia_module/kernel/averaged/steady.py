@@ -413,11 +413,9 @@ def find_steady(p, w, side, ratio, slowness):
         if abs(change) * inertia <= BACK * d.F_by_speed * w.sum_time or high - low <= NEAR:
             return True
         if change > 0.0:
-            low = begin
-            gain = change
+            low, gain = begin, change
         else:
-            high = begin
-            loss = change
+            high, loss = begin, change
         if tried == 1:
             begin = ratio
         elif tried < 3:

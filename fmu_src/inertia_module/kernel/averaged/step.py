@@ -43,6 +43,8 @@ TRIES = 80
 CUTS = 60
 # a leg that is beyond its end by this share of its speeds or torques has come there
 ARRIVED = 1e-12
+# a speed below this share of the speeds is zero where its leg ends
+AT_REST = 1e-11
 
 
 def differentiate_by(d, side, x, w, leg, change, change3, slopes):
@@ -78,11 +80,6 @@ def differentiate(d, side, x, w, leg):
         differentiate_by(d, side, x, w, leg, 0.0, apart, by_omega3)
 
 
-def how_many_followed(d):
-    """How many of fields.FOLLOWED there are."""
-    return LOSSY if d.lossy != 0.0 else LOST
-
-
 def keep_to_leg(d, side, x, w, leg):
     """Set the changes of speeds over the step in hand that are known."""
     if d.by_torque == 0.0:
@@ -98,7 +95,7 @@ def make_gentle_step(d, side, x, w, leg, h):
         v = x.omega1 + h * weighed_rate(w, GENTLE + stage, stage, V)
         omega3 = x.omega3 + h * weighed_rate(w, GENTLE + stage, stage, OMEGA3)
         write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
-    for n in range(how_many_followed(d)):
+    for n in range(LOSSY if d.lossy != 0.0 else LOST):
         w.change.numbers[n] = h * weighed_rate(w, GENTLE + GENTLE_END, GENTLE_END, n)
         w.stages[STAGES - 1].numbers[n] = h * weighed_rate(w, GENTLE_ERROR, GENTLE_END + 1, n)
     keep_to_leg(d, side, x, w, leg)
@@ -106,7 +103,7 @@ def make_gentle_step(d, side, x, w, leg, h):
 
 def take_step(d, side, x, w, leg, h):
     """Make the step h: changes of all that is followed into w.change, at the stages into w.stages."""
-    followed = how_many_followed(d)
+    followed = LOSSY if d.lossy != 0.0 else LOST
     per_step = 1.0 / h
     own = 1.0 / (GAMMA * h)
     by_v, by_omega3 = w.slopes[0].numbers, w.slopes[1].numbers
@@ -172,15 +169,19 @@ def fastest_speed(x, w):
     return max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
 
 
-def energy_residual(d, x, w):
-    """Energy residual of a step under a torque, over its energies."""
+def least_speed(w):
+    """Speed that is none to those the communication step began with, rad/s: both may come to rest at once."""
+    return AT_REST * (abs(w.before.map_speed) + w.before.omega3)
+
+
+def energy_residual(d, x, w, fastest):
+    """Energy residual of a step under a torque, over its energies at the fastest speed."""
     change = w.change
     put_in = x.drive_torque * change.theta1
     put_out = x.load_torque * change.turned3
     residual = put_in - put_out - 0.5 * d.map_inertia * change.omega1 * (2.0 * x.omega1 + change.omega1)
     residual -= 0.5 * d.J3 * change.omega3 * (2.0 * x.omega3 + change.omega3)
     residual -= lost_in_step(d, change)
-    fastest = fastest_speed(x, w)
     energies = (d.map_inertia + d.J3) * fastest * fastest + abs(put_in) + abs(put_out)
     return abs(residual) / energies if energies > 0.0 else 0.0
 
@@ -207,12 +208,14 @@ def step_error(d, side, x, w, leg, remaining):
         remaining: of the communication step: what a ramp of link 1 passes through in it is its scale.
     """
     last = w.stages[STAGES - 1]
-    allowed = w.tolerance * fastest_speed(x, w) + 1e-300
+    fastest = max(fastest_speed(x, w), least_speed(w))
+    allowed = w.tolerance * fastest + 1e-300
     # (within a narrow map the shaft's speed is no larger)
     narrow = min(side.end, 1.0) if leg == SLIPPING else 1.0
     error = abs(last.omega3) / (narrow * allowed + 1e-300)
     if d.by_torque != 0.0:
-        error = max(error, abs(last.omega1) / allowed, energy_residual(d, x, w) / (BALANCE * w.tolerance))
+        residual = energy_residual(d, x, w, fastest)
+        error = max(error, abs(last.omega1) / allowed, residual / (BALANCE * w.tolerance))
     elif x.alpha1 != 0.0:
         # the balance of energies gives the work of a ramp, not its impulse
         ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
@@ -221,8 +224,10 @@ def step_error(d, side, x, w, leg, remaining):
     return error if error < 1e300 else 1e300
 
 
-def past_end(d, side, x, leg, v, omega3, fastest):
-    """How far the motion is beyond the end of its leg, over its speeds or torques; below 0 within it."""
+def beyond_leg(d, side, x, w, leg):
+    """How far the step in hand goes beyond its leg, over its speeds or torques; below 0 within it."""
+    v, omega3 = x.omega1 + w.change.omega1, x.omega3 + w.change.omega3
+    fastest = fastest_speed(x, w) + 1e-300
     speed = side.direction * v
     # (link 1 comes to rest where it has not been)
     past = -speed / fastest if d.by_torque != 0.0 and x.omega1 != 0.0 else -1.0
@@ -231,7 +236,8 @@ def past_end(d, side, x, leg, v, omega3, fastest):
     if leg == COASTING:
         return max(past, (side.end * speed - omega3) / fastest)
     if leg == RESTING:
-        return max(past, beyond_rest(d, side, x, max(speed, 0.0)))
+        rest = beyond_rest(d, side, x, max(speed, 0.0))
+        return past if rest == x.load_torque == 0.0 else max(past, rest)
     write_mean_rates(d, side, x, LOCKED, v, omega3, d.mean)
     most = most_locked_torque(d, side, x, speed)
     torque = d.mean.output
@@ -266,12 +272,10 @@ def most_locked_torque(d, side, x, v):
     return max(held, reached)
 
 
-def cut_step(d, side, x, w, leg, fastest, past):
-    """Cut the step in hand, past the end of its leg, where it gets there."""
-    low, high = 0.0, w.step
-    low_past = past_end(d, side, x, leg, x.omega1, x.omega3, fastest)
-    if low_past > -ARRIVED:
-        low_past = -past  # it begins at an end: that is not where it is to stop
+def cut_step(d, side, x, w, leg, past):
+    """Cut the step in hand, which goes so far beyond its leg, where it gets to the end of that."""
+    # (where it begins may be an end, too: that is not where it is to stop)
+    low, high, low_past = 0.0, w.step, -past
     # Illinois: a secant that never stays at one end
     kept = 0
     for _ in range(CUTS):
@@ -281,25 +285,17 @@ def cut_step(d, side, x, w, leg, fastest, past):
         if not low < h < high:
             h = high
         take_step(d, side, x, w, leg, h)
-        now = past_end(d, side, x, leg, x.omega1 + w.change.omega1, x.omega3 + w.change.omega3, fastest)
+        now = beyond_leg(d, side, x, w, leg)
         if abs(now) <= ARRIVED or h == high:
             return
         if now > 0.0:
             high, past = h, now
-            kept = max(kept, 0) + 1
+            low_past *= 0.5 if kept > 0 else 1.0
+            kept = 1
         else:
             low, low_past = h, now
-            kept = min(kept, 0) - 1
-        if kept > 1:
-            low_past *= 0.5
-        elif kept < -1:
-            past *= 0.5
-
-
-def beyond_leg(d, side, x, w, leg):
-    """How far the step in hand goes beyond the end of its leg (see past_end)."""
-    v, omega3 = x.omega1 + w.change.omega1, x.omega3 + w.change.omega3
-    return past_end(d, side, x, leg, v, omega3, fastest_speed(x, w) + 1e-300)
+            past *= 0.5 if kept < 0 else 1.0
+            kept = -1
 
 
 def try_gentle_step(d, side, x, w, leg, h, remaining):
@@ -339,7 +335,7 @@ def try_steps(d, side, x, w, leg, limit, remaining):
             if past <= ARRIVED:
                 return True, False
             # (a step far beyond the end is judged by what it would come to there)
-            cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
+            cut_step(d, side, x, w, leg, past)
             error = step_error(d, side, x, w, leg, remaining)
             if error <= 1.0:
                 return True, True

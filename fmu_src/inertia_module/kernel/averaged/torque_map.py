@@ -257,24 +257,21 @@ def end_map(p, d, w, side, end):
     goes to zero.
     """
     count = int(side.count)
-    last = side.knots[count - 1]
+    last, knot = side.knots[count - 1], w.knot
+    copy(knot.numbers, last.numbers)
     if side.locks != 0.0 or (d.by_torque == 0.0 and side.direction > 0.0 and last.ratio < end):
         if d.by_torque != 0.0 or last.ratio < end:
             # there both turn alike, faster than link 1 on average before where it is light
-            ratio = end
-            knot = w.knot
-            copy(knot.numbers, last.numbers)
+            knot.ratio = end
             if d.by_torque != 0.0:
-                ratio = knot.value[table.INPUT] = max(last.value[table.INPUT], last.ratio * (1.0 + LAST_SLIP))
-            knot.ratio = ratio
+                knot.ratio = max(last.value[table.INPUT], last.ratio * (1.0 + LAST_SLIP))
+                knot.value[table.INPUT] = knot.ratio
             steady.set_losses(p, d, 1.0 / side.slow if side.slow > 0.0 else 0.0)
             for m in range(table.MOTIONS):
-                knot.value[table.OMEGA2 + m] = ratio
-                rub(d, knot, m, ratio, ratio)
+                knot.value[table.OMEGA2 + m] = knot.ratio
+                rub(d, knot, m, knot.ratio, knot.ratio)
             table.insert_knot(side, count, knot, 0.0)
     elif d.by_torque != 0.0 and last.value[table.TORQUE] > MAP_ERROR * side.knots[0].value[table.TORQUE]:
-        knot = w.knot
-        copy(knot.numbers, last.numbers)
         knot.ratio = max(end, last.ratio * (1.0 + RAMP))
         knot.value[table.TORQUE] = knot.value[table.RIPPLE] = knot.value[table.PEAK] = 0.0
         if side.slow != 0.0:
@@ -397,14 +394,11 @@ def build_map(p, d, w):
     steady.hold_output(d, w, allowed)
     held.map_inertia = 0.0
     held.map_lock = 0.5 * d.k * steady.find_largest(held, held.forward, steady.LOCK)[1]
-    clear(held.forward.numbers)
-    clear(held.backward.numbers)
-    held.forward.direction = 1.0
-    held.backward.direction = -1.0
-    if not build_side(p, held, w, held.forward, allowed):
-        return NOT_STEADY
-    if not build_side(p, held, w, held.backward, allowed):
-        return NOT_STEADY
+    for side, direction in ((held.forward, 1.0), (held.backward, -1.0)):
+        clear(side.numbers)
+        side.direction = direction
+        if not build_side(p, held, w, side, allowed):
+            return NOT_STEADY
     d.map_lock, d.map_inertia, d.map_evaluations = held.map_lock, held.map_inertia, held.map_evaluations
     copy(d.forward.numbers, held.forward.numbers)
     copy(d.backward.numbers, held.backward.numbers)
