@@ -75,5 +75,6 @@ def values():
         "swinging": random_motions.SWINGING,
         "split": random_motions.SPLIT,
         "rounding": verdicts.ROUNDING,
+        "of_fastest": random_motions.OF_FASTEST,
         "largest": verdicts.LARGEST_ERROR,
     }

@@ -23,8 +23,8 @@ def spoil(monkeypatch):
     def spoiled(times):
         nowhere = itertools.chain([100.0] * times, itertools.repeat(0.0))
 
-        def end_with_more(x, *impulses):
-            end(x, *impulses)
+        def end_with_more(d, x, *impulses):
+            end(d, x, *impulses)
             x.energy_in += next(nowhere)
 
         monkeypatch.setattr(step, "end", end_with_more)

@@ -3,7 +3,7 @@
 from itertools import product
 
 import pytest
-from scenes import FREEWHEELS, advanced, motions, started
+from scenes import FREEWHEELS, advanced, motions, passed, started
 
 AT_REST = {"omega1": 0.0, "drive_torque": 0.0, "max_step": 0.0}
 HELD, FREE, DRIVING, HELD_DRIVING = range(4)
@@ -67,6 +67,24 @@ def test_link_2_stays_held_where_the_input_stops_and_the_shaft_runs_on(compiled,
         assert module["contact_mode"] == HELD
     assert module["omega_out"] > 0.0
     assert module["contact_switches"] == switches
+
+
+@motions(LEVELS, added=("ideal", "losses"), missing=(), drives=("speed",))
+def test_ramp_that_a_host_follows_but_for_rounding_opens_no_freewheel(compiled, scene):
+    names = ("contact_switches", "housing_engagements", "output_engagements")
+    for rate in (333.3, -91.7):
+        one, many = (started(compiled, scene, omega1=100.0, max_step=1e-4) for _ in range(2))
+        one.set_rates(omega1=rate)
+        one.advance(0.2)
+        differ = 0
+        for n in range(200):
+            many.set(omega1=100.0 + rate * n * 1e-3)
+            differ += many.inputs.omega1 != many.state.omega1
+            many.set_rates(omega1=rate)
+            many.advance(1e-3)
+        assert differ > 20
+        assert [many[name] for name in names] == [one[name] for name in names]
+        assert abs(many["energy_residual"]) <= max(1e-6 * passed(one), 1.1 * abs(one["energy_residual"]))
 
 
 @motions(LEVELS, added=("ideal", "losses", "wind-up"), missing=tuple(FREEWHEELS)[1:], drives=("speed",))

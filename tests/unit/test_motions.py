@@ -245,6 +245,18 @@ def test_residual_of_long_runs_grows_with_the_turns_and_no_faster(compiled, kind
     assert turns > 300.0
 
 
+@motions(levels=[level for level in LEVELS if level != "averaged"], added=("ideal", "losses"), missing=())
+def test_means_of_a_last_step_of_next_to_nothing_are_torques_there(compiled, scene):
+    for before in (0.05, 0.0037):
+        module = advanced(started(compiled, scene), before)
+        for step, missing in ((1e-13, 1e-9), (1e-16, 1e-9), (1e-300, 1e-9), (5e-324, 2.0)):
+            module.advance(step)
+            for name in MEANS[:4]:
+                torque = module[name.removesuffix("_mean")]
+                assert module[name] == pytest.approx(torque, abs=missing), (name, step)
+            assert module["torque_ripple"] < 1e-3
+
+
 def test_steps_below_the_resolution_of_the_speed_add_up_too(compiled):
     # each step changes the speed of the shaft by less than a rounding error of it
     module = started(compiled, omega1=0.0, load_torque=1e-3, omega_out_start=1000.0)

@@ -6,7 +6,7 @@ from contextlib import suppress
 import pytest
 import scenes
 from refused import assert_refused
-from scenes import advanced, motions, passed, started
+from scenes import LEVELS, advanced, motions, passed, started
 
 from inertia_module.kernel.codes import TIMESTEPPING
 from inertia_module.memory import Module, Refused
@@ -100,6 +100,32 @@ def test_error_of_fixed_steps_falls_with_the_square_where_nothing_switches(compi
         for step in (2e-4, 5e-5)
     )
     assert fine == pytest.approx(coarse / 16.0, rel=0.3)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.01, 0.001])
+@pytest.mark.parametrize("level", FIXED_STEPS)
+@pytest.mark.parametrize("housing_drag", [0.0, 1.0])
+def test_shaft_that_a_load_has_stopped_is_held_where_it_is(compiled, housing_drag, level, step):
+    # stiff where it is elastic; a light link 2, that its drag would turn back faster than the load the shaft
+    built = LEVELS[level] | {"imbalance_mass": 0.0, "link2_inertia": 1e-5, "shaft_stiffness": 1e9}
+    given = {"output_inertia": 0.5, "driven_inertia": 0.5, "max_step": step, "housing_drag": housing_drag}
+    module = started(compiled, built, given, load_torque=10.0, omega_out_start=0.3)
+    stored = module["energy_stored"]
+    advanced(module, 0.2)
+    assert module["omega_out"] == module["omega2"] == 0.0
+    assert module["energy_out"] == pytest.approx(stored, rel=1e-3)
+    before = module["energy_out"]
+    assert advanced(module, 1.0)["energy_out"] == pytest.approx(before, rel=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.001])
+def test_hub_that_a_load_presses_on_link_2_at_rest_stays_where_it_is(compiled, step):
+    # which its drag would turn back faster than the load the hub
+    drag = {"link2_inertia": 1e-5, "housing_drag": 1.0, "output_engagement_angle": 0.02}
+    module = started(compiled, LEVELS["elastic-timestepping"], drag, max_step=step, load_torque=0.1)
+    advanced(module, 0.2)
+    assert module["shaft_twist"] != 0.0
+    assert module["output_flange_angle"] == pytest.approx(-module["shaft_twist"], rel=1e-9)
 
 
 @ideal

@@ -40,8 +40,8 @@ INERTIA = ("i", "i1", "b", "g")
 # of the communication step in hand, or the last one: impulses, angle of the output, energy lost, how many
 # moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torques and slips
 SUMS = (
-    *("input_impulse", "output_impulse", "housing_impulse", "output_square", "turned3", "step_lost"),
-    *("step_evaluations", "seen", "largest_square", "torque_peak"),
+    *("input_impulse", "mesh_impulse", "output_impulse", "housing_impulse", "output_square", "turned3"),
+    *("step_lost", "step_evaluations", "seen", "largest_square", "torque_peak"),
     *("housing_torque_peak", "housing_slip_peak", "output_slip_peak"),
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)

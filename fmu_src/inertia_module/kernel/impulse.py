@@ -23,25 +23,30 @@ def meets_output(d, x):
     return d.freewheel_stiffness == 0.0 and x.play_output == 0.0
 
 
-def settle(d, inertia2, free2, inertia3, free3, stops, meets):
+def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed=0.0):
     """Solve the complementarity problem on impulses, from the velocities without them.
 
     Args:
         stops, meets: whether the housing and the output freewheel take one.
+        pressed: impulse that link 2 has pressed the shaft with before, above zero, N m s.
 
     Returns:
-        (omega2, omega3, Pc, contact mode) at the end of the step.
+        (omega2, omega3, Pc besides what has been pressed, contact mode) at the end of the step.
     """
     # of equals as in equations.choice: link 2 stays held, and a shaft that nothing pulls away touches it
-    held = stops and free2 <= 0.0
-    if d.output != 0.0:
-        if held and (free3 > 0.0 or not meets):
+    reduced = inertia2 * inertia3 / (inertia2 + inertia3)
+    apart = reduced * (free2 - free3) + pressed <= 0.0
+    if stops and inertia2 * free2 + pressed <= 0.0:
+        apart = inertia3 * free3 - pressed > 0.0
+    if d.output != 0.0 and (apart or not meets):
+        if stops and free2 <= 0.0:
             return 0.0, free3, 0.0, HELD
-        if not held and (free2 <= free3 or not meets):
-            return free2, free3, 0.0, FREE
-    together = (inertia2 * free2 + inertia3 * free3) / (inertia2 + inertia3)
+        return free2, free3, 0.0, FREE
+    # what goes together goes on so to the bit: at rest it would creep
+    together = free2
+    if free2 != free3:
+        together = (inertia2 * free2 + inertia3 * free3) / (inertia2 + inertia3)
     if not stops or together > 0.0:
-        reduced = inertia2 * inertia3 / (inertia2 + inertia3)
         return together, together, reduced * (free2 - free3), DRIVING
     return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 

@@ -94,9 +94,9 @@ def slip_inertia(d, i, b, g, carried):
     return total, coupling * per_total, determinant * per_total
 
 
-def momentum_of_links(d, i, b, omega1, omega2):
-    """Angular momentum of links 1 and 2 and the imbalances, N m s."""
-    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
+def momentum_of_links(d, i, b, omega1, omega2, carried=0.0):
+    """Angular momentum of links 1 and 2, the imbalances and what link 2 carries, N m s."""
+    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + (d.J2 + carried) * omega2
 
 
 def energy_of_links(d, i, b, g, omega1, omega2):

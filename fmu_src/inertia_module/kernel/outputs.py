@@ -46,27 +46,14 @@ def write_torques(d, x, y):
 
 
 def write_means(d, x, y):
-    """Means over the step, all impulses included: the changes of momenta leave nothing to integrate.
-
-    Links 1, 2 and imbalances: P' = M1 - b1 omega1 - b2 omega2 - Tc + Th. Link 2: J2 omega2' = M2 - b2 omega2
-    - Tc + Th.
-    """
-    per_step = 1.0 / x.length if x.length > 0.0 else 0.0
-    turned1 = friction_impulse = 0.0
-    if d.viscous != 0.0:
-        turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
-        turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
-        friction_impulse = per_step * d.b2 * (turned1 - turned / d.k)
-    housing = per_step * x.housing_impulse
-    gained2 = 0.0  # (in averaged that is the pulses')
-    if d.fidelity != AVERAGED:
-        if d.losses == 0.0:
-            housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
-        gained2 = per_step * d.J2 * (x.omega2 - x.begin_omega2)
-    mesh = gained2 + friction_impulse + x.output_torque_mean - housing
-    y.mesh_torque_mean = mesh
+    """Means over the step, all impulses included: the changes of momenta leave nothing to integrate."""
+    length = x.length if x.length > 0.0 else 1.0
+    housing = x.housing_impulse / length
+    if d.losses == 0.0 and d.fidelity != AVERAGED:
+        housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
+    y.mesh_torque_mean = x.mesh_impulse / length
     y.housing_torque_mean = housing
-    y.loss_power_mean = per_step * x.step_lost
+    y.loss_power_mean = x.step_lost / length
 
 
 def write_outputs(x, y):

@@ -7,17 +7,17 @@ thought of, energy from nowhere, a freewheel that let go too late, shows in thei
 import math
 
 from . import codes
-from .accumulate import clear, copy, total, turn_output, wrap_drive_angle
+from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angle
 from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
 from .derive import derive
-from .engine import follow_parameters, follow_torque, run_events, switch_now
+from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
 from .equations.satellites import jams
 from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
 from .inputs import begin, check_inputs, check_step, input_speed
-from .links import is_stiff
+from .links import fastest_own_rate, is_stiff
 from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
 
 # share of the tolerance that a step is tried again with whose energies do not balance
@@ -31,6 +31,10 @@ MOST = 0.1
 NOTHING = 1e-30
 # tolerance of a step whose results are to be differenced
 PRECISE = 1e-11
+# share of the speeds by which a given one that the last step should have come to misses it by rounding
+SAME_SPEED = 1e-14
+# phase, rad, and share of the speeds: in such a change torques change as rounding of momenta does their means
+INSTANT = 1e-8
 
 
 def check_parameters(p, d):
@@ -98,8 +102,40 @@ def tune(p, d, x, w):
     return status
 
 
-def end(x, h, input_jump, output_jump):
-    """Means over the step, all impulses included."""
+def is_instant(d, x, h):
+    """Tell whether rounding of momenta changes means over the step by more than torques change in it.
+
+    These are then in d.machine.
+    """
+    m = d.machine
+    fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
+    swings = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
+    if d.fidelity == codes.AVERAGED or not h * (d.harmonic * d.k * fastest + swings) < INSTANT:
+        return False
+    solve_now(d, x)
+    accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3) + abs(m.rate_relative)
+    return h * accelerated < INSTANT * fastest
+
+
+def pass_mesh(d, x, output):
+    """Impulse that the mesh has passed to link 2, by its momentum: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
+    x.mesh_impulse = output - x.housing_impulse
+    if d.fidelity != codes.AVERAGED:  # there what it gains is the pulses'
+        x.mesh_impulse += d.J2 * (x.omega2 - x.begin_omega2)
+    if d.viscous != 0.0:
+        turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
+        turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
+        x.mesh_impulse += d.b2 * (turned1 - turned / d.k)
+
+
+def end(d, x, h, jump, input_jump, output_jump):
+    """Means over the step, all impulses included; where they cannot be told the torques of its end."""
+    pass_mesh(d, x, output_jump + x.output_impulse)
+    if jump == 0.0 and is_instant(d, x, h):
+        m = d.machine
+        x.input_impulse, x.mesh_impulse, x.housing_impulse = h * m.drive, h * m.mesh, h * m.housing
+        x.output_impulse = h * m.output
+        x.output_square = x.output_impulse * (x.output_impulse / h)
     x.input_torque_mean = (input_jump + x.input_impulse) / h
     x.output_torque_mean = (output_jump + x.output_impulse) / h
     mean = x.output_impulse / h
@@ -185,6 +221,9 @@ def run(d, u, x, w, h):
     """Advance the state by h under the inputs, and look at its energies. Returns a status."""
     switch_now(d, x)
     jump = begin(d, u, x, h)
+    if abs(jump) <= SAME_SPEED * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
+        x.omega1 += jump  # (as a jump it would let freewheels go)
+        jump = 0.0
     input_jump = output_jump = 0.0
     if jump != 0.0 or (d.fidelity == codes.KINEMATIC and x.omega2 != d.kinematic_ratio * x.omega1):
         input_jump, output_jump = apply_jump(d, u, x, h, jump)
@@ -206,7 +245,7 @@ def run(d, u, x, w, h):
         if d.fidelity != codes.AVERAGED:
             follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
-    end(x, x.length, input_jump, output_jump)
+    end(d, x, x.length, jump, input_jump, output_jump)
     if not is_finite(x):
         return codes.NOT_FINITE
     return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else codes.OK

@@ -40,12 +40,14 @@ def find_knot(side, x, sigma):
 
 def shares(side, speed):
     """First of NEAR motions of a knot about the slowness at a speed, and their shares in a cubic."""
-    z = side.slow / (speed + side.slow) if side.slow > 0.0 else 0.0
+    fast = speed / (speed + side.slow) if side.slow > 0.0 else 1.0
+    z = 1.0 - fast
     n = 0
     while n < MOTIONS - NEAR and z > SLOWNESS[n + 2]:
         n += 1
     za, zb, zc, zd = SLOWNESS[n], SLOWNESS[n + 1], SLOWNESS[n + 2], SLOWNESS[n + 3]
-    a, b, c, d = z - za, z - zb, z - zc, z - zd
+    # (nothing cancels where links crawl: all that goes with their speed does with the last one)
+    a, b, c, d = z - za, z - zb, z - zc, 1.0 - zd - fast
     return n, (
         b * c * d / ((za - zb) * (za - zc) * (za - zd)),
         a * c * d / ((zb - za) * (zb - zc) * (zb - zd)),

@@ -61,20 +61,17 @@ def choose_leg(d, side, x, v):
     speed = abs(v)
     if stays_locked(d, side, x, v):
         return rates.LOCKED
-    turning = speed
-    if speed == 0.0:
-        rates.write_mean_rates(d, side, x, rates.RESTING, v, 0.0, d.mean)
-        turning = JUST_TURNING * max(side.direction * d.mean.omega1, 0.0)
-    past = beyond_rest(d, side, x, turning)
-    if x.omega3 == 0.0 and (load >= 0.0 or past < 0.0):
-        if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
-            return rates.RESTING  # ... also while link 1 turns
+    if x.omega3 == 0.0:
         rates.write_mean_rates(d, side, x, rates.RESTING, v, 0.0, d.mean)
         rate = side.direction * d.mean.omega1
-        time = APART * (speed / abs(rate) if speed * rate != 0.0 else 1.0)
-        if past <= ARRIVED and beyond_rest(d, side, x, max(speed + rate * time, 0.0)) <= past:
-            return rates.RESTING
-        return rates.SLIPPING
+        past = beyond_rest(d, side, x, speed if speed > 0.0 else JUST_TURNING * max(rate, 0.0))
+        if past < -ARRIVED or (past == load == 0.0 and speed > 0.0):
+            return rates.RESTING  # ... also while link 1 turns
+        if load >= 0.0 or past < 0.0:
+            time = APART * (speed / abs(rate) if speed * rate != 0.0 else 1.0)
+            if past <= ARRIVED and beyond_rest(d, side, x, max(speed + rate * time, 0.0)) <= past:
+                return rates.RESTING
+            return rates.SLIPPING
     gap = x.omega3 - side.end * speed
     if gap == 0.0:
         rates.write_mean_rates(d, side, x, rates.COASTING, v, x.omega3, d.mean)

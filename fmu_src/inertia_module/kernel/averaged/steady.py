@@ -230,9 +230,9 @@ def follow(d, x, w, length):
             limit = min(0.5 * limit, left / (d.k * abs(x.omega1 - x.omega2)))
             continue
         # in its play link 2 may be as fast as link 1 or faster for a while: the drive rests, or turns back;
-        # or they stick together until link 2 meets the output
+        # or they stick together until link 2 meets the output or the housing
         still = AT_REST * (abs(x.omega1) + abs(x.omega2))
-        stays = event or slip < -still or x.output_state == CLOSING
+        stays = event or slip < -still or min(x.housing_state, x.output_state) == CLOSING
         waits = d.plays != 0.0 and idle < MOST_IDLE and stays
         if not slip > still and not waits:
             return -1.0, 0.0

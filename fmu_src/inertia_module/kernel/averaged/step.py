@@ -315,7 +315,11 @@ def try_gentle_step(d, side, x, w, leg, h, remaining):
 
 
 def try_steps(d, side, x, w, leg, limit, remaining):
-    """Make the longest step of allowed error by Rosenbrock's method. Returns whether there is one."""
+    """Make the longest step of allowed error by Rosenbrock's method, or its part up to where the leg ends.
+
+    Returns:
+        (whether there is one, whether the leg ends there).
+    """
     differentiate(d, side, x, w, leg)
     h = limit
     if leg == SLIPPING or leg == COASTING:
@@ -331,9 +335,17 @@ def try_steps(d, side, x, w, leg, limit, remaining):
         factor = next_factor(error, 5.0, SHORT_SAFETY)
         if error <= 1.0:
             carry_size(x, h, factor, attempt)
-            return True
+            past = beyond_leg(d, side, x, w, leg)
+            if past <= ARRIVED:
+                return True, False
+            # (a step far beyond the end is judged by what it would come to there)
+            cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
+            error = step_error(d, side, x, w, leg, remaining)
+            if error <= 1.0:
+                return True, True
+            h, factor = w.step, next_factor(error, 5.0, SHORT_SAFETY)
         h *= factor
-    return False
+    return False, False
 
 
 def advance_leg(d, side, x, w, leg, remaining):
@@ -344,15 +356,10 @@ def advance_leg(d, side, x, w, leg, remaining):
     """
     write_mean_rates(d, side, x, leg, x.omega1, x.omega3, w.rates[0])
     limit = min(remaining, d.max_step)
-    ends = False
+    found, ends = True, False
     gentle = limit <= x.short_size or x.short_size == 0.0
     if not gentle or not try_gentle_step(d, side, x, w, leg, limit, remaining):
         x.short_size *= SHORT_GROWTH  # so that it is tried again
-        if not try_steps(d, side, x, w, leg, limit, remaining):
-            return False, False
-        past = beyond_leg(d, side, x, w, leg)
-        ends = past > ARRIVED
-        if ends:
-            cut_step(d, side, x, w, leg, fastest_speed(x, w) + 1e-300, past)
+        found, ends = try_steps(d, side, x, w, leg, limit, remaining)
     balance(d, side, x, w, leg)
-    return True, ends
+    return found, ends

@@ -66,6 +66,9 @@ def rub(d, knot, m, omega1, omega2):
 
     Args:
         d: constants with friction and drag as at the speed V0. omega1, omega2: speeds over v.
+
+    Returns:
+        Their sum.
     """
     slip = omega1 - omega2
     over = knot.ratio - omega2
@@ -79,6 +82,7 @@ def rub(d, knot, m, omega1, omega2):
     drag = linear * (d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over)
     drag += z * z * (d.housing_drag * omega2 + d.output_drag * over)
     knot.lost[table.MOTIONS * FREEWHEEL + m] = drag
+    return linear * viscous + knot.lost[table.MOTIONS * MESH + m] + drag
 
 
 def pulled(d):
@@ -217,6 +221,12 @@ def add_slower(p, d, w, side, knot, held):
     followed = CRAWLING - 1 if d.by_torque != 0.0 else CRAWLING
     needed = table.SLOWER if d.by_torque + d.plays != 0.0 else 2
     before = growth = 0.0
+    if d.by_torque != 0.0:
+        # the first torque that is tried keeps the speed against what friction takes of the ideal motion
+        steady.set_losses(p, d, 1.0 / side.slow)
+        omega1 = side.direction * knot.value[table.INPUT]
+        z = table.SLOWNESS[1]
+        growth = rub(d, knot, 1, omega1, knot.value[table.OMEGA2]) / (z * (1.0 - z) * omega1)
     found = followed
     for m in range(1, followed):
         slow = table.SLOWNESS[m] / (1.0 - table.SLOWNESS[m])
@@ -248,7 +258,7 @@ def end_map(p, d, w, side, end):
     """
     count = int(side.count)
     last = side.knots[count - 1]
-    if side.locks != 0.0:
+    if side.locks != 0.0 or (d.by_torque == 0.0 and side.direction > 0.0 and last.ratio < end):
         if d.by_torque != 0.0 or last.ratio < end:
             # there both turn alike, faster than link 1 on average before where it is light
             ratio = end

@@ -96,8 +96,8 @@ def with_play(state, play):
 def try_combination(d, x, number):
     """Set the states of this number, 0 to 26, in x. Returns whether speeds, wind-up and play allow them.
 
-    Of equals the first is taken: link 2 stays held, a shaft that nothing pulls away touches it then, and only
-    then.
+    Of equals the first is taken: links that need not slip stick, link 2 stays held, a shaft that nothing
+    pulls away touches it then, and only then.
     """
     housing = float((number // 3 + 1) % 3)
     output = float(number % 3 if housing == states.OPEN else (number + 1) % 3)
@@ -105,7 +105,7 @@ def try_combination(d, x, number):
         return False
     x.housing_state = with_play(housing, x.play_housing)
     x.output_state = with_play(output, x.play_output)
-    x.slip_sign = float(number // 9 - 1)
+    x.slip_sign = float((number // 9 + 1) % 3 - 1)
     return states.are_allowed(d, x)
 
 
@@ -137,7 +137,8 @@ def least_violation(d, x, before, before_misses, ahead):
     best = 0
     least = 1e300
     equal = 0
-    for number in range(0 if states.is_rough(d) else 18, 27):
+    first, end = (0, 27) if states.is_rough(d) else (9, 18)
+    for number in range(first, end):
         if not try_combination(d, x, number):
             continue
         take_state(d, x)

@@ -123,7 +123,7 @@ def meet(d, x, which):
     if which == guards.HOUSING or which == guards.HOUSING_BACK:
         x.omega2 = 0.0
         x.omega2_low = 0.0
-        if which == guards.HOUSING_BACK and x.output_state == LOCKED:
+        if x.output_state == LOCKED:
             x.omega3 = 0.0
             x.omega3_low = 0.0
     elif which == guards.OUTPUT or which == guards.OUTPUT_BACK:

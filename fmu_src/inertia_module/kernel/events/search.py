@@ -137,10 +137,13 @@ def guard_tolerance(d, x, w, which, fastest):
         fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
         imparted = response(d, d.J2) * fastest if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(imparted, fastest_output)
-    m = d.machine
-    share = max(TORQUE_ROUNDING, w.tolerance) if guards.is_spring(x, which) else TORQUE_ROUNDING
     # (a freewheel feels no load behind a shaft, but the shaft)
-    return share * torques_at(d, m, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
+    torques = torques_at(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
+    zero = TORQUE_ROUNDING * torques
+    if guards.is_spring(x, which):
+        # known to the tolerance: as far as it moves neither side by more over the step
+        zero = max(zero, w.tolerance * min(torques, min(d.J2, d.J3) * fastest / w.step))
+    return zero
 
 
 def first_event(d, x, w, fastest, cleared):

@@ -14,7 +14,14 @@ from ..equations.motion import stored_besides
 from ..equations.satellites import AS_THEY_ARE, spin_torques, weight_torques
 from ..impulse import push_driven_mass
 from ..layout import imbalance
-from ..links import friction_power, inertia_of_link1, inertia_of_link2, kinetic_energy, slip_inertia
+from ..links import (
+    friction_power,
+    inertia_of_link1,
+    inertia_of_link2,
+    kinetic_energy,
+    momentum_of_links,
+    slip_inertia,
+)
 
 # below this change of q, rad, the difference of I is rounding, and its derivative gives it as exactly
 SMALLEST_DIFFERENCE = 1e-8
@@ -67,11 +74,11 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     growth = d.k * d.k * (w.end.g - x.here.g)
     driven = prescribed - by_torque * h * w.weight1
     if by_torque != 0.0:
-        y = total * (x.omega1 - coupling * slip)
+        y = momentum_of_links(d, x.here.i, x.here.b, x.omega1, x.omega2, carried) if not held else 0.0
         share -= mean_coupling
         end_rate = 0.0 if held else 0.5 / end_total
-        speed = 0.5 * (x.omega1 - coupling * slip) + (y + driven) * end_rate
-        force = (x.omega1 - coupling * slip) * end_rate
+        speed = 0.5 * y / total + (y + driven) * end_rate
+        force = y / total * end_rate
         growth = end_inertia - inertia
     slope = 0.5 * d.k * (x.here.i1 + w.end.i1)
     if abs(d.k * w.slip_angle) > SMALLEST_DIFFERENCE:
@@ -128,9 +135,9 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     if friction != 0.0 and rise == at_stop:
         w.slip_stopped = 1.0
     turned = (twice + rise) * per_root
-    # rho by its change: else omega2 would take over the rounding of omega1
+    # speeds by their changes: else omega2 would take over the rounding of omega1
     change_slip = (rise - growth * per_root * slip) * per_end
-    end_slip = slip + change_slip
+    change2 = prescribed - change_slip
     w.new_slip_angle = h * turned
     change.lost[MESH] = friction * turned
     mean1 += answer1 * turned
@@ -138,18 +145,19 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
     change.lost[VISCOUS] = h * friction_power(d, mean1, mean2, d.b2)
     resisted = load + gain * mean2 + h * (d.b1 * mean1 + d.b2 * mean2)
     if by_torque != 0.0:
-        end_y = y + driven - resisted
-        w.end1 = 2.0 * end_rate * end_y + end_coupling * end_slip
+        # P at the end if omega2 stayed as it is
+        unmoved = momentum_of_links(d, w.end.i, w.end.b, x.omega1 + change_slip, x.omega2, carried)
+        change2 = 2.0 * end_rate * (y + driven - resisted - unmoved)
         change.theta1 = h * mean1
     else:
-        w.end1 = end_y
         change.theta1 = h * speed
         kept = mean_coupling * change_slip - d.k * (w.end.b - x.here.b) * (slip + 0.5 * change_slip)
         change.drive = 0.5 * (total + end_total) * prescribed + (w.end.i - x.here.i) * speed - kept + resisted
         change.drive += h * w.weight1
-        missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * end_slip)
+        missing = mean_coupling * turned - 0.5 * (coupling * slip + end_coupling * (slip + change_slip))
         change.work_in = speed * change.drive + prescribed * missing
-    w.end2 = x.omega2 + ((w.end1 - x.omega1) - change_slip)
+    w.end1 = x.omega1 + (change2 + change_slip)
+    w.end2 = x.omega2 + change2
     if held:
         w.end2 = 0.0
     if w.slip_stopped != 0.0:

@@ -8,7 +8,7 @@ elastic shaft moves by the midpoint rule (docs/mechanics.md).
 import math
 
 from ..accumulate import clear, copy
-from ..codes import HELD, HELD_DRIVING, OK, TOO_MUCH_WORK
+from ..codes import OK, TOO_MUCH_WORK
 from ..equations.choice import choose_states
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH
 from ..equations.states import OPEN, count_switch, drives, holds, is_rough
@@ -21,7 +21,7 @@ from . import motion
 
 # fixed steps that one communication step may take
 MAX_STEPS = 1e7
-# parts of a step that are too short to be told from none
+# shortest part of a step: what closes before it closes at its end
 SHORTEST = 1e-6
 # how much later than foreseen a step is parted: what has not met there meets at its end
 LATER = 1.001
@@ -105,19 +105,11 @@ def follow(d, x, w, held, joined, prescribed, h):
             w.end3 += d.J4 * (mass3 - w.end3) / inertia3
     inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
     push = contact + holding
-    if push > 0.0 and d.output != 0.0:
-        # it is the impulse over the whole step that must not pull, but for the drag
-        end2 = w.end2 if held else w.end2 + push / inertia2
-        w.settled2, w.settled3, output, mode = settle(
-            d, inertia2, end2, inertia3, w.end3 - push / inertia3, stops, meets
-        )
-        w.change.output = output - holding
-        w.mode = mode
-        if drives(mode):
-            return push
-    w.settled2, w.settled3, output, mode = settle(d, inertia2, w.end2, inertia3, w.end3, stops, meets)
+    # it is the impulse over the whole step that must not pull, but for the drag
+    w.settled2, w.settled3, output, w.mode = settle(
+        d, inertia2, w.end2, inertia3, w.end3, stops, meets, max(push, 0.0)
+    )
     w.change.output = output + contact
-    w.mode = mode
     return push
 
 
@@ -130,7 +122,7 @@ def follow_closed(d, x, w, prescribed, h):
         follow(d, x, w, False, False, prescribed, h)
     stays = x.omega2 == 0.0 and x.play_housing == 0.0
     if d.housing != 0.0 and stays and holds(w.mode):
-        joined = always or (x.omega3 == 0.0 and x.play_output == 0.0 and w.mode == HELD_DRIVING)
+        joined = always or (x.omega3 == 0.0 and x.play_output == 0.0)
         push = follow(d, x, w, True, joined, prescribed, h)
         if joined and not always and push < 0.0:
             follow(d, x, w, True, False, prescribed, h)
@@ -169,38 +161,42 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
 
 
 def share_until_closed(d, x, w):
-    """Share of the step after which a freewheel without play closes in it, 1 where none does (see follow)."""
+    """Share of the step after which a freewheel without play closes (1: none), and if it is the housing's."""
     meets = d.output_engagement_angle == 0.0 and drives(w.mode)
     if meets and x.omega3 > x.omega2 and w.end2 > w.end3:
-        return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3)
+        return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3), False
     stops = d.housing_engagement_angle == 0.0 and holds(w.mode)
     if stops and x.omega2 > 0.0 and w.end2 < 0.0:
-        return x.omega2 / (x.omega2 - w.end2)
-    return 1.0
+        return x.omega2 / (x.omega2 - w.end2), True
+    return 1.0, False
 
 
-def close_within(d, x, w, prescribed, h, share):
+def close_within(d, x, w, prescribed, h, share, housing):
     """Go the step in two, parted where a freewheel closes and holds link 2 or joins it with the hub.
 
     No part makes energy with any inertia between, so nothing is evaluated there. Returns whether it went.
     """
-    held = w.mode == HELD
-    target = 0.0 if held else x.omega3 + share * (w.end3 - x.omega3)
+    share = max(share, SHORTEST)
+    rests = x.omega2 == 0.0 and w.end2 == 0.0
+    joined = housing and drives(w.mode) and x.omega3 == x.omega2 and x.play_output == 0.0
+    target = 0.0 if housing or rests else x.omega3 + share * (w.end3 - x.omega3)
     slip = x.omega1 + share * (w.end1 - x.omega1) - target
-    before = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
-    angle = before + (1.0 - share) * h * slip
+    turned = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
+    angle = turned + (1.0 - share) * h * slip
     look_ahead(d, x, w, angle)
-    part = before / angle if angle != 0.0 else 0.0
     for n in range(3):
-        if not (0.0 < part < 1.0 and SHORTEST < share < 1.0):
+        if share >= 1.0:
             return False
+        # (any will do where the drive turns back)
+        part = turned / angle if turned * (angle - turned) > 0.0 else share
         end_at(x, w, part)
-        follow(d, x, w, False, False, share * prescribed, share * h)
-        gap = x.omega2 if held else x.omega3 - x.omega2
-        left = w.end2 if held else w.end3 - w.end2
-        if n < 2 and gap > left:
-            share *= LATER * gap / (gap - left)
-            part = LATER * gap / (gap - left) * w.new_slip_angle / angle
+        follow(d, x, w, rests, joined, share * prescribed, share * h)
+        gap = x.omega2 if housing else x.omega3 - x.omega2
+        left = w.end2 if housing else w.end3 - w.end2
+        longer = LATER * gap / (gap - left) if gap > left else 1.0
+        if n < 2 and longer * share > SHORTEST:
+            share *= longer
+            turned = longer * w.new_slip_angle
     if w.reached == 0.0 or w.reversed != 0.0:
         return False
     copy(w.part.numbers, x.numbers)
@@ -288,9 +284,9 @@ def one_step(d, x, w, prescribed, h):
     w.far_angle1 = h * (x.omega1 + given)
     look_ahead(d, x, w, h * (x.omega1 - x.omega2 + given))
     follow_loaded(d, x, w, prescribed, h, True)
-    share = share_until_closed(d, x, w)
+    share, housing = share_until_closed(d, x, w)
     friction = w.friction
-    if not (share < 1.0 and close_within(d, x, w, prescribed, h, share)):
+    if not (share < 1.0 and close_within(d, x, w, prescribed, h, share, housing)):
         if share < 1.0:
             w.friction = friction
             end_at(x, w, 1.0)
