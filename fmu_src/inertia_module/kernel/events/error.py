@@ -173,7 +173,7 @@ def step_error(d, x, w, fastest):
         # (behind a shaft that a load twists links begin so gently that a loss is no scale of its own error)
         energy = max(energy, FROM_REST * (momentum * moved + d.J3 * behind * behind))
     if moved * w.step <= 2.0 * NO_TURN or momentum == 0.0:
-        momentum = abs(w.change.output)  # links at rest pass on what it takes
+        momentum = max(momentum, abs(w.change.output))  # links at rest pass on what it takes
     for number in range(moving + len(HELD_SUMS)):
         n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
