@@ -86,7 +86,9 @@ def speed_of_swing(d, x, w, rate, speed, fastest):
     pulses = d.harmonic * d.k * fastest * response(d, d.J2 + d.J3) * fastest / rate
     if swing >= min(moved, pulses):
         return speed
-    return max(speed, min(SWING * moved * speed / max(swing, 1e-300), HELD * (1.0 + d.J4 / d.J3) * moved))
+    # how much wider the swing is than that of the driven mass in it, which a balancer moves along
+    wider = abs((1.0 - d.balancer) * d.J4 + d.J3) / max(abs(d.J3 - d.balancer * d.J4), 1e-300)
+    return max(speed, min(SWING * moved * speed / max(swing, 1e-300), HELD * wider * moved))
 
 
 def scale_of(d, x, w, n, fastest):
@@ -171,7 +173,7 @@ def step_error(d, x, w, fastest):
         # (behind a shaft that a load twists links begin so gently that a loss is no scale of its own error)
         energy = max(energy, FROM_REST * (momentum * moved + d.J3 * behind * behind))
     if moved * w.step <= 2.0 * NO_TURN or momentum == 0.0:
-        momentum = d.J3 * behind  # links at rest pass on what the shaft takes
+        momentum = max(momentum, d.J3 * behind)  # links at rest pass on what the shaft takes
     for number in range(moving + len(HELD_SUMS)):
         n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
