@@ -183,8 +183,10 @@ class Reference:
     def _goes_on(self, mode: Mode) -> bool:
         """Check that a case that holds also does a moment later: of several that hold now that is the one."""
         machine, y = self.machine, self.state
-        moment = AHEAD / (machine.highest * machine.k * self._fastest() + machine.frequency)
-        middle = y + 0.5 * moment * machine.rates(y, mode)
+        rates, fastest = machine.rates(y, mode), self._fastest()
+        growth = np.abs(rates[cases.OMEGA1 : cases.OMEGA4 + 1]).max() / fastest
+        moment = AHEAD / (machine.highest * machine.k * fastest + machine.frequency + growth)
+        middle = y + 0.5 * moment * rates
         later = y + moment * machine.rates(middle, mode)
         return bool(self._guards(later, mode, machine.forces(later, mode)).min() >= 0.0)
 

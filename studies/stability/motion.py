@@ -227,6 +227,11 @@ class Run:
     refused: str = ""
     broken: str = ""
 
+    @property
+    def turns(self) -> float:
+        """Turns of the drives that its end tells of."""
+        return abs(self.end["angle"]) / (2.0 * math.pi)
+
     def share(self, breach: str) -> float:
         """Deepest breach relative to the largest speed, torque, their product, or energy."""
         scales = self.speed, self.torque, self.speed * self.torque, self.energy

@@ -114,8 +114,7 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     if motion.level.method == TIMESTEPPING:
         name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
     beyond = motions.relative(max(energy - rounding, 0.0), found.energy)
-    turns = abs(found.end["angle"]) / (2.0 * math.pi)
-    figures[name] = Figure(beyond, energy_bound(accuracy, turns))
+    figures[name] = Figure(beyond, energy_bound(accuracy, found.turns))
     breaches = motions.BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (motions.REGAINED,)
     return figures | {name: Figure(found.share(name), BREACH) for name in breaches}
 
@@ -190,7 +189,7 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
     # link 2 moves by what links 1 and 2 move apart
     rounding = OF_FASTEST * sum(motion[name] for name in INERTIAS[:-1]) * found.speed
     missing = max(abs(momenta[-1] - momenta[0] - sum(impulses)) - rounding, 0.0)
-    bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"])
+    bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"], found.turns)
     return {"momentum": Figure(motions.relative(missing, max(map(abs, (*momenta, *impulses)))), bound)}
 
 
