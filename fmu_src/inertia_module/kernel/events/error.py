@@ -53,10 +53,11 @@ def fastest_behind(d, x, w):
 
 
 def speed_behind(d, x, w, fastest):
-    """Speed that links 1 and 2 are measured by: a shaft that winds up freewheels moves them as it moves."""
-    if is_open(x.output_state) or not is_wound(x):
-        return fastest
-    return max(fastest, fastest_behind(d, x, w))
+    """Speed that links 1 and 2 are measured by: what winds up freewheels moves them as it moves, or might."""
+    if is_open(x.output_state):
+        spring = d.housing_stiffness / max(d.J2 + d.F_by_alpha1, 1e-300)
+        return max(fastest, TWIST_SHARE * math.sqrt(spring) * abs(x.wound_housing))
+    return max(fastest, fastest_behind(d, x, w)) if is_wound(x) else fastest
 
 
 def speed_of_torque(d, x, w, fastest):
