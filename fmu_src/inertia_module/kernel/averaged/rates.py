@@ -43,8 +43,9 @@ def shares(side, speed):
     fast = speed / (speed + side.slow) if side.slow > 0.0 else 1.0
     z = 1.0 - fast
     n = 0
-    while n < MOTIONS - NEAR and z > SLOWNESS[n + 2]:
-        n += 1
+    for m in range(1, MOTIONS - NEAR + 1):
+        if z > SLOWNESS[m + 1]:
+            n = m
     za, zb, zc, zd = SLOWNESS[n], SLOWNESS[n + 1], SLOWNESS[n + 2], SLOWNESS[n + 3]
     # (nothing cancels where links crawl: all that goes with their speed does with the last one)
     a, b, c, d = z - za, z - zb, z - zc, 1.0 - zd - fast
