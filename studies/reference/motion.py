@@ -350,7 +350,7 @@ class Reference:
         """Speeds after a jump of omega1, rad/s, or an engagement; returns the unknowns, see impact."""
         machine, y, hits = self.machine, self.state, dict[Mode, Array]()
         # what takes an impulse: no spring, no play left
-        takes = [wheel.stiffness == 0.0 and y[cases.PLAY + n] == 0.0 for n, wheel in enumerate(self._wheels)]
+        takes = [wheel.stiffness == 0.0 and y[cases.PLAY + n] <= 0.0 for n, wheel in enumerate(self._wheels)]
         choices = [
             (cases.CLOSED, cases.OPEN)[1 - takes[n] :] if self._wheels[n].there else (self.mode[n],)
             for n in (cases.HOUSING, cases.OUTPUT)

@@ -33,7 +33,7 @@ NOTHING = 1e-30
 PRECISE = 1e-11
 # share of the speeds by which a given one that the last step should have come to misses it by rounding
 SAME_SPEED = 1e-14
-# phase, rad, and share of the speeds: in such a change torques change as rounding of momenta does their means
+# phase, rad, in which torques change as rounding of momenta does their means
 INSTANT = 1e-8
 
 
@@ -103,7 +103,7 @@ def tune(p, d, x, w):
 
 
 def is_instant(d, x, h):
-    """Tell whether rounding of momenta changes means over the step by more than torques change in it.
+    """Tell whether impulses of the step are those of the torques at its end, but for rounding of momenta.
 
     These are then in d.machine.
     """
@@ -113,8 +113,9 @@ def is_instant(d, x, h):
     if d.fidelity == codes.AVERAGED or not h * (d.harmonic * d.k * fastest + swings) < INSTANT:
         return False
     solve_now(d, x)
-    accelerated = abs(m.alpha1) + abs(m.alpha2) + abs(m.alpha3) + abs(m.rate_relative)
-    return h * accelerated < INSTANT * fastest
+    missing = abs(x.input_impulse - h * m.drive) + abs(x.housing_impulse - h * m.housing)
+    missing += abs(x.output_impulse - h * m.output)
+    return missing <= SAME_SPEED * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
 
 
 def pass_mesh(d, x, output):
