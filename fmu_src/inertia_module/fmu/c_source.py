@@ -286,6 +286,11 @@ class Function:
         values[int(place)] = self._operand(one)[1][0]
         self._set(name, kind, values)
 
+    def _extractvalue(self, name: str, text: str) -> None:
+        whole, place = parts(text.partition(" ")[2])
+        kind, values = self._operand(whole)
+        self._set(name, members(kind)[int(place)][0], [values[int(place)]])
+
     def _calculate(self, name: str, text: str) -> None:
         """An operation on numbers, a comparison or a conversion."""
         found = self._match(rf"([fi]cmp \w+|\w+) (.*?)(?: to ({TYPE}))?$", text)
