@@ -18,7 +18,7 @@ STIFF_ERROR, STIFF_SHARE = 7, 0.1
 # ... and how much more of it a swing of the shaft that is as wide as the output is fast
 SWING = 10.0
 # ... up to so many allowed errors of the speed of the driven mass
-HELD = 1000.0
+HELD = 900.0
 # the error of a work is measured by so many present kinetic energies, from rest by this share of the largest
 OF_ENERGY = 10.0
 FROM_REST = 0.01
