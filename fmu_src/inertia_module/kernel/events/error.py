@@ -29,8 +29,8 @@ CUSP = 1e-2
 # share of the tolerance where an output swings and nothing brings link 2 to rest, so that errors of phase add
 # up; it flies from pulse to pulse before an output that has this share of the speed of links 1 and 2
 SWINGING, FLYING = 0.15, 0.33
-# angle within a step that no sum of angles can tell, rad: what comes to rest need not be followed for ever
-NO_TURN = 1e-30
+# angle within a step whose rate squared is no number, rad: what comes to rest need not be followed for ever
+NO_TURN = 1e-150
 # share of a scale that is rounding
 ROUNDING = 1e-13
 
