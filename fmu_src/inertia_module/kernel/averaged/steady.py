@@ -413,9 +413,11 @@ def find_steady(p, w, side, ratio, slowness):
         if abs(change) * inertia <= BACK * d.F_by_speed * w.sum_time or high - low <= NEAR:
             return True
         if change > 0.0:
-            low, gain = begin, change
+            low = begin
+            gain = change
         else:
-            high, loss = begin, change
+            high = begin
+            loss = change
         if tried == 1:
             begin = ratio
         elif tried < 3:

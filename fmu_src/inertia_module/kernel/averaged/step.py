@@ -80,6 +80,11 @@ def differentiate(d, side, x, w, leg):
         differentiate_by(d, side, x, w, leg, 0.0, apart, by_omega3)
 
 
+def how_many_followed(d):
+    """How many of fields.FOLLOWED there are."""
+    return LOSSY if d.lossy != 0.0 else LOST
+
+
 def keep_to_leg(d, side, x, w, leg):
     """Set the changes of speeds over the step in hand that are known."""
     if d.by_torque == 0.0:
@@ -95,7 +100,7 @@ def make_gentle_step(d, side, x, w, leg, h):
         v = x.omega1 + h * weighed_rate(w, GENTLE + stage, stage, V)
         omega3 = x.omega3 + h * weighed_rate(w, GENTLE + stage, stage, OMEGA3)
         write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
-    for n in range(LOSSY if d.lossy != 0.0 else LOST):
+    for n in range(how_many_followed(d)):
         w.change.numbers[n] = h * weighed_rate(w, GENTLE + GENTLE_END, GENTLE_END, n)
         w.stages[STAGES - 1].numbers[n] = h * weighed_rate(w, GENTLE_ERROR, GENTLE_END + 1, n)
     keep_to_leg(d, side, x, w, leg)
@@ -103,7 +108,7 @@ def make_gentle_step(d, side, x, w, leg, h):
 
 def take_step(d, side, x, w, leg, h):
     """Make the step h: changes of all that is followed into w.change, at the stages into w.stages."""
-    followed = LOSSY if d.lossy != 0.0 else LOST
+    followed = how_many_followed(d)
     per_step = 1.0 / h
     own = 1.0 / (GAMMA * h)
     by_v, by_omega3 = w.slopes[0].numbers, w.slopes[1].numbers
