@@ -287,6 +287,16 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+@pytest.mark.parametrize("drag", [1e-3, 1e-5])
+def test_drag_takes_link_2_along_no_further_than_friction_lets_it(compiled, mechanism, direction, drag):
+    values = {**MECHANISMS[mechanism], "link2_friction": 0.03, "output_drag": drag}
+    crawling = direction * Module(compiled).start(**values, fidelity=1).derived.forward.slow / 99.0
+    ours, pulses = (of(compiled, values, crawling, 0.9)[0] for of in (of_map, of_pulses))
+    assert ours == pytest.approx(pulses, rel=0.02)
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_a_shaft_at_rest_is_pulled_away_when_link_1_is_fast_enough(compiled, mechanism):
     values = {**MECHANISMS[mechanism], **SLOW["viscous"], "output_inertia": 1e6}
     module = Module(compiled).start(**values, fidelity=1, omega1=30.0, load_torque=0.0)

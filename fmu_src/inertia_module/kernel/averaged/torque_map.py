@@ -45,6 +45,8 @@ RAMP = 0.02
 NEARLY = 0.9
 # the first motion of links that crawl
 CRAWLING = table.MOTIONS - 2
+# 1 - slowness of links that rest, where drag decides before friction
+REST = 1e-12
 # share of the largest torque that stands for a stall torque of nothing
 LEAST_STALL = 0.01
 
@@ -91,23 +93,23 @@ def pulled(d):
 
 
 def crawl(p, d, side, knot, m):
-    """Write motion m of the knot for links so slow that friction alone counts: omega2 is constant then."""
+    """Write motion m of the knot for links so slow that friction and drag alone count: omega2 is constant."""
     steady.set_losses(p, d, 1.0 / side.slow)
     ratio = knot.ratio
+    z = table.SLOWNESS[m]
+    linear = max(1.0 - z, REST)
     pulling = pulled(d)
     resisting = pulling + d.b2 + d.housing_drag_viscous
-    ahead = d.output_drag - d.housing_drag
-    omega2 = ratio if ahead > 0.0 else 0.0
-    if ahead == 0.0:
-        # neither drag decides: it drives, rests, or turns between
-        overrun = side.direction * pulling + d.output_drag_viscous * ratio
-        omega2 = min(max(overrun, 0.0) / (resisting + d.output_drag_viscous + 1e-300), ratio)
+    # link 2 rests, is taken along by the output, or turns between where its torques balance
+    turning = linear * (side.direction * pulling + d.output_drag_viscous * ratio)
+    turning += z * (d.output_drag - d.housing_drag)
+    resistance = linear * (resisting + d.output_drag_viscous)
+    omega2 = min(max(turning, 0.0) / (resistance + 1e-300), ratio)
     viscous, drag = -d.output_drag_viscous * (ratio - omega2), d.output_drag
     if ratio == 0.0:
         viscous, drag = max(side.direction * pulling, 0.0), 0.0
     elif omega2 == ratio:
         viscous, drag = side.direction * pulling - resisting * ratio, d.housing_drag
-    z = table.SLOWNESS[m]
     knot.value[table.TORQUE + m] = z * ((1.0 - z) * viscous - z * drag)
     knot.value[table.OMEGA2 + m] = omega2
     rub(d, knot, m, side.direction, omega2)

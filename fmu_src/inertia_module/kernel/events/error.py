@@ -173,8 +173,9 @@ def step_error(d, x, w, fastest):
         energy = OF_ENERGY * (w.energy + 0.5 * d.J3 * x.omega3 * x.omega3)
         # (behind a shaft that a load twists links begin so gently that a loss is no scale of its own error)
         energy = max(energy, FROM_REST * (momentum * moved + d.J3 * behind * behind))
-    if moved * w.step <= 2.0 * NO_TURN or momentum == 0.0:
-        momentum = max(momentum, d.J3 * behind)  # links at rest pass on what the shaft takes
+    at_rest = moved * w.step <= 2.0 * NO_TURN
+    if at_rest or momentum == 0.0:
+        momentum = max(momentum, d.J3 * behind)  # such links pass on what the shaft takes
     for number in range(moving + len(HELD_SUMS)):
         n = stages.MOTION[number] if number < moving else HELD_SUMS[number - moving]
         if not counts(d, x, w, n):
