@@ -280,10 +280,11 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
     slow = Module(compiled).start(**values, fidelity=1).derived.forward.slow
     for share, ratio in product((1.5, 9.0, 100.0), (0.1, 0.9)):
         omega1 = slow / share
-        ours, pulses = (of(compiled, values, omega1, ratio)[0] for of in (of_map, of_pulses))
+        (ours, *_, turned), (pulses, *_) = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
         stall = stall_torque(values, omega1)
         assert ours == pytest.approx(pulses, rel=0.05, abs=0.4 * stall)
         assert ours < 0.0 or pulses > -0.1 * stall
+        assert 0.0 <= turned <= ratio * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)

@@ -86,7 +86,8 @@ def look_up(side, x, speed, s):
         torque += now[m] * curve_at(side, n, s, TORQUE + first + m)[0]
         part += now[m] * curve_at(side, n, s, OMEGA2 + first + m)[0]
     scale = speed + side.slow
-    return torque * scale * scale, part
+    # no cubic turns link 2 back, or ahead of the output
+    return torque * scale * scale, min(max(part, 0.0), s)
 
 
 def look_up_input(side, x, s):
