@@ -63,7 +63,7 @@ class Lowered(JITCodeLibrary):  # type: ignore[misc]
         called: dict[Any, None] = {}
         self._collect(called)
         for library in called:
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+            self._final_module.link_in(library._get_module_for_linking())
         return str(self._final_module)
 
     def _collect(self, called: dict[Any, None]) -> None:
