@@ -97,13 +97,13 @@ def crawl(p, d, side, knot, m):
     steady.set_losses(p, d, 1.0 / side.slow)
     ratio = knot.ratio
     z = table.SLOWNESS[m]
-    linear = max(1.0 - z, REST)
+    fast = max(1.0 - z, REST)
     pulling = pulled(d)
     resisting = pulling + d.b2 + d.housing_drag_viscous
     # link 2 rests, is taken along by the output, or turns between where its torques balance
-    turning = linear * (side.direction * pulling + d.output_drag_viscous * ratio)
+    turning = fast * (side.direction * pulling + d.output_drag_viscous * ratio)
     turning += z * (d.output_drag - d.housing_drag)
-    resistance = linear * (resisting + d.output_drag_viscous)
+    resistance = fast * (resisting + d.output_drag_viscous)
     omega2 = min(max(turning, 0.0) / (resistance + 1e-300), ratio)
     viscous, drag = -d.output_drag_viscous * (ratio - omega2), d.output_drag
     if ratio == 0.0:
