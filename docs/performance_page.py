@@ -78,13 +78,10 @@ def urban_choice():
     outputs = load_scene(URBAN).run.outputs
     plain = recommend(rows, 0.01, outputs).row
     shaken = recommend(rows, 0.01, [*outputs, "imbalance_acceleration"]).row
-    (averaged,) = (row for row in rows if row.label == "averaged, map")
     names = " and ".join(f"`{name}`" for name in outputs)
     return (
         f"`auto` chooses {plain.label} for {names} ({1e3 * plain.wall_time:.2g} ms per simulated second), and"
         f" {shaken.label} where the acceleration counts too ({1e3 * shaken.wall_time:.2g} ms)."
-        f" With `averaged` it takes {1e3 * averaged.wall_time:.2g} ms: cruising, its controller moves ω1"
-        " to and fro about lock-up, in many small steps."
     )
 
 

@@ -108,6 +108,29 @@ def test_locked_shaft_follows_the_input_while_the_mechanism_holds_the_torque_and
     audit(locked)
 
 
+def test_input_that_swings_about_lock_up_is_followed_within_its_tolerance_by_few_evaluations(compiled):
+    swinging = [
+        averaged(
+            compiled,
+            SCENES["planar"],
+            load_torque=2.0,
+            input_hold=1,
+            tolerance=tolerance,
+            omega_out_start=119.0,
+        )
+        for tolerance in (1e-7, 1e-11)
+    ]
+    for n in range(60):
+        for module in swinging:
+            advanced(module, 0.01, omega1=119.0 + (-1.0) ** n * (0.2 + 0.01 * n))
+        found, wanted = swinging
+        assert found["omega_out"] == pytest.approx(wanted["omega_out"], rel=1e-8)
+        assert found["input_torque_mean"] == pytest.approx(wanted["input_torque_mean"], abs=1e-5)
+    assert found["contact_switches"] >= 50
+    assert found["rhs_evaluations"] < 60 * 16
+    audit(found)
+
+
 def test_overrunning_shaft_leaves_the_input_behind_and_comes_back(locked):
     advanced(locked, 1.0, load_torque=-4.0)
     assert locked["omega_out"] == pytest.approx(120.0 + 4.0 / 0.4, rel=1e-12)

@@ -256,7 +256,7 @@ def mean_changes(averaged, make_step, h, parts=1):
 
 def test_a_stiff_step_of_the_mean_motion_is_of_its_order(averaged):
     averaged[2].alpha1 = 0.7
-    stiff, gentle = step.take_step, step.make_gentle_step
+    stiff, gentle = step.make_stiff_step, step.make_gentle_step
     whole, half = (
         abs(mean_changes(averaged, stiff, h) - mean_changes(averaged, gentle, h, 100)).max()
         for h in (0.02, 0.01)

@@ -34,7 +34,7 @@ def turns_with_link1(d, side, x, v):
     if v <= 0.0:
         return False
     if d.by_torque != 0.0:
-        return side.locks != 0.0 and abs(x.omega3 - side.end * v) <= ARRIVED * x.omega3
+        return (side.locks != 0.0 or side.end == 1.0) and abs(x.omega3 - side.end * v) <= ARRIVED * x.omega3
     # (without losses the mean motion may never come up to link 1)
     return x.omega3 == v and (side.end == 1.0 or x.omega2 == v)
 
@@ -123,7 +123,7 @@ def run_averaged(d, x, w, h):
         if not found:
             return STEP_TOO_SMALL
         commit(d, x, w)
-        near = abs(x.omega1) + abs(w.change.omega1) + x.omega3 + abs(w.change.omega3)
+        near = abs(start) + abs(x.omega1) + abs(w.change.omega1) + x.omega3 + abs(w.change.omega3)
         near = max(AT_REST * near, least_speed(w)) if ends else 0.0
         arrived = w.step >= remaining
         done = arrived and not cut

@@ -10,9 +10,9 @@ from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
 from ..events.stages import LOST, OMEGA3, Q, weigh, weighed_four, weighed_rate
 from ..events.stages import OMEGA1 as V
-from ..events.step_size import SHORT_SAFETY, carry_size, first_size, next_factor
+from ..events.step_size import SHORT_SAFETY, first_size, next_factor
 from ..fields import CAUSES
-from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR
+from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR, THIRDS
 from .rates import (
     COASTING,
     LOCKED,
@@ -29,15 +29,19 @@ from .table import TORQUE
 # how many of fields.FOLLOWED a module with losses has
 LOSSY = LOST + CAUSES
 # share of the speeds by which one is changed for a difference
-APART = 1e-7
+APART = 1e-8
 # what the energies of a step may miss, in errors allowed of the speeds
 BALANCE = 10.0
 # share of the allowed error that a gentle step may have: there are many of them
 GENTLE_SHARE = 0.1
+# evaluations of a step by Rosenbrock's method over those of a gentle one
+DEARER = 2.5
 # largest step, over the time in which a motion that its balance repels grows by e
 REPELLED = 1.0
 # from such a step on, over the time in which a balance attracts, it may be looked beyond
 STIFF = 0.4
+# share of a rejected step that is tried next at most: where speeds settle at once, errors hardly fall with it
+REJECTED = 0.75
 # steps tried before the tolerance is given up, and to stop where a leg ends
 TRIES = 80
 CUTS = 60
@@ -106,8 +110,8 @@ def make_gentle_step(d, side, x, w, leg, h):
     keep_to_leg(d, side, x, w, leg)
 
 
-def take_step(d, side, x, w, leg, h):
-    """Make the step h: changes of all that is followed into w.change, at the stages into w.stages."""
+def make_stiff_step(d, side, x, w, leg, h):
+    """Make the step h by Rosenbrock's method: changes of all that is followed, errors as a last stage."""
     followed = how_many_followed(d)
     per_step = 1.0 / h
     own = 1.0 / (GAMMA * h)
@@ -141,6 +145,15 @@ def lost_in_step(d, change):
     return total(change.lost) if d.lossy != 0.0 else 0.0
 
 
+def per_speed(x, w):
+    """1 / mean omega1 of the step in hand; 0 where work tells less of the impulse of M1 than its integral."""
+    last = w.stages[STAGES - 1]
+    omega1 = x.omega1 + 0.5 * w.change.omega1
+    if omega1 == 0.0 or abs(last.drive - last.work_in / omega1) > abs(last.drive):
+        return 0.0
+    return 1.0 / omega1
+
+
 def balance(d, side, x, w, leg):
     """Impulses and work of a step by the balances, exact in its ends."""
     change = w.change
@@ -163,9 +176,8 @@ def balance(d, side, x, w, leg):
         cause = FREEWHEEL if change.lost[FREEWHEEL] > change.lost[VISCOUS] else VISCOUS
         change.lost[cause] += change.work_in - work
         return
+    change.drive += per_speed(x, w) * (work - change.work_in)
     change.work_in = work
-    if x.alpha1 == 0.0 and x.omega1 != 0.0:
-        change.drive = change.work_in / x.omega1
 
 
 def fastest_speed(x, w):
@@ -212,6 +224,9 @@ def step_error(d, side, x, w, leg, remaining):
     Args:
         remaining: of the communication step: what a ramp of link 1 passes through in it is its scale.
     """
+    stiff = leg == SLIPPING and w.pair == THIRDS and w.step * abs(w.slopes[1].omega3) > STIFF
+    if stiff and not is_one_way(d, side, x, w):
+        return 1e300
     last = w.stages[STAGES - 1]
     fastest = max(fastest_speed(x, w), least_speed(w))
     allowed = w.tolerance * fastest + 1e-300
@@ -222,10 +237,13 @@ def step_error(d, side, x, w, leg, remaining):
         residual = energy_residual(d, x, w, fastest)
         error = max(error, abs(last.omega1) / allowed, residual / (BALANCE * w.tolerance))
     elif x.alpha1 != 0.0:
-        # the balance of energies gives the work of a ramp, not its impulse
+        # the balance of energies gives the work of a ramp, and nearly its impulse
+        missed = abs(last.drive - per_speed(x, w) * last.work_in)
         ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
         momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped + abs(w.change.drive)
-        error = max(error, abs(last.drive) / (BALANCE * w.tolerance * momentum + 1e-300))
+        error = max(error, missed / (BALANCE * w.tolerance * momentum + 1e-300))
+    if w.pair == GENTLE:
+        error /= GENTLE_SHARE
     return error if error < 1e300 else 1e300
 
 
@@ -277,10 +295,21 @@ def most_locked_torque(d, side, x, v):
     return max(held, reached)
 
 
+def make_step(d, side, x, w, leg, h):
+    """Make the step h by the method in hand."""
+    if w.pair == GENTLE:
+        make_gentle_step(d, side, x, w, leg, h)
+    else:
+        make_stiff_step(d, side, x, w, leg, h)
+
+
 def cut_step(d, side, x, w, leg, past):
     """Cut the step in hand, which goes so far beyond its leg, where it gets to the end of that."""
-    # (where it begins may be an end, too: that is not where it is to stop)
-    low, high, low_past = 0.0, w.step, -past
+    low, high = 0.0, w.step
+    clear(w.change.numbers)
+    low_past = beyond_leg(d, side, x, w, leg)
+    if low_past >= -ARRIVED:
+        low_past = -past  # where it begins is an end, too, but not where it is to stop
     # Illinois: a secant that never stays at one end
     kept = 0
     for _ in range(CUTS):
@@ -289,7 +318,7 @@ def cut_step(d, side, x, w, leg, past):
             h = 0.5 * (low + high)
         if not low < h < high:
             h = high
-        take_step(d, side, x, w, leg, h)
+        make_step(d, side, x, w, leg, h)
         now = beyond_leg(d, side, x, w, leg)
         if abs(now) <= ARRIVED or h == high:
             return
@@ -303,64 +332,60 @@ def cut_step(d, side, x, w, leg, past):
             kept = -1
 
 
-def try_gentle_step(d, side, x, w, leg, h, remaining):
-    """Make the step h by the explicit pair.
+def try_step(d, side, x, w, leg, h, remaining):
+    """Make the step h by the method in hand, or its part up to where the leg ends.
 
     Returns:
-        Whether that will do: it is within the leg, and of allowed error.
+        (its error over the allowed one, whether the leg ends there).
     """
-    make_gentle_step(d, side, x, w, leg, h)
-    error = step_error(d, side, x, w, leg, remaining) / GENTLE_SHARE
-    x.short_size = next_factor(error, 3.0, SHORT_SAFETY) * h
-    return error <= 1.0 and beyond_leg(d, side, x, w, leg) <= ARRIVED
+    make_step(d, side, x, w, leg, h)
+    error = step_error(d, side, x, w, leg, remaining)
+    past = beyond_leg(d, side, x, w, leg) if error <= 1.0 else 0.0
+    if past <= ARRIVED:
+        return error, False
+    # (a step far beyond the end is judged by what it would come to there)
+    cut_step(d, side, x, w, leg, past)
+    return step_error(d, side, x, w, leg, remaining), True
 
 
-def try_steps(d, side, x, w, leg, limit, remaining):
-    """Make the longest step of allowed error by Rosenbrock's method, or its part up to where the leg ends.
-
-    Returns:
-        (whether there is one, whether the leg ends there).
-    """
-    differentiate(d, side, x, w, leg)
-    h = limit
-    if leg == SLIPPING or leg == COASTING:
-        h = first_size(x, limit)
-    growth = max(w.slopes[0].omega1, w.slopes[1].omega3)
-    if h * growth > REPELLED:
-        h = REPELLED / growth
-    for attempt in range(TRIES):
-        take_step(d, side, x, w, leg, h)
-        error = step_error(d, side, x, w, leg, remaining)
-        if leg == SLIPPING and h * abs(w.slopes[1].omega3) > STIFF and not is_one_way(d, side, x, w):
-            error = 1e300
-        factor = next_factor(error, 5.0, SHORT_SAFETY)
-        if error <= 1.0:
-            carry_size(x, h, factor, attempt)
-            past = beyond_leg(d, side, x, w, leg)
-            if past <= ARRIVED:
-                return True, False
-            # (a step far beyond the end is judged by what it would come to there)
-            cut_step(d, side, x, w, leg, past)
-            error = step_error(d, side, x, w, leg, remaining)
-            if error <= 1.0:
-                return True, True
-            h, factor = w.step, next_factor(error, 5.0, SHORT_SAFETY)
-        h *= factor
-    return False, False
+def next_size(size, h, error, order):
+    """Size to try after a step of size h, which the end of the communication step may have cut short."""
+    factor = next_factor(error, order, SHORT_SAFETY)
+    if error > 1.0:
+        return h * min(factor, REJECTED)
+    return max(h * factor, size) if h < size else h * factor
 
 
 def advance_leg(d, side, x, w, leg, remaining):
     """Make one accurate step in a leg, or its part up to where the leg ends, into w.change.
+
+    It is made by the method that gets further by an evaluation.
 
     Returns:
         (whether a step is small enough, whether the leg ends there).
     """
     write_mean_rates(d, side, x, leg, x.omega1, x.omega3, w.rates[0])
     limit = min(remaining, d.max_step)
-    found, ends = True, False
-    gentle = limit <= x.short_size or x.short_size == 0.0
-    if not gentle or not try_gentle_step(d, side, x, w, leg, limit, remaining):
-        x.short_size *= SHORT_GROWTH  # so that it is tried again
-        found, ends = try_steps(d, side, x, w, leg, limit, remaining)
+    error, ends, differentiated = 1e300, False, False
+    for _ in range(TRIES):
+        gentle, stiff = first_size(x.sizes[leg], limit), first_size(x.step_size, limit)
+        if DEARER * gentle >= stiff:
+            w.pair = GENTLE
+            error, ends = try_step(d, side, x, w, leg, gentle, remaining)
+            x.sizes[leg] = next_size(x.sizes[leg], w.step, error, 3.0)
+            if x.step_size < limit:
+                x.step_size *= SHORT_GROWTH  # so that it is tried again
+        else:
+            w.pair = THIRDS
+            if not differentiated:
+                differentiate(d, side, x, w, leg)
+                differentiated = True
+            growth = max(w.slopes[0].omega1, w.slopes[1].omega3)
+            h = REPELLED / growth if stiff * growth > REPELLED else stiff
+            error, ends = try_step(d, side, x, w, leg, h, remaining)
+            x.step_size = next_size(x.step_size, w.step, error, 5.0)
+            x.sizes[leg] *= SHORT_GROWTH
+        if error <= 1.0:
+            break
     balance(d, side, x, w, leg)
-    return found, ends
+    return error <= 1.0, ends

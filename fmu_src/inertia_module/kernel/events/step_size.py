@@ -85,9 +85,9 @@ def resume_size(d, x):
     x.sized_mode = x.mode
 
 
-def first_size(x, limit):
+def first_size(size, limit):
     """Size a step is tried with first: that carried in the state, if there is one, at most limit."""
-    return min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
+    return min(limit, size) if size > 0.0 else 0.1 * limit
 
 
 def next_factor(error, order, safety):
@@ -133,7 +133,7 @@ def swings_little(d, x, w):
 def try_steps(d, x, w, limit):
     """Make the longest step of allowed error. Returns the largest speed in it, or -1 where none will do."""
     resume_size(d, x)
-    h = first_size(x, limit)
+    h = first_size(x.step_size, limit)
     own = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
     if h * own <= STIFF and limit * own > WORTH and swings_little(d, x, w):
         h = LET_GO_PHASE / own
