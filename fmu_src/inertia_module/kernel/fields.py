@@ -54,8 +54,8 @@ STATE = (
     *("q_low", "drive_turns", "theta1_low", "input_turns"),
     *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
     *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
-    # ... rigid output: the size in each contact mode when it was left (averaged: of gentle steps in each leg),
-    # the mode of step_size
+    # ... rigid output: the size in each contact mode when it was left, the mode of step_size; averaged: sizes
+    # of gentle steps in each leg
     *(("sizes", 4), "sized_mode"),
     *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
     *(("lost", CAUSES), ("lost_low", CAUSES)),
