@@ -14,8 +14,8 @@ from .stages import make_step
 # phase of the highest harmonic within one step, rad
 STEP_PHASE = 4.0
 # ... where a link is far lighter at an angle than at others, so that its speed has a spike there, and where
-# the output can swing, which errors of long steps are estimated too low for
-SHORT_PHASE, SWING_PHASE = 1.0, 1.25
+# the output can swing, which errors of long steps are estimated too low for; losses damp these
+SHORT_PHASE, SWING_PHASE, DAMPED_PHASE = 1.0, 1.25, 1.6
 # ... up to which the few stages of a short step tell what a guard does
 QUIET_PHASE = 2.0
 # phase of shaft and springs within a step from which on it is a stiff one, and its share of the longest step
@@ -49,7 +49,8 @@ def longest_step(d, x, w, remaining):
     """Longest step that is searched for events: a bounded phase of the highest harmonic."""
     m = d.machine
     step = min(remaining, d.max_step)
-    swinging = SWING_PHASE if d.elastic != 0.0 else STEP_PHASE
+    swinging = DAMPED_PHASE if d.losses != 0.0 else SWING_PHASE
+    swinging = swinging if d.elastic != 0.0 else STEP_PHASE
     phase = SHORT_PHASE if d.lightest < CUSP else swinging
     scale = d.harmonic * d.k
     slip = abs(x.omega1 - x.omega2)
