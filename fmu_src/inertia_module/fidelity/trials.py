@@ -364,15 +364,20 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 _ENERGIES = ("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual")
 
 
-def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
-    """Measure the median wall time, s, of at most so many calls; of what is slow fewer, at least one."""
-    times: list[float] = []
+def timed(run: Callable[[], Any]) -> float:
+    """Measure the wall time of a call, s."""
+    begin = time.perf_counter()
+    run()
+    return time.perf_counter() - begin
+
+
+def median_of(measure: Callable[[], float], repeats: int = 11) -> float:
+    """Take the median of at most so many measurements; where they are slow of fewer, at least one."""
+    found: list[float] = []
     begun = time.perf_counter()
-    while len(times) < repeats and (not times or time.perf_counter() - begun < 0.5):
-        begin = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times)
+    while len(found) < repeats and (not found or time.perf_counter() - begun < 0.5):
+        found.append(measure())
+    return statistics.median(found)
 
 
 def kernel_time(
@@ -382,7 +387,7 @@ def kernel_time(
     communication_step: float,
     repeats: int = 31,
 ) -> float:
-    """Measure the time of the kernel for a run that succeeds, s: that of all steps less that of none.
+    """Measure the time of the kernel for a run that succeeds, s: that of all steps less that of none, by turns.
 
     Args:
         module: that ran it. begin: its state before (Module.save).
@@ -391,13 +396,14 @@ def kernel_time(
     given, lengths = np.array(inputs, dtype=float), np.full(len(inputs), communication_step)
     rows = np.empty((len(inputs) + 1, 0))
 
-    def steps(number: int) -> None:
+    def steps(number: int) -> float:
         module.restore(begin)
-        module.take_steps(lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1])
+        given_steps = lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1]
+        return timed(partial(module.take_steps, *given_steps))
 
-    spent, none = (median_time(partial(steps, number), repeats) for number in (len(inputs), 0))
+    spent = median_of(lambda: steps(len(inputs)) - steps(0), repeats)
     # what can be measured takes 10 ns a call
-    return max(spent - none, 1e-8 * len(inputs))
+    return max(spent, 1e-8 * len(inputs))
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
