@@ -387,7 +387,7 @@ def kernel_time(
     communication_step: float,
     repeats: int = 31,
 ) -> float:
-    """Measure the time of the kernel for a run that succeeds, s: that of all steps less that of none, by turns.
+    """Measure the time of the kernel for a run that succeeds, s: of all steps less of none, in turns.
 
     Args:
         module: that ran it. begin: its state before (Module.save).
