@@ -34,6 +34,7 @@ def turns_with_link1(d, side, x, v):
     if v <= 0.0:
         return False
     if d.by_torque != 0.0:
+        # (between its slownesses a map that ends at link 1 may end with a torque)
         return (side.locks != 0.0 or side.end == 1.0) and abs(x.omega3 - side.end * v) <= ARRIVED * x.omega3
     # (without losses the mean motion may never come up to link 1)
     return x.omega3 == v and (side.end == 1.0 or x.omega2 == v)

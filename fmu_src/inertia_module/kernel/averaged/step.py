@@ -28,8 +28,8 @@ from .table import TORQUE
 
 # how many of fields.FOLLOWED a module with losses has
 LOSSY = LOST + CAUSES
-# share of the speeds by which one is changed for a difference
-APART = 1e-8
+# share of the speeds by which one is changed for a difference to one side, and to both: these are as exact
+APART, TO_BOTH_SIDES = 1e-7, 1e-6
 # what the energies of a step may miss, in errors allowed of the speeds
 BALANCE = 10.0
 # share of the allowed error that a gentle step may have: there are many of them
@@ -51,37 +51,48 @@ ARRIVED = 1e-12
 AT_REST = 1e-11
 
 
-def differentiate_by(d, side, x, w, leg, change, change3, slopes):
+def differentiate_by(d, side, x, w, leg, change, change3, both, slopes):
     """Derivatives of all rates by v, or where that is not changed by omega3, by a difference."""
     write_mean_rates(d, side, x, leg, x.omega1 + change, x.omega3 + change3, slopes)
-    start = w.rates[0].numbers
+    before, width = w.rates[1 if both else 0].numbers, change if change != 0.0 else change3
+    if both:
+        write_mean_rates(d, side, x, leg, x.omega1 - change, x.omega3 - change3, w.rates[1])
+        width *= 2.0
     for n in range(LOSSY):
-        slopes.numbers[n] = (slopes.numbers[n] - start[n]) / (change if change != 0.0 else change3)
+        slopes.numbers[n] = (slopes.numbers[n] - before[n]) / width
 
 
 def differentiate(d, side, x, w, leg):
-    """Derivatives of all rates by both speeds at the beginning of a step."""
+    """Derivatives of all rates by both speeds at the beginning of a step, by differences within its leg."""
     start, by_v, by_omega3 = w.rates[0], w.slopes[0], w.slopes[1]
     clear(by_v.numbers)
     clear(by_omega3.numbers)
-    apart = APART * max(abs(x.omega1), x.omega3)
-    if apart == 0.0:
+    speed = abs(x.omega1)
+    fastest = max(speed, x.omega3)
+    if fastest == 0.0:
         # from rest all goes along one line
         change, change3 = APART * start.omega1, APART * start.omega3
         if change != 0.0:
-            differentiate_by(d, side, x, w, leg, change, change3, by_v)
+            differentiate_by(d, side, x, w, leg, change, change3, False, by_v)
         elif change3 != 0.0:
-            differentiate_by(d, side, x, w, leg, 0.0, change3, by_omega3)
+            differentiate_by(d, side, x, w, leg, 0.0, change3, False, by_omega3)
         return
+    # (within the map, narrow as it may be)
+    slips = leg == SLIPPING
+    most = side.end * speed
     if d.by_torque != 0.0 or x.alpha1 != 0.0:
-        differentiate_by(d, side, x, w, leg, side.direction * apart, 0.0, by_v)
-    if leg == SLIPPING or leg == COASTING:
-        if leg == SLIPPING:
-            # within the map, narrow as it may be
-            most = side.end * abs(x.omega1)
-            apart = APART * max(most, x.omega3)
-            apart = -apart if x.omega3 + apart > most else apart
-        differentiate_by(d, side, x, w, leg, 0.0, apart, by_omega3)
+        apart = TO_BOTH_SIDES * fastest
+        both = speed > apart and (not slips or x.omega3 <= side.end * (speed - apart))
+        change = side.direction * (apart if both else APART * fastest)
+        differentiate_by(d, side, x, w, leg, change, 0.0, both, by_v)
+    if slips or leg == COASTING:
+        fastest = max(most, x.omega3) if slips else fastest
+        apart = TO_BOTH_SIDES * fastest
+        both = x.omega3 > apart and (not slips or x.omega3 + apart <= most)
+        if not both:
+            apart = APART * fastest
+            apart = -apart if slips and x.omega3 + apart > most else apart
+        differentiate_by(d, side, x, w, leg, 0.0, apart, both, by_omega3)
 
 
 def how_many_followed(d):
@@ -178,6 +189,8 @@ def balance(d, side, x, w, leg):
         return
     change.drive += per_speed(x, w) * (work - change.work_in)
     change.work_in = work
+    if x.alpha1 == 0.0 and x.omega1 != 0.0:
+        change.drive = work / x.omega1
 
 
 def fastest_speed(x, w):
