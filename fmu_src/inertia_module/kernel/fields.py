@@ -154,6 +154,8 @@ WORKSPACE = (
     # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
     # length, angular momentum and kinetic energy at its beginning
     *("pair", "prescribed", "load", "step", "momentum", "energy"),
+    # averaged: a speed that is none to those the communication step begins with
+    "at_rest",
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),

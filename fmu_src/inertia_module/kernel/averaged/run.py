@@ -13,10 +13,12 @@ from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WO
 from ..events.advance import commit
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from . import rates
-from .step import ARRIVED, AT_REST, advance_leg, beyond_rest, least_speed, most_locked_torque
+from .step import ARRIVED, advance_leg, beyond_rest, most_locked_torque
 
 # contact mode that each leg is shown as
 MODES = (HELD_DRIVING, DRIVING, FREE, DRIVING)
+# a speed below this share of the speeds is zero where its leg ends
+AT_REST = 1e-11
 # legs and internal steps before a communication step is given up
 MOST_STEPS = 20000
 # to find the speed that a mean speed goes with
@@ -110,6 +112,7 @@ def run_averaged(d, x, w, h):
         x.omega1 = x.map_speed
         x.omega1_low = 0.0
     start = x.omega1
+    w.at_rest = AT_REST * (abs(start) + x.omega3)  # (both may come to rest at once)
     time = 0.0
     for _ in range(MOST_STEPS):
         side = rates.side_at(d, x.omega1, rates.trend(d, x))
@@ -124,8 +127,8 @@ def run_averaged(d, x, w, h):
         if not found:
             return STEP_TOO_SMALL
         commit(d, x, w)
-        near = abs(start) + abs(x.omega1) + abs(w.change.omega1) + x.omega3 + abs(w.change.omega3)
-        near = max(AT_REST * near, least_speed(w)) if ends else 0.0
+        near = abs(x.omega1) + abs(w.change.omega1) + x.omega3 + abs(w.change.omega3)
+        near = max(AT_REST * near, w.at_rest) if ends else 0.0
         arrived = w.step >= remaining
         done = arrived and not cut
         time = h if done else time + w.step

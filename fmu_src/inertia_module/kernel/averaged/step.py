@@ -10,7 +10,7 @@ from ..events.advance import SHORT_GROWTH
 from ..events.rosenbrock import GAMMA, STAGES, A, C
 from ..events.stages import LOST, OMEGA3, Q, weigh, weighed_four, weighed_rate
 from ..events.stages import OMEGA1 as V
-from ..events.step_size import SHORT_SAFETY, first_size, next_factor
+from ..events.step_size import SHORT_SAFETY, carried, first_size, next_factor
 from ..fields import CAUSES
 from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR, THIRDS
 from .rates import (
@@ -40,15 +40,13 @@ DEARER = 2.5
 REPELLED = 1.0
 # from such a step on, over the time in which a balance attracts, it may be looked beyond
 STIFF = 0.4
-# share of a rejected step that is tried next at most: where speeds settle at once, errors hardly fall with it
-REJECTED = 0.75
+# shares of a rejected step that are tried next: where speeds settle at once, errors hardly fall with it
+LEAST, REJECTED = 0.02, 0.75
 # steps tried before the tolerance is given up, and to stop where a leg ends
 TRIES = 80
 CUTS = 60
 # a leg that is beyond its end by this share of its speeds or torques has come there
 ARRIVED = 1e-12
-# a speed below this share of the speeds is zero where its leg ends
-AT_REST = 1e-11
 
 
 def differentiate_by(d, side, x, w, leg, change, change3, both, slopes):
@@ -199,11 +197,6 @@ def fastest_speed(x, w):
     return max(abs(x.omega1), abs(x.omega1 + change.omega1), x.omega3, x.omega3 + change.omega3)
 
 
-def least_speed(w):
-    """Speed that is none to those the communication step began with, rad/s: both may come to rest at once."""
-    return AT_REST * (abs(w.before.map_speed) + w.before.omega3)
-
-
 def energy_residual(d, x, w, fastest):
     """Energy residual of a step under a torque, over its energies at the fastest speed."""
     change = w.change
@@ -241,7 +234,7 @@ def step_error(d, side, x, w, leg, remaining):
     if stiff and not is_one_way(d, side, x, w):
         return 1e300
     last = w.stages[STAGES - 1]
-    fastest = max(fastest_speed(x, w), least_speed(w))
+    fastest = max(fastest_speed(x, w), w.at_rest)
     allowed = w.tolerance * fastest + 1e-300
     # (within a narrow map the shaft's speed is no larger)
     narrow = min(side.end, 1.0) if leg == SLIPPING else 1.0
@@ -249,8 +242,13 @@ def step_error(d, side, x, w, leg, remaining):
     if d.by_torque != 0.0:
         residual = energy_residual(d, x, w, fastest)
         error = max(error, abs(last.omega1) / allowed, residual / (BALANCE * w.tolerance))
-    elif x.alpha1 != 0.0:
-        # the balance of energies gives the work of a ramp, and nearly its impulse
+    elif d.lossy != 0.0 and leg != COASTING:
+        # the balance of energies gives the work but for what is lost, ...
+        stored = 2.0 * energy_at(d, side, x, x.omega1) + d.J3 * x.omega3 * x.omega3
+        energies = stored + abs(w.change.work_in)
+        error = max(error, abs(lost_in_step(d, last)) / (BALANCE * w.tolerance * energies + 1e-300))
+    if d.by_torque == 0.0 and x.alpha1 != 0.0:
+        # ... and nearly the impulse of a ramp
         missed = abs(last.drive - per_speed(x, w) * last.work_in)
         ramped = max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
         momentum = 2.0 * energy_at(d, side, x, side.direction * ramped) / ramped + abs(w.change.drive)
@@ -362,11 +360,9 @@ def try_step(d, side, x, w, leg, h, remaining):
 
 
 def next_size(size, h, error, order):
-    """Size to try after a step of size h, which the end of the communication step may have cut short."""
-    factor = next_factor(error, order, SHORT_SAFETY)
-    if error > 1.0:
-        return h * min(factor, REJECTED)
-    return max(h * factor, size) if h < size else h * factor
+    """Size to try after a step h with this error over the allowed one."""
+    factor = next_factor(error, order, SHORT_SAFETY, LEAST)
+    return h * min(factor, REJECTED) if error > 1.0 else carried(size, h, factor)
 
 
 def advance_leg(d, side, x, w, leg, remaining):
@@ -387,7 +383,7 @@ def advance_leg(d, side, x, w, leg, remaining):
             error, ends = try_step(d, side, x, w, leg, gentle, remaining)
             x.sizes[leg] = next_size(x.sizes[leg], w.step, error, 3.0)
             if x.step_size < limit:
-                x.step_size *= SHORT_GROWTH  # so that it is tried again
+                x.step_size = SHORT_GROWTH * stiff  # so that it is tried again
         else:
             w.pair = THIRDS
             if not differentiated:
@@ -397,7 +393,7 @@ def advance_leg(d, side, x, w, leg, remaining):
             h = REPELLED / growth if stiff * growth > REPELLED else stiff
             error, ends = try_step(d, side, x, w, leg, h, remaining)
             x.step_size = next_size(x.step_size, w.step, error, 5.0)
-            x.sizes[leg] *= SHORT_GROWTH
+            x.sizes[leg] = SHORT_GROWTH * gentle
         if error <= 1.0:
             break
     balance(d, side, x, w, leg)

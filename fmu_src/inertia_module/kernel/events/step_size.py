@@ -91,20 +91,21 @@ def first_size(size, limit):
     return min(limit, size) if size > 0.0 else 0.1 * limit
 
 
-def next_factor(error, order, safety):
+def next_factor(error, order, safety, smallest):
     """By how much the next step may be longer, with this error over the allowed one."""
     if not error < 1e300:
         return SMALLEST_FACTOR
     if error == 0.0:
         return LARGEST_FACTOR
-    return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, safety * error ** (-1.0 / order)))
+    return min(LARGEST_FACTOR, max(smallest, safety * error ** (-1.0 / order)))
 
 
-def carry_size(x, h, factor, attempt):
-    """Carry the size for the next step in the state, after a step h allowed at this attempt (from 0)."""
-    # a step cut short by the end of the communication step says little about longer ones
-    short = attempt == 0 and h < x.step_size
-    x.step_size = max(factor * h, x.step_size) if short else factor * h
+def carried(size, h, factor):
+    """Size carried in the state for the next step, after an allowed step h, where this size was looked for.
+
+    A step cut short by the end of the communication step says little about longer ones.
+    """
+    return max(factor * h, size) if h < size else factor * h
 
 
 def try_short_step(d, x, w, remaining):
@@ -115,8 +116,8 @@ def try_short_step(d, x, w, remaining):
     make_step(d, x, w, SHORT, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest)
-    size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
-    x.short_size = max(size, x.short_size) if size > remaining else size  # (as in carry_size)
+    size = next_factor(error, 5.0, SHORT_SAFETY, SMALLEST_FACTOR) * remaining
+    x.short_size = max(size, x.short_size) if size > remaining else size  # (as carried)
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     for guard in range(how_many_guards(d)):
@@ -153,9 +154,9 @@ def try_steps(d, x, w, limit):
             make_step(d, x, w, LONG, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
-        factor = next_factor(error, order, safety)
+        factor = next_factor(error, order, safety, SMALLEST_FACTOR)
         if error <= 1.0:
-            carry_size(x, h, factor, attempt)
+            x.step_size = carried(x.step_size if attempt == 0 else h, h, factor)
             return fastest
         h *= factor
     return -1.0
