@@ -21,6 +21,7 @@ import llvmlite.binding as llvm
 import numba
 import numpy
 from numba.core.codegen import JITCodeLibrary
+from numba.core.dispatcher import Dispatcher
 from numba.core.registry import cpu_target
 from numba.core.types import Record, Type
 
@@ -33,7 +34,8 @@ from ..contract.records import record_type
 # the derivatives they do not want. The compiler by itself finds them too long.
 INLINED = (
     *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
-    *("events.stages.rates_of", "events.stages.weighed_four"),
+    *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
+    *("equations.choice.violation", "equations.choice.try_combination", "averaged.rates.look_up_input"),
     *("equations.losses.outer_torques", "equations.losses.write_powers_lost"),
     *("inertia.reduced_inertia", "layout.imbalance_at", "sine.sine_cosine", "sine.sines_cosines"),
 )
@@ -110,7 +112,7 @@ def wrap_kernel() -> None:
                     wrapped[id(value)] = numba.njit(error_model="numpy", **OPTIONS)(value)
                 setattr(module, name, wrapped[id(value)])
             elif type(value) is int:
-                # numba compiles a function anew for each Python constant it is called with, not for these
+                # to numba each Python constant is of a type of its own, these are not
                 setattr(module, name, numpy.int64(value))
             elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
                 # a table: a constant in the code, indexed at run time
@@ -152,12 +154,20 @@ def translate(model: Model) -> str:
             h,
         )
 
+    for_types = Dispatcher.get_call_template
+
+    def for_any_constant(function: Any, arguments: Any, keywords: Any) -> Any:
+        plain = [nt.unliteral(one) for one in arguments]  # type: ignore[no-untyped-call]
+        return for_types(function, plain, keywords)
+
     types_of = (numba.from_dtype(data_type(record_type(fields))) for fields in model.records)
     pointers = [nt.CPointer(record) for record in types_of]  # type: ignore[no-untyped-call]
     signature = nt.int64(nt.int64, *pointers, nt.float64)
     context = cpu_target.target_context
     with (
         patch.object(context.codegen(), "_library_class", Lowered),
+        # numba lowers a function anew for each constant it is called with; what is inlined has it anyway
+        patch.object(Dispatcher, "get_call_template", for_any_constant),
         # numba knows a compiled function by a builtin of its own, here never called
         patch.object(context, "get_executable", lambda *_: [].append),
         # numba writes down all types of arguments for each pass: field by field a fifth of the time
