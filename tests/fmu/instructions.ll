@@ -1,4 +1,4 @@
-@table = internal constant [8 x i8] c"\\\22\00\00\00\00\00\00", align 8
+@table = internal constant [16 x i8] c"\\\22\00\00\00\00\00\00\00\00\00\00\00\00\04@", align 8
 define i64 @ENTRY(i64 %op, ptr %p, ptr %d, ptr %u, ptr %x, ptr %y, ptr %w, double %h) local_unnamed_addr #0 {
 entry:
   %m = alloca [3 x double], align 8
@@ -27,6 +27,8 @@ entry:
   store double %as, ptr %place, align 8
   call void @llvm.memset.p0.i64(ptr %m, i8 0, i64 24, i1 false)
   call void @llvm.memcpy.p0.p0.i64(ptr %m, ptr %x, i64 8, i1 false)
+  %y1 = getelementptr inbounds nuw i8, ptr %y, i64 8
+  call void @llvm.memcpy.p0.p0.i64(ptr %y1, ptr align 8 getelementptr inbounds nuw (i8, ptr @table, i64 8), i64 8, i1 false)
   %kept = load double, ptr %m, align 8
   br label %loop
 loop:                                             ; preds = %loop, %entry

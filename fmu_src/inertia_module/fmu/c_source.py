@@ -105,6 +105,8 @@ def constant(kind: str, text: str) -> str:
     """A constant in C."""
     if text in ("poison", "undef", "zeroinitializer", "null", "true", "false"):
         text = str(int(text == "true"))
+    if kind == "ptr" and text != "0":
+        raise CompilationUnavailable(f"there is no C for the place {text}")
     if kind in ("ptr", "i1"):
         return "NULL" if kind == "ptr" else text
     if kind != "double":
@@ -119,6 +121,8 @@ def plain(text: str) -> str:
     """Text without attributes, metadata and alignments."""
     shorter = re.sub(r" (?:captures|initializes|dereferenceable|range)\((?:[^()]|\([^()]*\))*\)", "", text)
     shorter = re.sub(r" (?:nuw|nsw|exact|disjoint|nneg|samesign|inbounds|nusw)(?= )", "", shorter)
+    # a place in a table
+    shorter = re.sub(rf"getelementptr \(i8, ptr ({NAME}), i64 (\d+)\)", r"\1+\2", shorter)
     return re.sub(r",? align \d+|,? ![.\w]+ !\d+| #\d+$", "", shorter)
 
 
@@ -177,7 +181,8 @@ class Function:
             base, offset = self.places[text]
             return [f"({self._value('ptr', base)[0]} {'-' if offset < 0 else '+'} {abs(offset)})"]
         if text[0] == "@":
-            return [f"(char *){self.names[text]}"]
+            name, _, away = text.partition("+")
+            return [f"((char *){self.names[name]} + {away or 0})"]
         if text[0] == "%":
             own, count = self.locals.setdefault(text, f"v{len(self.locals)}"), len(members(kind))
             return [own] if count == 1 else [f"{own}_{n}" for n in range(count)]
