@@ -68,7 +68,7 @@ class Trajectory:
         motion: drive angle q, unwrapped, rad; speeds of link 2 and of the output shaft, rad/s:
             shape (points + 1, 3).
         evaluations: of the right-hand side.
-        wall_time: of the integration alone, s: median of repeats (see median_of).
+        wall_time: of the integration alone, s: median of repeats (see median_time).
         switches: of the freewheels, NaN where they are not counted.
     """
 

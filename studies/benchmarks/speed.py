@@ -19,7 +19,7 @@ from pythonfmu import FmuBuilder
 from rich.progress import track
 
 from inertia_module.compiling.linking import COMPILER
-from inertia_module.fidelity.trials import kernel_time, median_of, timed
+from inertia_module.fidelity.trials import kernel_time, median_time
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
 from inertia_module.harness.fmu import Fmu
 from inertia_module.memory import Module
@@ -93,7 +93,7 @@ def by_kernel(tolerance, steps):
     return omega_out, evaluations, kernel_time(module, begin, given, 1.0 / steps, repeats=1), switches
 
 
-def time_of(plant, steps, *time):
+def timed(plant, steps, *time):
     """By a module or FMU at its start."""
     begin, result = plant.save(), [0.0, 0.0]
 
@@ -104,18 +104,18 @@ def time_of(plant, steps, *time):
             result[:] = plant.read(("omega_out", "rhs_evaluations"))
 
     again()
-    return *result, median_of(lambda: timed(again))
+    return *result, median_time(again)
 
 
 def plain_run(tolerance):
     """By the kernel in plain Python."""
-    return time_of(Module("plain").start(tolerance=tolerance, **R1), 1)
+    return timed(Module("plain").start(tolerance=tolerance, **R1), 1)
 
 
 def fmu_run(path, steps, tolerance):
     """By an FMU."""
     with Fmu(path, inputs=R1, tolerance=tolerance) as fmu:
-        return time_of(fmu, steps, 0.0)
+        return timed(fmu, steps, 0.0)
 
 
 def seconds_of_r1(module, python, folder):

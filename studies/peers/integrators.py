@@ -19,7 +19,7 @@ from scipy.integrate import odeint, solve_ivp
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.extras import library
-from inertia_module.fidelity.trials import median_of, timed
+from inertia_module.fidelity.trials import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.memory import Module
 
@@ -328,6 +328,6 @@ def simulate(case: Case, tolerance: float, method: str, stiffness: float | None 
     return Trajectory(
         motion=np.concatenate(samples),
         evaluations=sum(segment.evaluations for segment in segments),
-        wall_time=median_of(lambda: timed(lambda: _run(problem, case.times[[0, -1]], integrate))),
+        wall_time=median_time(lambda: _run(problem, case.times[[0, -1]], integrate)),
         switches=len(segments) - 1 if problem.events else math.nan,
     )

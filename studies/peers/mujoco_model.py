@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from inertia_module.common.extras import library
-from inertia_module.fidelity.trials import median_of, timed
+from inertia_module.fidelity.trials import median_time
 
 from ..reference import geometry
 from ..reference.geometry import EX, EZ, Array, Parameters, ratio, satellite_ratio
@@ -185,7 +185,7 @@ def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
         return Trajectory(
             motion=np.array(list(samples(case.points, steps))),
             evaluations=(4 if integrator == "RK4" else 1) * steps * case.points,
-            wall_time=median_of(lambda: timed(lambda: list(samples(1, steps * case.points)))),
+            wall_time=median_time(lambda: list(samples(1, steps * case.points))),
         )
     finally:
         engine.set_mju_user_warning(warn)

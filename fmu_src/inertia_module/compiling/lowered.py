@@ -112,7 +112,7 @@ def wrap_kernel() -> None:
                     wrapped[id(value)] = numba.njit(error_model="numpy", **OPTIONS)(value)
                 setattr(module, name, wrapped[id(value)])
             elif type(value) is int:
-                # to numba each Python constant is of a type of its own, these are not
+                # numba gives each Python constant a type of its own, but not these
                 setattr(module, name, numpy.int64(value))
             elif type(value) is tuple and value and all(type(number) in (int, float) for number in value):
                 # a table: a constant in the code, indexed at run time

@@ -380,6 +380,11 @@ def median_of(measure: Callable[[], float], repeats: int = 11) -> float:
     return statistics.median(found)
 
 
+def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
+    """Measure the median wall time, s, of at most so many calls, as median_of."""
+    return median_of(lambda: timed(run), repeats)
+
+
 def kernel_time(
     module: Module,
     begin: bytes,

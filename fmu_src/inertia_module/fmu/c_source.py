@@ -106,7 +106,7 @@ def constant(kind: str, text: str) -> str:
     if text in ("poison", "undef", "zeroinitializer", "null", "true", "false"):
         text = str(int(text == "true"))
     if kind == "ptr" and text != "0":
-        raise CompilationUnavailable(f"there is no C for the place {text}")
+        raise CompilationUnavailable(f"there is no C for the address {text}")
     if kind in ("ptr", "i1"):
         return "NULL" if kind == "ptr" else text
     if kind != "double":
@@ -121,7 +121,7 @@ def plain(text: str) -> str:
     """Text without attributes, metadata and alignments."""
     shorter = re.sub(r" (?:captures|initializes|dereferenceable|range)\((?:[^()]|\([^()]*\))*\)", "", text)
     shorter = re.sub(r" (?:nuw|nsw|exact|disjoint|nneg|samesign|inbounds|nusw)(?= )", "", shorter)
-    # a place in a table
+    # a constant address in a table
     shorter = re.sub(rf"getelementptr \(i8, ptr ({NAME}), i64 (\d+)\)", r"\1+\2", shorter)
     return re.sub(r",? align \d+|,? ![.\w]+ !\d+| #\d+$", "", shorter)
 

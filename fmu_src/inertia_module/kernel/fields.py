@@ -154,7 +154,7 @@ WORKSPACE = (
     # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
     # length, angular momentum and kinetic energy at its beginning
     *("pair", "prescribed", "load", "step", "momentum", "energy"),
-    # averaged: a speed that is none to those the communication step begins with
+    # averaged: speed that counts as zero beside those at the beginning of the communication step
     "at_rest",
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),

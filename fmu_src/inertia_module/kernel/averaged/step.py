@@ -40,7 +40,7 @@ DEARER = 2.5
 REPELLED = 1.0
 # from such a step on, over the time in which a balance attracts, it may be looked beyond
 STIFF = 0.4
-# shares of a rejected step that are tried next: where speeds settle at once, errors hardly fall with it
+# share of a rejected step tried next, at least and at most: where speeds settle at once, errors hardly fall
 LEAST, REJECTED = 0.02, 0.75
 # steps tried before the tolerance is given up, and to stop where a leg ends
 TRIES = 80
@@ -185,10 +185,11 @@ def balance(d, side, x, w, leg):
         cause = FREEWHEEL if change.lost[FREEWHEEL] > change.lost[VISCOUS] else VISCOUS
         change.lost[cause] += change.work_in - work
         return
-    change.drive += per_speed(x, w) * (work - change.work_in)
-    change.work_in = work
     if x.alpha1 == 0.0 and x.omega1 != 0.0:
         change.drive = work / x.omega1
+    else:
+        change.drive += per_speed(x, w) * (work - change.work_in)
+    change.work_in = work
 
 
 def fastest_speed(x, w):

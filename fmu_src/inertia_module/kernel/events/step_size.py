@@ -101,7 +101,7 @@ def next_factor(error, order, safety, smallest):
 
 
 def carried(size, h, factor):
-    """Size carried in the state for the next step, after an allowed step h, where this size was looked for.
+    """Step size to carry in the state after an allowed step h, where this size was to be tried.
 
     A step cut short by the end of the communication step says little about longer ones.
     """
@@ -117,7 +117,7 @@ def try_short_step(d, x, w, remaining):
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest)
     size = next_factor(error, 5.0, SHORT_SAFETY, SMALLEST_FACTOR) * remaining
-    x.short_size = max(size, x.short_size) if size > remaining else size  # (as carried)
+    x.short_size = max(size, x.short_size) if size > remaining else size  # (as in carried)
     if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return -1.0
     for guard in range(how_many_guards(d)):
