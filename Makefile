@@ -7,7 +7,7 @@ QUIET ?= -q
 export PIP_COMPILE := 0
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers references compatibility size install clean help
+.PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers references compatibility install clean help
 
 help: ## what there is to make
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -101,9 +101,6 @@ references: $(VENV)/.all ## make the reference results that the FMUs carry along
 
 compatibility: $(VENV)/.all ## the FMUs with inputs and references for those who try importers, in out/compatibility
 	$(BIN)/python -m studies compatibility
-
-size: $(VENV)/.all ## print folders, files, lines, statements and budgets, draw docs/house.png
-	$(BIN)/python -m studies.size --picture docs/house.png
 
 clean: ## remove what was built
 	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules component/node_modules
