@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from ..contract.variables import LOSSES, LOST_TO
 from ..harness.simulate import Result
-from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
+from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from ..scene import SceneResult
 from ..scene.run import TIME_TO, forces, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
@@ -270,7 +270,9 @@ def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
     if cycle is not None:
         lower, upper = (bound / KILOMETRE_PER_HOUR for bound in cycle.tolerance_band(table.time))
         band = axes.fill_between(table.time, lower, upper, color=GREEN, alpha=0.25, linewidth=0)
-        band.set_label("tolerance ±2 km/h, ±1 s")
+        band.set_label(
+            f"tolerance ±{cycle.speed_tolerance / KILOMETRE_PER_HOUR:.3g} km/h, ±{TIME_TOLERANCE:g} s"
+        )
     names = ("reference", "vehicle_speed")
     wanted = cycle.name if cycle is not None else "reference"
     plot(axes, table.converted(dict.fromkeys(names, "km/h")), names, "speed", "km/h", reference=wanted)

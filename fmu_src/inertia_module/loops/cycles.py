@@ -1,56 +1,65 @@
-"""Driving cycles: speed over time as regulations prescribe it, and how closely it has to be followed."""
+"""Driving cycles: vehicle speed over time as regulations prescribe it, and the tolerance of the driver."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..harness.results import read_columns
+
 KILOMETRE_PER_HOUR = 1.0 / 3.6
+MILE_PER_HOUR = 0.44704
 
-# UN Regulation No. 83, annex on the type I test: what the driver may deviate from the cycle
-SPEED_TOLERANCE = 2.0 * KILOMETRE_PER_HOUR
-TIME_TOLERANCE = 1.0
+# UN Regulation No. 83 (Annex 4a), UN GTR No. 15 (Annex 6) and 40 CFR 86.115 have the same rule: the speed may
+# differ by two units of the schedule from the speeds that it prescribes within a second
+TOLERANCE_UNITS = 2.0
+TIME_TOLERANCE = 1.0  # s
+
+SCHEDULES = Path(__file__).with_name("schedules")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cycle:
-    """A driving cycle: vehicle speed, linear between breakpoints.
+    """A driving cycle: vehicle speed, linear between breakpoints and constant beyond them.
 
     Attributes:
-        name: as scenes call it. operations: one after the other, from standstill: how long each takes, s, and
-            the speed that is reached at its end, km/h as published.
+        name: name for people.
+        time: breakpoints, s, shape (n,), in ascending order; two equal breakpoints are a step.
+        speed: speed at the breakpoints, m/s, shape (n,).
+        speed_tolerance: allowed deviation of the speed, m/s.
+        source: regulation that publishes the values.
     """
 
     name: str
-    operations: tuple[tuple[float, float], ...]
-
-    @property
-    def time(self) -> NDArray[np.float64]:
-        """Breakpoints, s, one more than operations."""
-        return np.concatenate([[0.0], np.cumsum([duration for duration, _ in self.operations])])
-
-    @property
-    def speed(self) -> NDArray[np.float64]:
-        """Speeds at the breakpoints, m/s."""
-        published = [0.0, *(speed for _, speed in self.operations)]
-        return np.array(published) * KILOMETRE_PER_HOUR
+    time: NDArray[np.float64]
+    speed: NDArray[np.float64]
+    speed_tolerance: float = TOLERANCE_UNITS * KILOMETRE_PER_HOUR
+    source: str = ""
 
     @property
     def duration(self) -> float:
-        """Length of the cycle, s."""
+        """End of the cycle, s."""
         return float(self.time[-1])
 
     def speed_at(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Speed at any times, m/s; after the end the last speed is held."""
+        """Return the speed at times.
+
+        Args:
+            time: s, any shape.
+
+        Returns:
+            Speed, m/s, of the same shape.
+        """
         return np.interp(np.asarray(time, dtype=np.float64), self.time, self.speed)
 
     def tolerance_band(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Least and greatest speed a driver may have.
+        """Return the lowest and the highest speed that the tolerance allows.
 
-        The speed tolerance is added to the least and greatest speed of the cycle within the time
-        tolerance; as the cycle is linear in pieces, these are at the ends of the window or at breakpoints.
+        The extremes of a function that is linear in pieces are at the ends of the time window or at the
+        breakpoints in it.
 
         Args:
             time: s, shape (n,).
@@ -59,28 +68,51 @@ class Cycle:
             (lower, upper), m/s, each of shape (n,).
         """
         times = np.asarray(time, dtype=np.float64)
-        ends = [self.speed_at(times - TIME_TOLERANCE), self.speed_at(times + TIME_TOLERANCE)]
-        # rows of times and columns of breakpoints; those out of the window count as one of its ends
-        inside = np.abs(times[:, None] - self.time) <= TIME_TOLERANCE
-        speeds = np.column_stack([np.where(inside, self.speed, ends[0][:, None]), ends[1]])
-        return np.maximum(speeds.min(axis=1) - SPEED_TOLERANCE, 0.0), speeds.max(axis=1) + SPEED_TOLERANCE
+        begin, end = times - TIME_TOLERANCE, times + TIME_TOLERANCE
+        ends = self.speed_at(begin), self.speed_at(end)
+        first, last = self.time.searchsorted(begin, "left"), self.time.searchsorted(end, "right")
+        # reduceat takes pairs (first, last) of half-open ranges; every second result is between two windows
+        pairs, padded = np.column_stack([first, last]).ravel(), np.append(self.speed, self.speed[-1])
+        empty = first == last
+        lowest, highest = (
+            extreme(extreme(*ends), np.where(empty, ends[0], extreme.reduceat(padded, pairs)[::2]))
+            for extreme in (np.minimum, np.maximum)
+        )
+        return np.maximum(lowest - self.speed_tolerance, 0.0), highest + self.speed_tolerance
 
 
-# UN Regulation No. 83 (Directive 70/220/EEC), type I test, part one, table 1. An inertia module has no gears:
-# the gear-changing operations are driven at constant speed, and the clutch that is to be disengaged is the
-# output freewheel, which opens by itself. The way is 1.018 km so; the regulation gives 1.013 km and a mean
-# speed of 19 km/h (18.8 km/h here).
-ELEMENTARY_URBAN_CYCLE = Cycle(
-    name="ECE R15",
-    operations=(
-        # idling, acceleration, steady speed, deceleration, and the last of it with the clutch disengaged
-        *((11.0, 0.0), (4.0, 15.0), (8.0, 15.0), (2.0, 10.0), (3.0, 0.0)),
-        # with a change of gears on the way up
-        *((21.0, 0.0), (5.0, 15.0), (2.0, 15.0), (5.0, 32.0), (24.0, 32.0), (8.0, 10.0), (3.0, 0.0)),
-        # with two, and one on the way down from a second steady speed; idling at the end
-        *((21.0, 0.0), (5.0, 15.0), (2.0, 15.0), (9.0, 35.0), (2.0, 35.0), (8.0, 50.0), (12.0, 50.0)),
-        *((8.0, 35.0), (13.0, 35.0), (2.0, 35.0), (7.0, 10.0), (3.0, 0.0), (7.0, 0.0)),
-    ),
+def read_schedule(name: str, file: str, source: str) -> Cycle:
+    """Read a published cycle.
+
+    Args:
+        name: name of the cycle in scenes.
+        file: CSV file in SCHEDULES with the columns time [s] and speed [km/h] or [mph], as published.
+        source: regulation that publishes the values.
+    """
+    columns, units = read_columns(SCHEDULES / file)
+    unit = {"km/h": KILOMETRE_PER_HOUR, "mph": MILE_PER_HOUR}[units["speed"]]
+    speed = np.array(columns["speed"]) * unit
+    return Cycle(name, np.array(columns["time"]), speed, TOLERANCE_UNITS * unit, source)
+
+
+# An inertia module has no gears. It drives the gear changes of ECE R15 and NEDC at constant speed, as the
+# tables prescribe for cars with a manual gearbox. The output freewheel opens where the clutch is to be
+# disengaged. ECE R15 then is 1.018 km long; the regulation gives 1.013 km and a mean speed of 19 km/h.
+ELEMENTARY_URBAN_CYCLE = read_schedule(
+    "ECE R15", "ece_r15.csv", "UN Regulation No. 83, Annex 4a, Table 1 (elementary urban cycle)"
+)
+NEDC = read_schedule(
+    "NEDC", "nedc.csv", "UN Regulation No. 83, Annex 4a, Tables 1 (four times) and 2 (extra-urban cycle)"
+)
+WLTC_3B = read_schedule(
+    "WLTC 3b",
+    "wltc_3b.csv",
+    "UN GTR No. 15 and UN Regulation No. 154, class 3b: Low3, Medium3b, High3b, Extra High3",
+)
+FTP_75 = read_schedule(
+    "FTP-75",
+    "ftp_75.csv",
+    "40 CFR Part 86, Appendix I(a): UDDS, then its first 505 s, without the stop of 600 s in between",
 )
 
-CYCLES = {ELEMENTARY_URBAN_CYCLE.name: ELEMENTARY_URBAN_CYCLE}
+CYCLES = {cycle.name: cycle for cycle in (ELEMENTARY_URBAN_CYCLE, NEDC, WLTC_3B, FTP_75)}

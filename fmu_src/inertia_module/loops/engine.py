@@ -7,18 +7,36 @@ governor, which sees the speed of link 1 at communication points. docs/coupling.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from ..common.errors import must_be
 from ..kernel.codes import DRIVE_TORQUE
 from ..kernel.links import inertia_at_input
 from ..memory import Module
 from .sources import Table, between
 
 __all__ = ["EngineMap", "Governor", "InterfaceInertia", "interface_inertia", "torque_driven"]
+
+
+def check_drag(name: str, torques: Sequence[float]) -> None:
+    """Reject torques with the sign of another convention.
+
+    Args:
+        name: name of the torques in the message.
+        torques: size of the torque against the motion, N.m.
+
+    Raises:
+        ValueError: a torque is negative.
+    """
+    if min(torques) < 0.0:
+        raise ValueError(
+            f"{must_be(name, 'at least 0 N.m', min(torques))}: drag is the size of the torque against the"
+            " motion; reverse the sign of a negative motoring torque (as VECTO writes it)"
+        )
 
 
 @dataclass(frozen=True)
@@ -43,8 +61,9 @@ class EngineMap:
                 Table(self.speed, torques)
             except ValueError as error:
                 raise ValueError(f"speed and {name}: {error}") from None
-            if min(torques) < 0.0:
-                raise ValueError(f"{name} must be torques from 0 N.m, has {min(torques)}")
+        if min(self.greatest) < 0.0:
+            raise ValueError(must_be("greatest", "at least 0 N.m", min(self.greatest)))
+        check_drag("drag", self.drag)
 
     def limits(self, speed: float) -> tuple[float, float]:
         """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""

@@ -190,6 +190,7 @@ def vehicle_load(
     slope: Signal = 0.0,
     one_way: bool = True,
     coupling: Coupling | None = None,
+    start_speed: float = 0.0,
 ) -> Load:
     """A vehicle driven by the output shaft through a final drive.
 
@@ -198,13 +199,20 @@ def vehicle_load(
     housing freewheel carries what is not needed. Elsewhere they bring the vehicle to rest within a step
     at most and hold it there.
 
+    Coupled rigidly, the distance is the integral of the speed by the trapezoidal rule.
+
     Args:
-        step: communication step, s. mass: kg. wheel_radius: m.
+        step: communication step, s.
+        mass: mass of the vehicle, kg.
+        wheel_radius: radius of the wheels, m.
         final_drive: turns of the output shaft per turn of the wheels.
-        rolling_resistance: rolling friction over weight. drag_area: drag coefficient times area, m2.
-        air_density: kg/m3. slope: rise over run: constant, or table over distance, m.
-        one_way: whether the output shaft cannot turn backwards.
-        coupling: between the output shaft and the vehicle, or None if rigid.
+        rolling_resistance: rolling friction over weight.
+        drag_area: drag coefficient times area, m2.
+        air_density: density of the air, kg/m3.
+        slope: rise over run, constant, or table over distance, m.
+        one_way: True if the output shaft cannot turn backwards.
+        coupling: coupling of output shaft and vehicle, or None if rigid.
+        start_speed: speed of the output shaft at the start, rad/s; used for the distance.
 
     Returns:
         Load with inputs omega_out, rad/s, and brake_force, N (at the wheels), and outputs load_torque;
@@ -230,7 +238,11 @@ def vehicle_load(
         a, b = sample_coupled(inertia, coupling, 0.0, step)
 
     def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
-        speed, distance = (u[0], x[0]) if coupling is None else (x[1], radius * x[2])
+        if coupling is None:
+            # the state is the sum of step times speed at the end of each step
+            speed, distance = u[0], x[0] + 0.5 * step * radius * (start_speed - u[0])
+        else:
+            speed, distance = x[1], radius * x[2]
         drag, climb, rolling, brake = road(radius * speed, distance, u[1])
         friction = rolling + brake
         if coupling is not None:
@@ -241,7 +253,7 @@ def vehicle_load(
             effect = step / inertia
             friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
         parts = drag, climb, *_shared(friction, rolling, brake)
-        torque, following = drag + climb + friction, [distance + step * radius * speed]
+        torque, following = drag + climb + friction, [x[0] + step * radius * speed]
         if coupling is not None:
             torque = coupling.torque(x[0], u[0] - speed)
             following = (a @ x + b @ [u[0], sum(parts)]).tolist()

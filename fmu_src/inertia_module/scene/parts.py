@@ -7,6 +7,7 @@ bare numbers are in that unit.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -16,7 +17,8 @@ from .. import loops
 from ..common.errors import must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
-from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR
+from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
+from ..loops.engine import check_drag
 from ..loops.sources import Sampled, Signal, Table
 from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, checked, quantity
 
@@ -141,6 +143,17 @@ class ThrottleOverTime(Tabulated):
     throttle: list[Annotated[float, quantity("1", 0.0, 1.0)]]
 
 
+class DragOverSpeed(TorqueOverSpeed):
+    """The size of a torque against the motion over the speed of the engine."""
+
+    torque: list[Annotated[float, quantity("N.m")]]
+
+    @model_validator(mode="after")
+    def _against_the_motion(self) -> Self:
+        check_drag("torque", self.torque)
+        return self
+
+
 class EngineGovernor(Strict):
     """PI governors of the idle and of the top speed, with the same gains."""
 
@@ -175,7 +188,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
     kind: Literal["engine"]
     inertia: Annotated[float, quantity("kg.m2", above=0.0)]
     full_load: TorqueOverSpeed
-    drag: TorqueOverSpeed | None = None
+    drag: DragOverSpeed | None = None
     throttle: Annotated[float, quantity("1", 0.0, 1.0)] | None = None
     throttle_over_time: ThrottleOverTime | None = None
     governor: EngineGovernor
@@ -188,7 +201,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
 
     def torque_map(self) -> loops.EngineMap:
         """Limits of the torque over the speed."""
-        full, drag = self.full_load, self.drag or TorqueOverSpeed(speed=[0.0], torque=[0.0])
+        full, drag = self.full_load, self.drag or DragOverSpeed(speed=[0.0], torque=[0.0])
         speeds = np.union1d(full.speed, drag.speed)
         both = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
         return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, both))
@@ -278,8 +291,14 @@ class TorqueLoad(ConstantOrTable):
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
 
-    def build(self, step: float, one_way: bool) -> loops.Load:
-        """Make the load as a system of this step, s; one_way: the shaft cannot turn backwards."""
+    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
+        """Make the load as a system.
+
+        Args:
+            step: communication step, s.
+            one_way: True if the shaft cannot turn backwards.
+            start_speed: speed of the shaft at the start, rad/s.
+        """
         return loops.Load(loops.source("load_torque", self.one_signal(), step))
 
 
@@ -292,7 +311,7 @@ class ShaftLoad(Strict):
     torque: Torque = 0.0
     coupling: Coupling | None = None
 
-    def build(self, step: float, one_way: bool) -> loops.Load:
+    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
         """Make the shaft as a system."""
         return loops.shaft_load(
             step, self.inertia, self.viscous_friction, self.torque, _coupling(self.coupling)
@@ -316,12 +335,14 @@ class VehicleLoad(Strict):
         default=[50.0 * KILOMETRE_PER_HOUR, 100.0 * KILOMETRE_PER_HOUR]
     )
 
-    def build(self, step: float, one_way: bool) -> loops.Load:
+    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
         """Make the vehicle as a system."""
         table, coupling = self.slope_over_distance, _coupling(self.coupling)
         own = self.model_dump(exclude={"kind", "slope", "slope_over_distance", "coupling", "times_to"})
         slope = self.slope if table is None else table.signal()
-        return loops.vehicle_load(step, **own, slope=slope, one_way=one_way, coupling=coupling)
+        return loops.vehicle_load(
+            step, **own, slope=slope, one_way=one_way, coupling=coupling, start_speed=start_speed
+        )
 
 
 Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind")]
@@ -350,6 +371,10 @@ class ConstantReference(Strict):
         """Reference speed, m/s or rad/s by the load."""
         return self.speed
 
+    def driving_cycle(self) -> Cycle | None:
+        """Return None: a constant speed is no driving cycle."""
+        return None
+
 
 class TableReference(Tabulated):
     """A speed over time."""
@@ -357,6 +382,11 @@ class TableReference(Tabulated):
     kind: Literal["table"]
     time: Times
     speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
+
+    def driving_cycle(self) -> Cycle | None:
+        """Return the table as a driving cycle of a vehicle."""
+        name = Path(self.file).name if self.file else "the reference"
+        return Cycle(name, np.array(self.time), np.array(self.speed))
 
 
 CycleName: Any = Literal[tuple(CYCLES)]
@@ -371,6 +401,10 @@ class CycleReference(Strict):
     def signal(self) -> Signal:
         """The speed over time, m/s."""
         return loops.Table(CYCLES[self.cycle].time, CYCLES[self.cycle].speed)
+
+    def driving_cycle(self) -> Cycle | None:
+        """Return the published driving cycle."""
+        return CYCLES[self.cycle]
 
 
 class Brake(Strict):

@@ -22,7 +22,7 @@ from ..harness.results import html_table
 from ..harness.simulate import Fmu, Result
 from ..kernel.codes import ELASTIC, RIGID
 from ..loops import ClosedLoop, initial_inputs
-from ..loops.cycles import KILOMETRE_PER_HOUR, Cycle
+from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from .keys import SceneError
 from .schema import Scene
 
@@ -213,14 +213,60 @@ def _vehicle(table: Result) -> dict[str, Quantity]:
     }
 
 
+def out_of_tolerance(table: Result, cycle: Cycle) -> NDArray[np.float64]:
+    """Return the speed above (positive) or below (negative) the tolerance of a cycle.
+
+    Args:
+        table: with the column vehicle_speed, n rows.
+        cycle: driving cycle of the vehicle.
+
+    Returns:
+        Excess of the speed, m/s, shape (n,); 0 within the tolerance.
+    """
+    speed = table["vehicle_speed"]
+    excess: NDArray[np.float64] = speed - np.clip(speed, *cycle.tolerance_band(table.time))
+    return excess
+
+
+def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
+    """Return remarks on a cycle that is longer than the run or that the vehicle does not follow.
+
+    The vehicle does not follow a cycle if it is out of tolerance for longer than TIME_TOLERANCE at a time.
+
+    Args:
+        table: with the column vehicle_speed.
+        cycle: driving cycle of the vehicle.
+    """
+    remarks, time, excess = {}, table.time, out_of_tolerance(table, cycle)
+    if time[-1] < cycle.duration * (1.0 - 1e-9):
+        remarks["stop_time"] = f"is {time[-1]:g} s, {cycle.name} is {cycle.duration:g} s long"
+    edges = np.flatnonzero(np.diff(excess != 0.0, prepend=False, append=False))
+    begins, ends = edges[::2], np.minimum(edges[1::2], len(time) - 1)
+    long = time[ends] - time[begins] > TIME_TOLERANCE + 1e-9
+    if not long.any():
+        return remarks
+    rows = np.concatenate([np.arange(*pair) for pair in zip(begins[long], ends[long], strict=True)])
+    worst = rows[np.argmax(np.abs(excess[rows]))]
+    far = float(table["vehicle_speed"][worst] - cycle.speed_at(time[worst])) / KILOMETRE_PER_HOUR
+    times = "once" if long.sum() == 1 else f"{long.sum()} times"
+    remarks["vehicle_speed"] = (
+        f"does not follow {cycle.name}: it is out of tolerance for longer than {TIME_TOLERANCE:g} s {times},"
+        f" first at {time[begins[long][0]]:.6g} s; at {time[worst]:.6g} s it is {abs(far):.3g} km/h too"
+        f" {'fast' if far > 0.0 else 'slow'}"
+    )
+    return remarks
+
+
 def summarise(
     table: Result, cycle: Cycle | None, wall_time: float, also: Mapping[str, Quantity]
 ) -> dict[str, Quantity]:
     """Numbers of a run.
 
     Args:
-        table: all of SUMMARISED, and the signals of the loop. cycle: to be followed, or None.
-        wall_time: of the run, s. also: more numbers, as of times_to and freewheel_duty.
+        table: all of SUMMARISED, and the signals of the loop.
+        cycle: driving cycle of the vehicle, or None.
+        wall_time: duration of the computation, s.
+        also: more numbers, such as those of times_to and freewheel_duty.
     """
     simulated = float(table.time[-1] - table.time[0])
     summary = {
@@ -248,9 +294,7 @@ def summarise(
         summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), shown)
     if cycle is not None:
         # each row counts for the step that it begins
-        lower, upper = cycle.tolerance_band(table.time)
-        speed = table["vehicle_speed"]
-        outside = ((speed < lower) | (speed > upper))[:-1]
+        outside = out_of_tolerance(table, cycle)[:-1] != 0.0
         seconds = float(np.sum(np.diff(table.time)[outside]))
         summary["time_out_of_tolerance"] = Quantity(seconds, "s")
         summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / simulated, "%")
@@ -451,6 +495,8 @@ def _run_on(
     wall_time = time.perf_counter() - began
     speeds = getattr(scene.load, "times_to", ())
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
+    if scene.cycle is not None:
+        remarks |= cycle_remarks(record, scene.cycle)
     duty, unknown = freewheel_duty(record, scene.parameters())
     quantities = summarise(record, scene.cycle, wall_time, times | duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}

@@ -15,7 +15,7 @@ from ..contract.variables import BY_NAME, with_causality
 from ..harness.simulate import whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.closed_loop import PLANT_INPUTS
-from ..loops.cycles import CYCLES, Cycle
+from ..loops.cycles import Cycle
 from ..loops.sources import Signal, Sources
 from ..memory import Module
 from .keys import AUTO, Duration, SceneError, Strict, changed, fields_of, in_range, quantity, validated
@@ -156,8 +156,10 @@ class Scene(Strict):
 
     @property
     def cycle(self) -> Cycle | None:
-        """The driving cycle that is to be followed, if any."""
-        return CYCLES.get(getattr(self.controller.reference, "cycle", "")) if self.controller else None
+        """The driving cycle that a vehicle must follow, published or from a table of the scene, if any."""
+        if self.controller is None or self.load.kind != "vehicle":
+            return None
+        return self.controller.reference.driving_cycle()
 
     @property
     def signal_units(self) -> dict[str, str]:
@@ -169,7 +171,8 @@ class Scene(Strict):
         """The load as a system."""
         # freewheels may keep the output shaft from turning backwards
         one_way = all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
-        return self.load.build(self.run.communication_step, one_way)
+        start_speed = self.given.get("omega_out_start", 0.0)
+        return self.load.build(self.run.communication_step, one_way, start_speed)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -321,6 +324,7 @@ class Scene(Strict):
         """Refuse a controller that can only drive a vehicle with another load."""
         if self.controller is None or self.load.kind == "vehicle":
             return
-        for key, given in (("reference.kind = 'cycle'", self.cycle), ("brake", self.controller.brake)):
-            if given is not None:
+        cycle = self.controller.reference.kind == "cycle"
+        for key, given in (("reference.kind = 'cycle'", cycle), ("brake", self.controller.brake is not None)):
+            if given:
                 raise SceneError(f"with controller.{key} load.kind must be 'vehicle', is {self.load.kind!r}")
