@@ -1,5 +1,7 @@
 """Published driving cycles against the totals of their regulations; the tolerance; a cycle of one's own."""
 
+import itertools
+
 import numpy as np
 import pytest
 from test_scene_runs import car
@@ -56,11 +58,11 @@ def test_a_published_cycle_has_the_totals_of_its_regulation(
 def test_phases_of_the_wltc_have_the_lengths_and_the_checksums_of_the_regulation():
     """UN GTR No. 15: the length of each phase, m, and the sum of its speeds, km/h, second by second."""
     ends = [0.0, 589.0, 1022.0, 1477.0, 1800.0]
-    lengths = [length(WLTC_3B, *phase) for phase in zip(ends, ends[1:], strict=False)]
+    lengths = [length(WLTC_3B, *phase) for phase in itertools.pairwise(ends)]
     assert lengths == pytest.approx([3095.0, 4756.0, 7162.0, 8254.0], abs=0.5)
     assert WLTC_3B.time.tolist() == list(range(1801))
     starts = [0, 590, 1023, 1478, 1801]
-    sums = [np.sum(WLTC_3B.speed[slice(*phase)]) * 3.6 for phase in zip(starts, starts[1:], strict=False)]
+    sums = [np.sum(WLTC_3B.speed[slice(*phase)]) * 3.6 for phase in itertools.pairwise(starts)]
     assert sums == pytest.approx([11140.3, 17121.2, 25782.2, 29714.9], abs=1e-6)
 
 
@@ -134,8 +136,8 @@ def test_a_deviation_of_at_most_a_second_is_counted_without_a_remark():
     assert cycle_remarks(table, RAMP) == {}
     speed[160] -= 1.0
     assert cycle_remarks(driven(speed), RAMP)["vehicle_speed"] == (
-        "does not follow ramp.csv: it is out of tolerance for longer than 1 s once, first at 15 s; at 15 s it"
-        " is 3.6 km/h too slow"
+        "does not follow ramp.csv: it is out of tolerance for longer than 1 s (once, at 15 s); at 15 s it is"
+        " 3.6 km/h too slow"
     )
 
 
@@ -146,7 +148,7 @@ def test_the_remark_names_the_first_and_the_farthest_time():
     speed[170] += 1.0
     speed[140] += 9.0  # shorter than a second
     assert cycle_remarks(driven(speed), RAMP)["vehicle_speed"] == (
-        "does not follow ramp.csv: it is out of tolerance for longer than 1 s 2 times, first at 11 s; at 17 s"
+        "does not follow ramp.csv: it is out of tolerance for longer than 1 s (2 times, first at 11 s); at 17 s"
         " it is 10.8 km/h too fast"
     )
 

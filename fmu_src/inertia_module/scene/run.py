@@ -248,10 +248,10 @@ def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
     rows = np.concatenate([np.arange(*pair) for pair in zip(begins[long], ends[long], strict=True)])
     worst = rows[np.argmax(np.abs(excess[rows]))]
     far = float(table["vehicle_speed"][worst] - cycle.speed_at(time[worst])) / KILOMETRE_PER_HOUR
-    times = "once" if long.sum() == 1 else f"{long.sum()} times"
+    occasions = "once, at" if long.sum() == 1 else f"{long.sum()} times, first at"
     remarks["vehicle_speed"] = (
-        f"does not follow {cycle.name}: it is out of tolerance for longer than {TIME_TOLERANCE:g} s {times},"
-        f" first at {time[begins[long][0]]:.6g} s; at {time[worst]:.6g} s it is {abs(far):.3g} km/h too"
+        f"does not follow {cycle.name}: it is out of tolerance for longer than {TIME_TOLERANCE:g} s"
+        f" ({occasions} {time[begins[long][0]]:.6g} s); at {time[worst]:.6g} s it is {abs(far):.3g} km/h too"
         f" {'fast' if far > 0.0 else 'slow'}"
     )
     return remarks
