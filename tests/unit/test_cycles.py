@@ -148,8 +148,8 @@ def test_the_remark_names_the_first_and_the_farthest_time():
     speed[170] += 1.0
     speed[140] += 9.0  # shorter than a second
     assert cycle_remarks(driven(speed), RAMP)["vehicle_speed"] == (
-        "does not follow ramp.csv: it is out of tolerance for longer than 1 s (2 times, first at 11 s); at 17 s"
-        " it is 10.8 km/h too fast"
+        "does not follow ramp.csv: it is out of tolerance for longer than 1 s (2 times, first at 11 s); at"
+        " 17 s it is 10.8 km/h too fast"
     )
 
 

@@ -1,6 +1,7 @@
 """Runs of scenes: the wanted columns, the numbers of the summary, what is drawn; engines and controllers."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -251,6 +252,27 @@ def test_controlled_run_tells_how_well_it_follows_and_where_its_energy_went(fmu,
     assert {"lost", "viscous"} <= labels(figure)
     figure.savefig(tmp_path / "closed.png")
     assert (tmp_path / "closed.png").stat().st_size > 10_000
+
+
+def test_a_car_is_judged_by_a_cycle_of_its_scene_that_it_cannot_follow(fmu):
+    """From 18 km/h, at the end in vain: link 1 may turn at 10 rad/s, which is 3.6 km/h."""
+    reference = {"kind": "table", "time": [0, 2, 3], "speed": [5, 5, 10]}
+    start = {"satellites": 3, "omega_out_start": 50}
+    weak = {**DRIVEN_CAR, "controller": {**FOLLOWED, "maximum": 10, "reference": reference}}
+    result = run_scene(scene(6, mechanism=start, **weak), fmu)
+    assert result.summary["time_out_of_tolerance"] == pytest.approx(2.9, abs=0.1)
+    first, at, slow = re.fullmatch(
+        r"does not follow the reference: it is out of tolerance for longer than 1 s \(once, at (\S+) s\); at"
+        r" (\S+) s it is (\S+) km/h too slow",
+        result.remarks["vehicle_speed"],
+    ).groups()
+    assert [float(first), float(at)] == pytest.approx([3.1, 6.0], abs=0.1)
+    assert float(slow) == pytest.approx(result.summary["tracking_error_maximum"], rel=0.01)
+    assert "does not follow" in result.lines()["vehicle speed"]
+    assert "stop_time" not in result.remarks
+    assert result["distance"][0] == 0.0
+    way = np.trapezoid(result["vehicle_speed"], result.record.time)
+    assert result.summary["distance"] == pytest.approx(way, rel=1e-12)
 
 
 def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
