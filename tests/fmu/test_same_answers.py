@@ -194,7 +194,11 @@ CALLS = {
         for kind, values in (
             *(("Real", {"omega1": 50.0}), ("Real", {"load_torque": math.nan}), ("Real", {"omega1": 1e99})),
             *(("Real", {"balancer": 2.0}), ("Real", {"balancer": 11.0}), ("Real", {"balancer": math.nan})),
-            *(("Real", {"link2_inertia": 0.01}), ("Real", {"link2_inertia": -1.0}), ("Real", {"omega2": 1.0})),
+            *(
+                ("Real", {"link2_inertia": 0.01}),
+                ("Real", {"link2_inertia": -1.0}),
+                ("Real", {"omega2": 1.0}),
+            ),
             *(("Real", {"omega1": 5.0, "omega2": 1.0}), ("Real", {"omega1": 5.0, "balancer": 99.0})),
             *(("Real", {"tolerance": 1e-5}), ("Real", {"z2": 20.0}), ("Real", {})),
             *(("Integer", {"z2": 21}), ("Integer", {"z2": 0}), ("Integer", {"fidelity": 7})),
@@ -238,9 +242,7 @@ CALLS = {
     "freeing a foreign pointer": lambda c: with_foreign(c, c.free),
     "freeing a freed state": lambda c: c.after_free(c.free),
     "size of NULL": lambda c: c.call("SerializedFMUstateSize", None, byref(c_size_t())),
-    "size into NULL": lambda c: c.with_state(
-        lambda state, *_: c.call("SerializedFMUstateSize", state, None)
-    ),
+    "size into NULL": lambda c: c.with_state(lambda state, *_: c.call("SerializedFMUstateSize", state, None)),
     "size of a foreign pointer": lambda c: with_foreign(c, c.size),
     "size of a freed state": lambda c: c.after_free(c.size),
     **{
@@ -267,9 +269,7 @@ CALLS = {
     "deserializing over a foreign pointer": lambda c: with_foreign(
         c,
         lambda foreign: c.with_state(
-            lambda _, content, size: c.call(
-                "DeSerializeFMUstate", content, c_size_t(size), byref(foreign)
-            )
+            lambda _, content, size: c.call("DeSerializeFMUstate", content, c_size_t(size), byref(foreign))
         ),
     ),
     "deserializing NULL": lambda c: c.call("DeSerializeFMUstate", None, c_size_t(9), byref(c_void_p())),
