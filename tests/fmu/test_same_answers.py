@@ -17,7 +17,7 @@ INSTANTIATED, INITIALIZING, UNFIT, IN_ERROR, STEPPING, TERMINATED = PHASES = (
 )
 TYPES = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": ctypes.c_char_p}
 # value references of no variable
-UNKNOWN = (len(INERTIA_MODULE.variables), 1000000, 2**32 - 1)
+UNKNOWN = (INERTIA_MODULE.time.reference, 1000000, 2**32 - 1)
 
 
 class Caller:
