@@ -61,8 +61,9 @@ def test_the_order_of_the_table_is_not_that_of_the_numbers(model, fmi):
     changed = replace(model, variables=(*rows[:5], last, *rows[5:]))
     assert described(changed, fmi) == described(model, fmi)
     assert structure(changed, fmi) == structure(model, fmi)
-    assert generated(changed, "{guid}", fmi)["tables.c"].split("};", 1)[0] == (
-        generated(model, "{guid}", fmi)["tables.c"].split("};", 1)[0]
+    assert (
+        generated(changed, "{guid}", fmi)["tables.c"].split("};", 1)[0]
+        == (generated(model, "{guid}", fmi)["tables.c"].split("};", 1)[0])
     )
 
 

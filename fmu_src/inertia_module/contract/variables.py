@@ -116,8 +116,8 @@ ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
         ("torque", 1, "drive_torque is given, the speed of link 1 follows"),
     ),
     "InputHold": (
-        ("zero_order", 0, "omega1 constant between communication points (zero-order hold)"),
-        ("linear", 1, "omega1 extrapolated linearly from the last two values (first-order hold)"),
+        ("zero_order", 0, "speed constant between communication points (zero-order hold)"),
+        ("linear", 1, "speed extrapolated linearly from the last two values (first-order hold)"),
     ),
     "ContactMode": (
         ("held", 0, "link 2 held by the housing freewheel, output shaft coasting"),
