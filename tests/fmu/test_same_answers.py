@@ -90,7 +90,7 @@ class Caller:
         return self.call("SerializedFMUstateSize", state, byref(size)), size.value
 
     def with_state(self, action):
-        """What an action does with a state of this instance and its serialised bytes."""
+        """Result of an action with a state of this instance and its serialised bytes."""
         state = c_void_p()
         assert self.save(state) == fmi2OK
         _, size = self.size(state)
@@ -99,7 +99,7 @@ class Caller:
         return action(state, content, size)
 
     def after_free(self, action):
-        """What an action does with a state that has been freed."""
+        """Result of an action with a freed state."""
         state = c_void_p()
         assert self.save(state) == fmi2OK
         freed = c_void_p(state.value)
@@ -115,7 +115,7 @@ class Caller:
 
 
 def with_foreign(caller, action):
-    """What an action does with a pointer that is no state of this instance."""
+    """Result of an action with a pointer that is no state of this instance."""
     return action(c_void_p(ctypes.addressof(ctypes.create_string_buffer(4096))))
 
 
@@ -123,15 +123,15 @@ SMALL, LARGE = -1, 1000
 CALLS = {
     # --- the life of an instance ---
     **{
-        f"setupExperiment {arguments}": lambda c, given=arguments: c.set_up(*given)
+        f"setupExperiment {arguments}": lambda c, arguments=arguments: c.set_up(*arguments)
         for arguments in (
             *((), (1e-5, 0.0, 1.0), (0.0,), (-1.0,), (math.nan,), (math.inf,), (None, math.nan)),
             *((None, math.inf), (None, -math.inf), (None, 1.0, 0.5), (None, 0.0, math.nan), (None, 2.0, 2.0)),
-            (1.0,),  # of no use as tolerance of the module
+            (1.0,),  # above the largest tolerance of the module
         )
     },
     **{
-        name: lambda c, called=name: c.call(called)
+        name: lambda c, name=name: c.call(name)
         for name in ("EnterInitializationMode", "ExitInitializationMode", "Terminate", "Reset")
     },
     "reset, then all again": lambda c: (c.call("Reset"), c.bring_to(STEPPING)),
@@ -142,7 +142,7 @@ CALLS = {
     ),
     # --- steps ---
     **{
-        f"doStep {time} {length}": lambda c, at=time, step=length: c.step(at, step)
+        f"doStep {time} {length}": lambda c, time=time, length=length: c.step(time, length)
         for time, length in (
             *((0.1, 0.1), (0.1, 0.0), (0.1, -0.1), (0.1, math.nan), (0.1, math.inf), (0.1, 1e9)),
             *((math.nan, 0.1), (math.inf, 0.1), (-math.inf, 0.1)),
@@ -154,7 +154,7 @@ CALLS = {
     ),
     "CancelStep": lambda c: c.call("CancelStep"),
     **{
-        f"{call} {kind}": lambda c, called=call, of=kind: c.call(called, c_int(of), byref(c_double()))
+        f"{call} {kind}": lambda c, call=call, kind=kind: c.call(call, c_int(kind), byref(c_double()))
         for call in ("GetStatus", "GetRealStatus", "GetIntegerStatus", "GetBooleanStatus", "GetStringStatus")
         for kind in (0, 1, 2, 3, 9)
     },
@@ -162,7 +162,7 @@ CALLS = {
     "GetBooleanStatus NULL": lambda c: c.call("GetBooleanStatus", c_int(3), None),
     # --- values ---
     **{
-        f"reading {kind} {names}": lambda c, of=kind, called=names: c.get(of, *called)
+        f"reading {kind} {names}": lambda c, kind=kind, names=names: c.get(kind, *names)
         for kind, names in (
             *(("Real", ("omega_out",)), ("Real", ("drive_angle",)), ("Real", ("input_torque",))),
             *(("Real", ("omega1",)), ("Real", ("imbalance_mass", "tolerance"))),
@@ -173,23 +173,23 @@ CALLS = {
         )
     },
     **{
-        f"reading {kind} {reference}": lambda c, of=kind, number=reference: c.get_by(of, number)
+        f"reading {kind} {reference}": lambda c, kind=kind, reference=reference: c.get_by(kind, reference)
         for kind in TYPES
         for reference in UNKNOWN
     },
     "reading all": lambda c: c.values(),
     "reading twice": lambda c: (c.get("Real", "omega_out"), c.get("Real", "omega_out")),
     **{
-        f"{call}{kind} NULL {number}": lambda c, called=call + kind, n=number: c.call(
-            called, None, c_size_t(n), None
+        f"{call}{kind} NULL {number}": lambda c, name=call + kind, number=number: c.call(
+            name, None, c_size_t(number), None
         )
         for call in ("Get", "Set")
         for kind in TYPES
         for number in (0, 1)
     },
     **{
-        f"setting {kind} {values}": lambda c, of=kind, given=values: (
-            *(c.set(of, **given), c.get(of, *given), c.values()),
+        f"setting {kind} {values}": lambda c, kind=kind, values=values: (
+            *(c.set(kind, **values), c.get(kind, *values), c.values()),
         )
         for kind, values in (
             *(("Real", {"omega1": 50.0}), ("Real", {"load_torque": math.nan}), ("Real", {"omega1": 1e99})),
@@ -209,8 +209,8 @@ CALLS = {
         )
     },
     **{
-        f"setting {kind} {reference}": lambda c, of=kind, number=reference: c.set_by(
-            of, [number], [b"" if of == "String" else 1]
+        f"setting {kind} {reference}": lambda c, kind=kind, reference=reference: c.set_by(
+            kind, [reference], [b"" if kind == "String" else 1]
         )
         for kind in TYPES
         for reference in UNKNOWN
@@ -218,7 +218,7 @@ CALLS = {
     "setting, and a step of it": lambda c: (
         *(c.set("Real", omega1=80.0, balancer=0.5), c.step(0.1, 0.1), c.values()),
     ),
-    "setting what cannot be, and a step": lambda c: (
+    "setting a value that no step accepts, and a step": lambda c: (
         *(c.set("Real", omega1=math.inf), c.step(0.1, 0.1), c.values()),
         *(c.set("Real", omega1=90.0), c.step(0.1, 0.1), c.values()),
     ),
@@ -246,9 +246,9 @@ CALLS = {
     "size of a foreign pointer": lambda c: with_foreign(c, c.size),
     "size of a freed state": lambda c: c.after_free(c.size),
     **{
-        f"serializing into {more:+} bytes": lambda c, spare=more: c.with_state(
+        f"serializing into {more:+} bytes": lambda c, more=more: c.with_state(
             lambda state, content, size: c.call(
-                "SerializeFMUstate", state, (ctypes.c_char * (size + LARGE))(), c_size_t(size + spare)
+                "SerializeFMUstate", state, (ctypes.c_char * (size + LARGE))(), c_size_t(size + more)
             )
         )
         for more in (0, SMALL, LARGE)
@@ -278,8 +278,8 @@ CALLS = {
     ),
     # --- the log ---
     **{
-        f"setDebugLogging {names}": lambda c, given=names: c.call(
-            "SetDebugLogging", c_int(1), c_size_t(len(given)), (ctypes.c_char_p * len(given))(*given)
+        f"setDebugLogging {names}": lambda c, names=names: c.call(
+            "SetDebugLogging", c_int(1), c_size_t(len(names)), (ctypes.c_char_p * len(names))(*names)
         )
         for names in ((), (b"logAll",), (b"logStatusError", b"logStatusDiscard"), (b"gossip",), (None,))
     },

@@ -166,10 +166,10 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         variable = self._places[reference][0] if reference in self._places else None
         if variable is None or variable.kind not in kinds:
             # pythonfmu passes references on as signed numbers
-            shown = reference % 2**32
+            number = reference % 2**32
             raise Told(
                 "a value reference must be that of a variable of type"
-                f" {kinds[0]} in modelDescription.xml, is {shown}"
+                f" {kinds[0]} in modelDescription.xml, is {number}"
             )
         return variable
 
