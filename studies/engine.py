@@ -246,7 +246,7 @@ class CoupledEngine(EnginePlant):
     the beginning of the module's next step, whose impulse is in the next step mean.
 
     Args:
-        fmu: at its start; drive is speed and input_hold constant; a native one for INERTIA and IMPLICIT.
+        fmu: at its start; drive is speed and input_hold zero_order; a native one for INERTIA and IMPLICIT.
         engine: as of EnginePlant. substeps: likewise. scheme: of coupling.
         inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
     """

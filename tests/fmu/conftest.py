@@ -71,9 +71,8 @@ class Instance:
     """One instance over fmpy's calls, values by name."""
 
     def __init__(self, description, folder, **modes):
-        table = [v for v in description.modelVariables if v.causality != "independent"]
-        self.clock = len(table)
-        self.references = {v.name: v.valueReference for v in table}
+        self.references = {v.name: v.valueReference for v in description.modelVariables}
+        self.clock = self.references.pop("time", None)
         self.causalities = {v.name: v.causality for v in description.modelVariables}
         self.is_native = not description.modelName.endswith("Py")
         self.is_fmi3 = description.fmiVersion == "3.0"

@@ -44,15 +44,15 @@ def test_every_variable_is_described_as_in_the_table(description, model):
     assert len(description.modelVariables) == len(model.variables) + is_fmi3(description)
     if is_fmi3(description):
         assert (time.name, time.causality, time.unit) == ("time", "independent", "s")
-    for reference, expected in enumerate(model.variables):
-        found = description.modelVariables[reference]
+        assert time.valueReference == model.time.reference
+    for found, expected in zip(description.modelVariables, model.variables, strict=False):
         assert (found.name, found.type, found.causality) == (
             expected.name,
             TYPES.get(expected.kind, expected.kind) if is_fmi3(description) else expected.kind,
             expected.causality,
         )
         assert (found.variability, found.description) == (expected.variability, expected.description)
-        assert found.valueReference == reference
+        assert found.valueReference == expected.reference
         if expected.kind == REAL:
             assert found.displayUnit == variables.DISPLAY_UNITS.get(expected.unit, (None,))[0]
             assert found.unit == expected.unit != ""

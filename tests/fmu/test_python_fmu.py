@@ -2,11 +2,14 @@
 
 import ctypes
 import math
+import os
 from functools import partial
 from operator import attrgetter
+from pathlib import Path
 
 import pytest
-from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error, fmi2OK
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackLoggerTYPE, fmi2Discard, fmi2Error, fmi2OK
 
 from inertia_module.fmu import builder, python_fmu
 from inertia_module.fmu.slave import HEAD_SIZE
@@ -92,19 +95,34 @@ def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_pat
         assert ours["omega_out"] != other["omega_out"]
 
 
-def said_at(location, description, folder):
-    """Message to a host that gives a location of the resources; None if an instance is made."""
+def instantiated(description, folder, location, name=b"host", guid=None, logger=None):
+    """An FMU with an instance, or with none (component is None), and the log of the host."""
     fmu = FMU2Slave(
-        guid=description.guid,
+        guid=guid or description.guid,
         unzipDirectory=str(folder),
         modelIdentifier=description.modelName,
         instanceName="host",
     )
     log = Log()
-    arguments = (b"host", 1, fmu.guid.encode(), location, ctypes.byref(callbacks_of(log)), 0, 1)
-    component = fmu.fmi2Instantiate(*arguments)
-    if component:
-        fmu.fmi2FreeInstance(component)
+    fmu.callbacks = callbacks_of(log)
+    if logger is not None:
+        fmu.callbacks.logger = logger
+    arguments = (name, 1, fmu.guid.encode(), location, ctypes.byref(fmu.callbacks), 0, 1)
+    fmu.component = fmu.fmi2Instantiate(*arguments)
+    return fmu, log
+
+
+@pytest.fixture
+def location(unpacked):
+    """URI of the resources."""
+    return (unpacked / "resources").as_uri().encode()
+
+
+def said_at(location, description, folder):
+    """Message to a host that gives a location of the resources; None if an instance is made."""
+    fmu, log = instantiated(description, folder, location)
+    if fmu.component:
+        fmu.fmi2FreeInstance(fmu.component)
         return None
     (said,) = log.messages
     return said
@@ -124,21 +142,65 @@ def moved(request, unpacked, tmp_path):
         lambda folder: folder.as_uri(),
         lambda folder: folder.as_uri().replace("file://", "file:"),
         lambda folder: folder.as_uri().replace("file://", "file://localhost"),
+        lambda folder: folder.as_uri().replace("file://", "FILE://LocalHost"),
+        lambda folder: folder.as_uri().replace("file://", "FILE:"),
+        lambda folder: folder.as_uri().replace("file", "File"),
+        lambda folder: f"{folder.as_uri()}/",
         lambda folder: f"file://{folder}",
+        lambda folder: "file://" + "".join(f"%{byte:02x}" if byte != 47 else "/" for byte in bytes(folder)),
         str,
     ],
-    ids=["uri", "no authority", "localhost", "not encoded", "path"],
+    ids=[
+        *("uri", "no authority", "localhost", "LocalHost", "FILE, no authority", "File", "slash at the end"),
+        *("not encoded", "all encoded", "path"),
+    ],
 )
 def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, moved, form):
     assert said_at(form(moved / "resources").encode(), description, moved) is None
 
 
 @pytest.mark.parametrize(
-    "location", [None, b"", b"file:///no/such/folder", b"http://example.org/%zz", b"%", b"file:" * 2000]
+    "location",
+    [
+        *(None, b"", b"file:///no/such/folder", b"http://example.org/%zz", b"%", b"file:" * 2000),
+        *(b"f", b"FILE", b"file:", b"file://", b"file:///%FC", b"files:///tmp"),
+    ],
 )
 def test_a_location_that_is_none_is_refused_by_a_sentence(description, unpacked, location):
     said = said_at(location, description, unpacked)
     assert said.startswith("the resource location must be the URI of")
+
+
+# Latin-1, a lone surrogate, more than Python takes for a file name, formats of printf
+NAMES = {
+    "Latin-1": b"J\xfcrgen",
+    "no text": b"\xff\xfe\xed\xa0\x80",
+    "long": b"x" * 100_000,
+    "format": b"%s%n%d",
+}
+
+
+@pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
+def test_an_instance_name_may_be_in_any_encoding_and_comes_back_in_messages(
+    description, unpacked, location, name
+):
+    names = []
+    logger = fmi2CallbackLoggerTYPE(lambda environment, instance, *message: names.append(instance))
+    fmu, _ = instantiated(description, unpacked, location, name, logger=logger)
+    fmu.enterInitializationMode()
+    with pytest.raises(FMICallException):
+        fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.1)
+    fmu.fmi2FreeInstance(fmu.component)
+    # the kernel, and the call out of order
+    assert names == 2 * [name]
+
+
+def test_an_fmu_of_another_build_is_not_instantiated(description, unpacked, location):
+    fmu, log = instantiated(description, unpacked, location, guid="{of-another-build}")
+    assert fmu.component is None
+    assert log.messages == ["the GUID must be that of modelDescription.xml, is of another build"]
 
 
 def test_the_log_is_what_was_asked_for(fmu_path):
@@ -197,6 +259,53 @@ def test_a_state_of_initialization_mode_is_calculated_anew_where_it_is_restored(
     assert instance.get("input_speed") == 50.0
 
 
+def memory_in_use():
+    """Memory of this process in use now, bytes."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+has_statm = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="there is no /proc")
+
+
+@has_statm
+def test_saving_and_deserialising_over_a_state_takes_no_more_memory(instance):
+    """A state has 100 kB: 2,000 lost ones would take 200 MB."""
+    instance.start(omega1=100.0)
+    library, component = instance.fmu.dll, ctypes.c_void_p(instance.fmu.component)
+    state, size = ctypes.c_void_p(), ctypes.c_size_t()
+    assert library.fmi2GetFMUstate(component, ctypes.byref(state)) == fmi2OK
+    assert library.fmi2SerializedFMUstateSize(component, state, ctypes.byref(size)) == fmi2OK
+    content, first = (ctypes.c_char * size.value)(), state.value
+    before = memory_in_use()
+    for _ in range(1000):
+        assert library.fmi2GetFMUstate(component, ctypes.byref(state)) == fmi2OK
+        assert library.fmi2SerializeFMUstate(component, state, content, size) == fmi2OK
+        assert library.fmi2DeSerializeFMUstate(component, content, size, ctypes.byref(state)) == fmi2OK
+        assert library.fmi2SetFMUstate(component, state) == fmi2OK
+    assert memory_in_use() - before < 20e6
+    assert state.value == first
+
+
+@has_statm
+def test_states_that_the_host_does_not_free_go_with_their_instance(description, unpacked, location):
+    before = memory_in_use()
+    for _ in range(20):
+        fmu, _ = instantiated(description, unpacked, location)
+        for _ in range(100):
+            fmu.getFMUstate()
+        fmu.fmi2FreeInstance(fmu.component)
+    assert memory_in_use() - before < 20e6
+
+
+def test_a_state_of_another_instance_is_an_error(instances):
+    one, other = (instances().start(omega1=100.0) for _ in range(2))
+    state = other.fmu.getFMUstate()
+    words = "a state must be one that this instance has saved and not freed, is another"
+    uses = (one.fmu.setFMUstate, one.fmu.serializeFMUstate, one.fmu.freeFMUstate)
+    assert [one.refusal(partial(use, state)) for use in uses] == 3 * [words]
+    other.fmu.setFMUstate(state)
+
+
 def test_a_state_is_freed_once_however_often_it_is_asked_for(instance):
     instance.start(omega1=100.0)
     instance.step(0.1)
@@ -212,27 +321,17 @@ def test_a_state_is_freed_once_however_often_it_is_asked_for(instance):
     assert not instance.is_discarded(0.1)
 
 
-KINDS = ("Real", "Integer", "Boolean", "String")
-# None: a pointer that is NULL
-NULL_ARGUMENTS = {
-    **{f"{call}{kind}": (None, 1, None) for call in ("Get", "Set") for kind in KINDS},
-    **{"GetFMUstate": (None,), "SetFMUstate": (None,), "SerializedFMUstateSize": (None, None)},
-    **{"SerializeFMUstate": (None, None, 100), "DeSerializeFMUstate": (None, 100, None)},
-    "GetRealStatus": (2, None),
-}
+KINDS = ("Real", "Integer", "Boolean")
 
 
-@pytest.mark.parametrize("call", NULL_ARGUMENTS)
-def test_null_pointers_are_refused_and_the_instance_goes_on(instance, call):
+@pytest.mark.parametrize("call", [f"{call}{kind}" for call in ("Get", "Set") for kind in KINDS])
+def test_null_pointers_are_rejected_and_the_instance_goes_on(instance, call):
     instance.start(omega1=100.0)
     instance.step(0.1)
     before = instance.all_values()
-    given = NULL_ARGUMENTS[call]
-    arguments = [ctypes.c_void_p(value) if value is None else ctypes.c_size_t(value) for value in given]
-    function = instance.fmu.dll[f"fmi2{call}"]
-    assert function(ctypes.c_void_p(instance.fmu.component), *arguments) == fmi2Error
+    function, component = instance.fmu.dll[f"fmi2{call}"], ctypes.c_void_p(instance.fmu.component)
+    assert function(component, None, ctypes.c_size_t(1), None) == fmi2Error
     assert instance.log.errors == [f"the arguments of fmi2{call} must be given, one is NULL"]
     assert instance.all_values() == before
     assert not instance.is_discarded(0.1)
-    if call.endswith(KINDS):
-        assert function(ctypes.c_void_p(instance.fmu.component), None, ctypes.c_size_t(0), None) == fmi2OK
+    assert function(component, None, ctypes.c_size_t(0), None) == fmi2OK

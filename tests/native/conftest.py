@@ -73,8 +73,8 @@ class Workshop:
         fmu: what is built. folder: where the programs are. objects: names by C file and flags.
     """
 
-    def __init__(self, identifier, folder):
-        self.fmu, self.folder, self.objects = FMUS[identifier], folder, {}
+    def __init__(self, fmu, folder):
+        self.fmu, self.folder, self.objects = fmu, folder, {}
         (folder / "kernel.o").write_bytes(object_file(self.fmu.model, LINUX64))
         for name, text in generated(self.fmu.model, self.fmu.guid(), self.fmu.fmi).items():
             (folder / name).write_text(text)
@@ -137,7 +137,7 @@ def workshops(tmp_path_factory):
     def of(identifier):
         if identifier not in made:
             try:
-                made[identifier] = Workshop(identifier, tmp_path_factory.mktemp(identifier))
+                made[identifier] = Workshop(FMUS[identifier], tmp_path_factory.mktemp(identifier))
             except CompilationUnavailable as reason:
                 pytest.skip(str(reason))
         return made[identifier]

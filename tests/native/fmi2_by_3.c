@@ -39,7 +39,7 @@ static void look(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Bool
                  fmi3Float64 *early_return_time)
 {
     const fmi3Instance c = ((struct component *)environment)->c;
-    const fmi3ValueReference clock = (fmi3ValueReference)model.variable_count - 1, input = 0;
+    const fmi3ValueReference clock = reference_of("time"), input = 0;
     fmi3ValueReference output = 0;
     fmi3Float64 value = NAN, one = 1.0;
     fmi3Boolean flag;
@@ -443,10 +443,10 @@ fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kin
     return none(component);
 }
 
-/* The time reached is a variable, the last one. */
+/* The time reached is a variable. */
 fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value)
 {
-    const fmi3ValueReference clock = (fmi3ValueReference)model.variable_count - 1;
+    const fmi3ValueReference clock = reference_of("time");
     if (kind != fmi2LastSuccessfulTime || !value)
         return none(component);
     return (fmi2Status)fmi3GetFloat64(behind(component), &clock, 1, value, 1);

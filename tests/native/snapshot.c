@@ -11,7 +11,7 @@ static fmi2Status read_share(fmi2Component c, enum share share, double *values)
     fmi2Integer whole[MOST_VARIABLES];
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
-        if ((variable->array == OUTPUTS) == (share == CALCULATED))
+        if (variable->kind != UNUSED && (variable->array == OUTPUTS) == (share == CALCULATED))
             references[kind_of(variable)][counts[kind_of(variable)]++] = (fmi2ValueReference)n;
     }
     fmi2Status status = fmi2GetReal(c, references[REAL], counts[REAL], values);

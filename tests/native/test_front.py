@@ -96,10 +96,15 @@ def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(run_at, tmp_path
     resources = tmp_path / name / "resources"
     resources.mkdir(parents=True)
     (resources / "slavemodule.txt").write_text("slave")
-    location = resources.as_uri().replace("file://", "file:///Z:")
-    path, found = run_at(location).splitlines()
-    assert path.isascii()
-    assert found == "found"
+    (resources / "guid.txt").write_text("")  # as of the host
+    for scheme in ("file:///Z:", "FILE:///Z:", "File://localhost/Z:", "file:/Z:", "file://Z:"):
+        path, found = run_at(resources.as_uri().replace("file://", scheme)).splitlines()
+        assert path.isascii()
+        assert found == "found"
+    (resources / "guid.txt").write_text("{of-another-build}")
+    assert run_at(resources.as_uri().replace("file://", "file:///Z:")) == (
+        "the GUID must be that of modelDescription.xml, is of another build\n"
+    )
 
 
 def test_windows_is_told_of_a_location_that_is_none(run_at):

@@ -3,10 +3,11 @@
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 
 import pytest
 
-from .conftest import OF_FMI_3, SANITIZERS, run
+from .conftest import OF_FMI_3, SANITIZERS, Workshop, run
 
 # a million calls a seed where the environment asks for them, else what a test has the time for
 CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
@@ -17,6 +18,7 @@ FILES = (
     *("abuse.c", "abuse_arguments.c", "abuse_life.c", "abuse_states.c", "abuse_values.c"),
     *("host.c", "snapshot.c"),
 )
+GAP = 4  # value reference of the last variable in front of a gap
 MOST_BYTES = 368640  # of an instance with a saved state: most of it the averaged map with losses
 LIVES = 420  # all combinations of what a life does every third, fourth, fifth and seventh time
 
@@ -61,6 +63,21 @@ def test_random_calls_of_fmi_3_in_any_order_are_survived(workshops, identifier, 
 
 def test_refusals_that_random_calls_seldom_meet(workshop):
     run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+
+
+def test_a_value_reference_that_no_variable_has_is_an_error_and_harmless(one_of_each, tmp_path):
+    """A table has such numbers once a row is appended after the time, which only FMI 3.0 has."""
+    model = one_of_each.fmu.model
+
+    def moved(variable):
+        return replace(variable, reference=variable.reference + (variable.reference > GAP))
+
+    variables = tuple(moved(variable) for variable in model.variables)
+    changed = replace(model, variables=variables, time=moved(model.time))
+    workshop = Workshop(one_of_each.fmu._replace(model=changed), tmp_path)
+    run([workshop.build("gap", "gap.c", "host.c", flags=SANITIZERS), GAP + 1])
+    run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+    run([workshop.build("abuse", *FILES, flags=SANITIZERS), 1, CALLS // 10])
 
 
 def test_forged_states_reach_no_memory_beyond_their_own(one_of_each):

@@ -40,7 +40,7 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
     """Names of the motion that the FMU has start parameters for: refused where these are not all of it."""
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise FmuError(
-            "with state = 'motion' input_hold must be constant, is linear: that goes on from the last two"
+            "with state = 'motion' input_hold must be zero_order, is linear: that goes on from the last two"
             " inputs; state = 'whole' has them"
         )
     table, fidelity = DRIVEN_SHAFT.by_name, RIGID

@@ -60,7 +60,7 @@ class Model:
 
     Attributes:
         name: of the native FMU, of saved states. title: for people.
-        description: one sentence without its full stop. variables: its table.
+        description: one sentence without its full stop. variables: its table. time: the time of FMI 3.0.
         call: its kernel as plain Python. records: fields of the kernel's p, d, u, x, y and w.
         messages: what it says for each status of its kernel but OK.
         warnings: what it says of a mechanism that is accepted but cannot be built.
@@ -71,6 +71,7 @@ class Model:
     title: str
     description: str
     variables: tuple[Variable, ...]
+    time: Variable
     call: Callable[..., int]
     records: tuple[tuple[Field, ...], ...]
     messages: Mapping[int, str]
@@ -115,6 +116,10 @@ class Model:
         of = self.by_name.get(name)
         return place(self.records[RECORD_OF[of.causality if of else INPUT]], name)
 
+    def in_fmu(self, fmi: int) -> tuple[Variable, ...]:
+        """Variables that an FMU of this version of FMI has: the table and, in FMI 3.0, the time."""
+        return (*self.variables, self.time) if fmi == 3 else self.variables
+
     def with_causality(self, *causalities: str) -> Iterator[Variable]:
         """Variables of these causalities, in the order of the table."""
         return with_causality(*causalities, table=self.variables)
@@ -143,6 +148,7 @@ INERTIA_MODULE = Model(
         " differential, rectified by freewheels"
     ),
     variables=variables.VARIABLES,
+    time=variables.TIME,
     call=entry.call,
     records=(_P, _D, _U, fields.STATE, _Y, _W),
     messages=messages.MESSAGES,
@@ -167,6 +173,7 @@ DRIVEN_SHAFT = Model(
         " balancer; the elastic output of the inertia module alone"
     ),
     variables=variables.OF_SHAFT,
+    time=variables.TIME_OF_SHAFT,
     call=shaft.call,
     records=(_P, shaft.CONSTANTS, _U, shaft.STATE, _Y, shaft.WORKSPACE),
     messages=messages.of_inputs(variables.OF_SHAFT),

@@ -11,7 +11,6 @@ from .archive import TEMPLATES, filled_xml
 
 # names of types in FMI 3.0, where they are others
 TYPES_3 = {table.REAL: "Float64", table.INTEGER: "Int32"}
-TIME = table.Variable("time", "", "s", "time since the start of the run", causality="independent")
 # who gives the value at the start; that of inputs and of the time the host
 INITIAL = {table.PARAMETER: "exact", table.OUTPUT: "calculated", table.LOCAL: "calculated"}
 # icon of a flange of FMI 3.0; in the icon that docs/make_icons.py draws: height of the central axis, half a
@@ -56,9 +55,10 @@ def model_description(
         fmi: version of FMI, 2 or 3. python: whether pythonfmu passes the calls on, and what it can.
         sources: names of C files that FMI 2.0 lists; FMI 3.0 has buildDescription.xml.
     """
-    variables = model.variables if fmi == 2 else (*model.variables, TIME)
-    # FMI 2.0 counts variables from 1, FMI 3.0 has their value references
-    numbers = {variable.name: n for n, variable in enumerate(model.variables, 3 - fmi)}
+    variables = model.in_fmu(fmi)
+    # the structure of FMI 2.0 has places in the list, from 1; FMI 3.0 has value references
+    places = {variable.name: n for n, variable in enumerate(variables, 1)}
+    numbers = places if fmi == 2 else {variable.name: variable.reference for variable in variables}
     at_start, given = {}, list(model.with_causality(table.INPUT, table.PARAMETER))
     for output in model.with_causality(table.OUTPUT):
         known = [one.name for one in given if not one.idle] if output.at_start is None else output.at_start

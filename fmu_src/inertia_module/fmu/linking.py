@@ -23,8 +23,8 @@ Progress = Callable[[str], None]
 SHELL_FOLDER = Path(__file__).parent / "shell"
 # functions of kernel32.dll that the front of the Python FMU needs
 WINDOWS_FUNCTIONS = (
-    *("GetFileAttributesA", "GetModuleFileNameW", "GetModuleHandleExW", "GetProcAddress"),
-    *("GetShortPathNameW", "LoadLibraryExW", "LoadLibraryW", "MultiByteToWideChar"),
+    *("CloseHandle", "CreateFileA", "GetModuleFileNameW", "GetModuleHandleExW", "GetProcAddress"),
+    *("GetShortPathNameW", "LoadLibraryExW", "LoadLibraryW", "MultiByteToWideChar", "ReadFile"),
 )
 # a file of macOS for several processors: magic number, and by triple the number of the processor
 FAT_MAGIC = 0xCAFEBABE

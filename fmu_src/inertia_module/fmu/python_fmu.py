@@ -65,9 +65,11 @@ class PythonFmu(NamedTuple):
         """The content of its file."""
         kernels, fronts = libraries(self, build)
         package = bundled_files() | kernels
-        described = _description(self, _guid(self, package | fronts), generation_date())
+        guid = _guid(self, package | fronts)
+        described = _description(self, guid, generation_date())
         content = _packed(self, package, fronts) | _accompanying_files(self)
-        return archive(content | {DESCRIPTION: described})
+        # for the library in front, which compares it with the GUID of the host
+        return archive(content | {DESCRIPTION: described, "resources/guid.txt": guid.encode()})
 
 
 # the loader of pythonfmu 0.7 runs this script at every instantiation and then drops a reference to its

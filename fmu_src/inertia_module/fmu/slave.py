@@ -31,7 +31,6 @@ _PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
 HEAD_SIZE = 17
 # a step may end past the stop time by this share of it, or of a second, as in shell/stepping.c
 NEAR_STOP = 1e-5
-_UNKNOWN = Variable("unknown", "", "", "", kind="")
 
 
 class Told(Refused):
@@ -72,17 +71,19 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self._instance = self.instance_type("auto")
-        self._variables = self._instance.model.variables
         self.phase = INSTANTIATED
         self._tolerance: float | None = None
         self._stop_time = math.inf
         # in initialization mode: whether the outputs follow from the values set
         self._calculated = False
-        # value reference -> numbers of its record, and place there
-        self._places: list[tuple[Any, int]] = [
-            (self._instance.record(one.name).numbers, self._instance.model.place(one.name))
-            for one in self._variables
-        ]
+        # by value reference: the variable, the numbers of its record, and its place there
+        self._places: dict[int, tuple[Variable, Any, int]] = {}
+        for variable in self._instance.model.variables:
+            numbers, place = (
+                self._instance.record(variable.name).numbers,
+                self._instance.model.place(variable.name),
+            )
+            self._places[variable.reference] = variable, numbers, place
 
     def say(self, message: str, status: Fmi2Status) -> None:
         """Log a message."""
@@ -99,8 +100,12 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Take over the stop time and the tolerance: it wins over the parameter, where the model has one."""
         self._require(INSTANTIATED, "setupExperiment", "before enterInitializationMode")
+        if not math.isfinite(start_time):
+            raise Told(must_be("start time", "a finite number of seconds", start_time))
         if stop_time is not None and not stop_time >= start_time:
             raise Told(must_be("stop time", f"at least the start time {start_time:.16g} s", stop_time))
+        if tolerance is not None and not 0.0 < tolerance < math.inf:
+            raise Told(must_be("tolerance", "a positive number", tolerance))
         self._tolerance = tolerance
         self._stop_time = math.inf if stop_time is None else stop_time
 
@@ -109,6 +114,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         """Load the kernel, and say which."""
         self._require(INSTANTIATED, "enterInitializationMode", "right after instantiation or reset")
         self.phase = INITIALIZING
+        self._apply_tolerance()
         self._instance.load_kernel()
         self.say(f"the kernel is {self._instance.kernel}", Fmi2Status.ok)
 
@@ -116,24 +122,15 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def exit_initialization_mode(self) -> None:
         """Check the parameters, alone and together, and take the initial state."""
         self._require(INITIALIZING, "exitInitializationMode", "after enterInitializationMode")
-        self._start()
+        self._instance.start()
         self.phase = STEPPING
         for message in self._instance.warnings():
             self.say(message, Fmi2Status.warning)
 
-    def _start(self) -> None:
-        tolerance = self._instance.model.by_name.get("tolerance")
-        if self._tolerance is not None and tolerance is not None:
+    def _apply_tolerance(self) -> None:
+        """Let the tolerance of the experiment win over the parameter, if the model has one."""
+        if self._tolerance is not None and "tolerance" in self._instance.model.by_name:
             self._instance.parameters.tolerance = self._tolerance
-        self._instance.start()
-
-    def _calculate(self) -> None:
-        """In initialization mode: let the outputs follow from the values set so far."""
-        self._calculated = True
-        try:
-            self._start()
-        except Exception as error:
-            self.say(str(error), Fmi2Status.discard)
 
     @guarded
     def terminate(self) -> None:
@@ -148,56 +145,68 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         """Advance by step_size, s; False (fmi2Discard) leaves the state as it was."""
         self._require(STEPPING, "doStep", "after exitInitializationMode")
         stop = self._stop_time
-        if current_time + step_size > stop + NEAR_STOP * max(1.0, abs(stop)):
-            step = f"{step_size:.16g} s from {current_time:.16g} s"
-            raise Told(f"a step must end at the stop time {stop:.16g} s at the latest, is one of {step}")
         if not math.isfinite(current_time):
             message = must_be("communication point", "a finite number of seconds", current_time)
             raise Told(message, Fmi2Status.discard)
+        if current_time + step_size > stop + NEAR_STOP * max(1.0, abs(stop)):
+            step = f"{step_size:.16g} s from {current_time:.16g} s"
+            raise Told(f"a step must end at the stop time {stop:.16g} s at the latest, is one of {step}")
         status = self._instance.call(codes.STEP, step_size)
         if status != codes.OK:
             raise Told(self._instance.explain(status, step_size), Fmi2Status.discard)
 
     # -- values --------------------------------------------------------------------------------------
 
-    def _variable(self, reference: int) -> Variable:
-        return self._variables[reference] if 0 <= reference < len(self._variables) else _UNKNOWN
+    def _variable(self, reference: int, kinds: tuple[str, ...]) -> Variable:
+        """The variable with a value reference.
+
+        Raises:
+            Told: there is none, or its kind is another.
+        """
+        variable = self._places[reference][0] if reference in self._places else None
+        if variable is None or variable.kind not in kinds:
+            # pythonfmu passes references on as signed numbers
+            number = reference % 2**32
+            raise Told(
+                "a value reference must be that of a variable of type"
+                f" {kinds[0]} in modelDescription.xml, is {number}"
+            )
+        return variable
+
+    @guarded
+    def _prepare_to_read(self, references: list[int], kinds: tuple[str, ...]) -> None:
+        """Check that values can be read now; in initialization mode calculate the outputs first."""
+        variables = [self._variable(reference, kinds) for reference in references]
+        if all(variable.causality in (INPUT, PARAMETER) for variable in variables):
+            return
+        if self.phase == INSTANTIATED:
+            self._require("", "reading a calculated variable", "after enterInitializationMode")
+        if self.phase == INITIALIZING and not self._calculated:
+            try:
+                self._instance.start()
+            except Refused as refused:
+                raise Told(str(refused), Fmi2Status.discard) from None
+            self._calculated = True
 
     def _get(self, references: list[int], kinds: tuple[str, ...], missing: float) -> list[float]:
-        if self.phase == INITIALIZING and not self._calculated:
-            self._calculate()
-        values = []
-        for reference in references:
-            variable = self._variable(reference)
-            if variable.kind in kinds:
-                place, slot = self._places[reference]
-                values.append(place[slot])
-            else:
-                self.say(_no_reference(reference, kinds[0]), Fmi2Status.error)
-                values.append(missing)
-        return values
+        if not self._prepare_to_read(references, kinds):
+            return [missing] * len(references)
+        return [self._places[reference][1][self._places[reference][2]] for reference in references]
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Values of Real variables (NaN for a reference that is none)."""
+        """Values of Real variables; NaN if one of them cannot be read."""
         return self._get(vrs, (REAL,), math.nan)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """Values of Integer and Enumeration variables (0 for a reference that is none)."""
+        """Values of Integer and Enumeration variables; 0 if one of them cannot be read."""
         return [_int32(value) for value in self._get(vrs, ("Integer", "Enumeration"), 0.0)]
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """Values of Boolean variables (False for a reference that is none)."""
+        """Values of Boolean variables; False if one of them cannot be read."""
         return [value != 0.0 for value in self._get(vrs, (BOOLEAN,), 0.0)]
 
-    def get_string(self, vrs: list[int]) -> list[str]:
-        """There are no String variables."""
-        self._get(vrs, ("String",), 0.0)
-        return [""] * len(vrs)
-
-    def _require_settable(self, variable: Variable, reference: int, kinds: tuple[str, ...]) -> None:
+    def _require_settable(self, variable: Variable) -> None:
         call = f"setting {variable.name}"
-        if variable.kind not in kinds:
-            raise Told(_no_reference(reference, kinds[0]))
         if variable.causality not in (INPUT, PARAMETER):
             raise Told(
                 f"a variable that is set must be an input or a parameter, {variable.name} is calculated"
@@ -213,8 +222,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         """Set all of the values or, if one cannot be set, none."""
         numbers = {}
         for reference, value in zip(references, values, strict=True):
-            variable = self._variable(reference)
-            self._require_settable(variable, reference, kinds)
+            variable = self._variable(reference, kinds)
+            self._require_settable(variable)
             numbers[variable.name] = value
         if self.phase == INITIALIZING:
             self._calculated = self._instance.started = False
@@ -222,6 +231,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             self._instance.assign(numbers)
         except Refused as refused:
             raise Told(str(refused), Fmi2Status.discard) from None
+        if self.phase == INITIALIZING:
+            self._apply_tolerance()
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set Real inputs and parameters: checked where they are used, tuned parameters here."""
@@ -234,10 +245,6 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
         """Set Boolean parameters."""
         self._set(vrs, [1.0 if value else 0.0 for value in values], (BOOLEAN,))
-
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """There are no String variables."""
-        self._set(vrs, values, ("String",))
 
     # -- state ---------------------------------------------------------------------------------------
 
@@ -276,12 +283,6 @@ class InertiaModulePy(PythonSlave):
 
 # while the files are there: later instances in the process share this code, when its own folder may be gone
 _SOURCE_HASH = Module.model.source_hash
-
-
-def _no_reference(reference: int, kind: str) -> str:
-    return (
-        f"a value reference must be that of a variable of type {kind} in modelDescription.xml, is {reference}"
-    )
 
 
 def _int32(value: float) -> int:

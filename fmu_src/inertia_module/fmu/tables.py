@@ -51,22 +51,28 @@ def _pieces(text: str, model: Model) -> Iterator[tuple[str, str, int]]:
             yield before, "PARAMETER_NUMBER" if of_parameter else "INPUT_NUMBER", model.place(field)
 
 
+def rows_by_reference(model: Model, fmi: int) -> list[Variable | None]:
+    """Variables of an FMU at the places of their value references; None if no variable has a number."""
+    known = {variable.reference: variable for variable in model.in_fmu(fmi)}
+    return [known.get(reference) for reference in range(max(known) + 1)]
+
+
 def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
-    """The C files of the shell that are made for a model, by name; with FMI 3.0 time is the last variable.
+    """The C files of the shell that are made for a model, by name.
 
     Args:
         model: what they are of. guid: the one of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
     numbers = ", ".join(f"OPERATION_{name} = {getattr(codes, name)}" for name in OPERATIONS)
     header = f"enum operation {{ {numbers} }};\n#define STATUS_OK {codes.OK}\n#define KERNEL {model.symbol}\n"
-    places = {variable.name: n for n, variable in enumerate(model.variables)}
     values = {
-        **{"model": model, "guid": guid, "fmi": fmi, "arrays": ARRAYS, "records": RECORDS},
+        **{"model": model, "guid": guid, "arrays": ARRAYS, "records": RECORDS},
+        "rows": rows_by_reference(model, fmi),
         **{"quoted": quoted, "number": number, "small": _small, "pieces": _pieces},
         # of outputs that change at switches only
         "discrete": [v.name for v in model.variables if v.variability == "discrete"],
         "switch": [place(model.records[3], name) if model.switches else -1 for name in SWITCH_FIELDS],
-        "traced": [places[name] for name in model.traced],
+        "traced": [model.by_name[name].reference for name in model.traced],
         "tolerance": model.place("tolerance") if "tolerance" in model.by_name else -1,
     }
     return {

@@ -95,7 +95,7 @@ class SteadyMachine:
     """
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
-        given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "constant"}
+        given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "zero_order"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **given, **zeros}
         self.module = module = self._started(1.0, 0.0)

@@ -1,26 +1,29 @@
-/* In front of pythonfmu's library, in the Python FMU: calls go through to it, with what it leaves undone.
+/* The library in front of pythonfmu's, in the Python FMU: it passes calls on and adds what pythonfmu lacks.
  *
- * pythonfmu 0.7 decodes nothing but %20 of the URI of the resources and follows a null pointer where the folder is then
- * not found; it answers fmi2OK to what the slave refuses, and after a discarded step that the simulation is at its end.
- * Here the URI becomes a path, and a call is answered by the worst status that the slave has logged in it.
+ * pythonfmu 0.7 decodes only %20 in the URI of the resources and follows a null pointer if it does not find the folder.
+ * It crashes on an instance name that is not UTF-8, loses a saved state when a call writes over its pointer, uses any
+ * pointer as a state, returns fmi2OK for rejected calls, and ends the simulation after a discarded step.
+ * This library turns the URI into a path, keeps the name and the states of an instance, and returns the worst status
+ * that the slave has logged in a call.
  */
 #include "front.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define LONGEST_MESSAGE 1024
 #define OLDEST_PYTHON 11 /* of Python 3 */
+#define INNER_NAME "instance" /* of each instance in pythonfmu; the host's name may be in any encoding */
 
 /* All functions of the library that are called. */
 #define FUNCTIONS(DO)                                                                                               \
     DO(Instantiate) DO(FreeInstance) DO(SetupExperiment) DO(EnterInitializationMode) DO(ExitInitializationMode)     \
-    DO(Terminate) DO(Reset) DO(GetReal) DO(GetInteger) DO(GetBoolean) DO(GetString) DO(SetReal) DO(SetInteger)      \
-    DO(SetBoolean) DO(SetString) DO(GetFMUstate) DO(SetFMUstate) DO(FreeFMUstate) DO(SerializedFMUstateSize)        \
-    DO(SerializeFMUstate) DO(DeSerializeFMUstate) DO(GetDirectionalDerivative) DO(SetRealInputDerivatives)          \
-    DO(GetRealOutputDerivatives) DO(DoStep) DO(CancelStep) DO(GetStatus) DO(GetRealStatus) DO(GetIntegerStatus)     \
-    DO(GetStringStatus)
+    DO(Terminate) DO(Reset) DO(GetReal) DO(GetInteger) DO(GetBoolean) DO(SetReal) DO(SetInteger) DO(SetBoolean)     \
+    DO(GetFMUstate) DO(SetFMUstate) DO(FreeFMUstate) DO(SerializedFMUstateSize) DO(SerializeFMUstate)               \
+    DO(DeSerializeFMUstate) DO(GetDirectionalDerivative) DO(SetRealInputDerivatives) DO(GetRealOutputDerivatives)   \
+    DO(DoStep) DO(GetRealStatus)
 
 #define FIELD(name) fmi2##name##TYPE *name;
 static struct {
@@ -31,32 +34,84 @@ enum category { LOG_WARNING, LOG_DISCARD, LOG_ERROR, LOG_ALL, CATEGORIES };
 static const char *const category_names[CATEGORIES] = {
     "logStatusWarning", "logStatusDiscard", "logStatusError", "logAll"};
 
+/* A saved state, an object of Python, in the list of its instance. */
+struct saved {
+    struct saved *next;
+    fmi2FMUstate inner;
+};
+
 struct front {
     fmi2Component inner;
     fmi2CallbackFunctions host;
-    fmi2CallbackFunctions own; /* what the library calls */
-    fmi2Status worst;          /* logged in the call at hand */
+    fmi2CallbackFunctions own; /* for the library */
+    fmi2Status worst;          /* status logged in the current call */
+    struct saved *states;
     int logged[CATEGORIES];
+    char name[];
 };
 
-/* What the library logs: its category may be NULL, and the text of its own errors is no format. */
+static enum category category_of(fmi2Status status)
+{
+    return status == fmi2Warning   ? LOG_WARNING
+           : status == fmi2Discard ? LOG_DISCARD
+           : status >= fmi2Error   ? LOG_ERROR
+                                   : LOG_ALL;
+}
+
+static int is_logged(const struct front *front, enum category category)
+{
+    return front->host.logger && (category == LOG_ERROR || front->logged[category]);
+}
+
+/* Take a message of the library: its category may be NULL, and the text of its own errors is no format. */
 static void take_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
                          fmi2String category, fmi2String message, ...)
 {
     struct front *front = environment;
-    const enum category kind = status == fmi2Warning ? LOG_WARNING
-                               : status == fmi2Discard ? LOG_DISCARD
-                               : status >= fmi2Error ? LOG_ERROR
-                                                     : LOG_ALL;
+    const enum category kind = category_of(status);
+    (void)name;
     (void)category;
     if (status > front->worst)
         front->worst = status;
-    if (!front->host.logger || !(kind == LOG_ERROR || front->logged[kind]))
+    if (!is_logged(front, kind))
         return;
     if (status == fmi2Fatal)
-        front->host.logger(front->host.componentEnvironment, name, fmi2Error, category_names[kind], "%s", message);
+        front->host.logger(front->host.componentEnvironment, front->name, fmi2Error, category_names[kind], "%s",
+                           message);
     else
-        front->host.logger(front->host.componentEnvironment, name, status, category_names[kind], message);
+        front->host.logger(front->host.componentEnvironment, front->name, status, category_names[kind], message);
+}
+
+/* Log a message if its category is on and return the status. */
+static fmi2Status report(const struct front *front, fmi2Status status, const char *format, ...)
+{
+    const enum category kind = category_of(status);
+    char message[LONGEST_MESSAGE];
+    va_list arguments;
+    if (!is_logged(front, kind))
+        return status;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    front->host.logger(front->host.componentEnvironment, front->name, status, category_names[kind], "%s", message);
+    return status;
+}
+
+/* The place of a state in the list of its instance, or NULL if the instance has saved no such state. */
+static struct saved **find_state(struct front *front, const void *state)
+{
+    for (struct saved **place = &front->states; *place; place = &(*place)->next)
+        if (*place == state)
+            return place;
+    return NULL;
+}
+
+static void remove_state(struct front *front, struct saved **place)
+{
+    struct saved *const saved = *place;
+    *place = saved->next;
+    theirs.FreeFMUstate(front->inner, &saved->inner);
+    free(saved);
 }
 
 static fmi2Component refuse(const fmi2CallbackFunctions *callbacks, fmi2String name, const char *reason,
@@ -88,14 +143,22 @@ static int digit_of(char letter)
     return found ? (int)(found - digits) % 16 : -1;
 }
 
-/* The path of a file URI, or the text as it is; with what %41 stands for, or not. A path too long is cut off. */
+/* The path of a file URI, in any case of its scheme, or the text as it is; with %41 decoded, or not. Too long a path is
+   cut off. */
 static void take_path(char *path, const char *uri, int decoded)
 {
-    if (strncmp(uri, "file:", 5) == 0) {
-        uri += 5;
-        if (strncmp(uri, "//", 2) == 0) /* an authority, empty or localhost, ends at the next slash */
-            for (uri += 2; *uri && *uri != '/'; uri++)
-                ;
+    static const char scheme[] = "file";
+    size_t length = 0;
+    while (scheme[length] && (uri[length] | 0x20) == scheme[length])
+        length++;
+    if (!scheme[length] && uri[length] == ':') {
+        uri += length + 1;
+        if (strncmp(uri, "//", 2) == 0) {
+            uri += 2;
+            if (!(uri[0] && uri[1] == ':')) /* an authority, such as localhost, ends at the next slash */
+                while (*uri && *uri != '/')
+                    uri++;
+        }
     }
     if (uri[0] == '/' && uri[1] && uri[2] == ':') /* a drive of Windows */
         uri++;
@@ -107,12 +170,12 @@ static void take_path(char *path, const char *uri, int decoded)
     *path = '\0';
 }
 
-/* Find the folder of the resources; hosts do not agree on whether its URI is encoded. */
-static int find_resources(char *path, const char *uri)
+/* Find the folder of the resources and the GUID in it; hosts do not agree on whether its URI is encoded. */
+static int find_resources(char *path, const char *uri, char *guid)
 {
     for (int decoded = 1; decoded >= 0; decoded--) {
         take_path(path, uri, decoded);
-        if (to_plain_path(path) && has_file(path, "slavemodule.txt"))
+        if (to_plain_path(path) && read_text(path, "guid.txt", guid))
             return strstr(path, "%20") == NULL && strstr(path, "file://") == NULL; /* the library replaces these */
     }
     return 0;
@@ -123,8 +186,12 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 {
     const char *reason = "", *version;
     void *library;
-    if (!callbacks || !name || !*name || type != fmi2CoSimulation)
-        return refuse(callbacks, name, "an instance must have a name and be of type fmi2CoSimulation%s", "");
+    if (!name || !*name)
+        return refuse(callbacks, name, "the instance name must not be empty, is empty%s", "");
+    if (type != fmi2CoSimulation)
+        return refuse(callbacks, name, "the type of the instance must be fmi2CoSimulation, is another%s", "");
+    if (!callbacks)
+        return NULL;
     if (!resources)
         return refuse(callbacks, name, "the resource location must be the URI of a folder, is NULL%s", "");
     if (!(version = python_version()))
@@ -135,18 +202,21 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         return refuse(callbacks, name, "pythonfmu cannot be loaded: %s", reason);
     if ((reason = find_functions(library)))
         return refuse(callbacks, name, "pythonfmu has no %s", reason);
-    char path[LONGEST_PATH];
-    if (!find_resources(path, resources))
+    char path[LONGEST_PATH], own_guid[LONGEST_TEXT];
+    if (!find_resources(path, resources, own_guid))
         return refuse(callbacks, name, "the resource location must be the URI of this FMU's resources, in a folder"
                       " whose name pythonfmu can read, is %s", resources);
-    struct front *front = calloc(1, sizeof *front);
+    if (!guid || strcmp(guid, own_guid) != 0)
+        return refuse(callbacks, name, "the GUID must be that of modelDescription.xml, is of another build%s", "");
+    struct front *front = calloc(1, sizeof *front + strlen(name) + 1);
     if (!front)
         return refuse(callbacks, name, "there is not enough memory%s", "");
+    strcpy(front->name, name);
     front->host = *callbacks;
     front->own = (fmi2CallbackFunctions){take_message, callbacks->allocateMemory, callbacks->freeMemory, NULL, front};
     for (int n = 0; n < CATEGORIES; n++)
         front->logged[n] = logging != 0;
-    front->inner = theirs.Instantiate(name, type, guid, path, &front->own, visible, fmi2True);
+    front->inner = theirs.Instantiate(INNER_NAME, type, guid, path, &front->own, visible, fmi2True);
     if (front->inner)
         return front;
     free(front);
@@ -158,6 +228,8 @@ void fmi2FreeInstance(fmi2Component component)
     struct front *front = component;
     if (!front)
         return;
+    while (front->states)
+        remove_state(front, &front->states);
     theirs.FreeInstance(front->inner);
     free(front);
 }
@@ -172,11 +244,9 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
         int found = 0;
         while (found < CATEGORIES && (!categories || !categories[n] || strcmp(categories[n], category_names[found])))
             found++;
-        if (found == CATEGORIES) {
-            refuse(&front->host, "", "a log category must be logStatusWarning, logStatusDiscard, logStatusError or"
-                   " logAll, is %.64s", categories && categories[n] ? categories[n] : "NULL");
-            return fmi2Error;
-        }
+        if (found == CATEGORIES)
+            return report(front, fmi2Error, "a log category must be logStatusWarning, logStatusDiscard, logStatusError"
+                          " or logAll, is %.64s", categories && categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
@@ -188,54 +258,32 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
 /* pythonfmu follows null pointers. */
 static fmi2Status without(const struct front *front, const char *call)
 {
-    refuse(&front->host, "", "the arguments of %s must be given, one is NULL", call);
-    return fmi2Error;
+    return report(front, fmi2Error, "the arguments of %s must be given, one is NULL", call);
 }
 
-/* A refused step ends no simulation. */
-fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
+/* A call of the library is answered by its own status or by the worst status that is logged in it. */
+static fmi2Status worst_of(const struct front *front, fmi2Status status)
 {
-    if (!component)
-        return fmi2Error;
-    if (kind != fmi2Terminated || !value)
-        return fmi2Discard;
-    *value = fmi2False;
-    return fmi2OK;
+    return status > front->worst ? status : front->worst;
 }
 
-/* pythonfmu lets the host keep the pointer to what it has freed. */
-fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
-{
-    const struct front *front = component;
-    if (!front)
-        return fmi2Error;
-    if (state && *state)
-        theirs.FreeFMUstate(front->inner, state);
-    if (state)
-        *state = NULL;
-    return fmi2OK;
-}
-
-/* A call that goes through if what it needs is given: answered by its own status or the worst that is logged in it. */
-#define PASS(name, given, parameters, arguments)                            \
-    fmi2Status fmi2##name parameters                                        \
-    {                                                                       \
-        struct front *front = c;                                            \
-        if (!front)                                                         \
-            return fmi2Error;                                               \
-        if (!(given))                                                       \
-            return without(front, "fmi2" #name);                            \
-        front->worst = fmi2OK;                                              \
-        const fmi2Status status = theirs.name arguments;                    \
-        return status > front->worst ? status : front->worst;               \
+/* A call that is passed on if what it needs is given. */
+#define PASS(name, given, parameters, arguments)            \
+    fmi2Status fmi2##name parameters                        \
+    {                                                       \
+        struct front *front = c;                            \
+        if (!front)                                         \
+            return fmi2Error;                               \
+        if (!(given))                                       \
+            return without(front, "fmi2" #name);            \
+        front->worst = fmi2OK;                              \
+        return worst_of(front, theirs.name arguments);      \
     }
 #define REFERENCES const fmi2ValueReference references[], size_t count
 #define READ(name, type)                                                                           \
     PASS(name, count == 0 || (references && values), (fmi2Component c, REFERENCES, type values[]), \
          (front->inner, references, count, values))
 #define CALL(name) PASS(name, 1, (fmi2Component c), (front->inner))
-#define ASK(name, type) \
-    PASS(name, value, (fmi2Component c, const fmi2StatusKind kind, type *value), (front->inner, kind, value))
 #define RATES(name, type)                                                                  \
     PASS(name, 1, (fmi2Component c, REFERENCES, const fmi2Integer order[], type values[]), \
          (front->inner, references, count, order, values))
@@ -244,19 +292,12 @@ CALL(EnterInitializationMode)
 CALL(ExitInitializationMode)
 CALL(Terminate)
 CALL(Reset)
-CALL(CancelStep)
 READ(GetReal, fmi2Real)
 READ(GetInteger, fmi2Integer)
 READ(GetBoolean, fmi2Boolean)
-READ(GetString, fmi2String)
 READ(SetReal, const fmi2Real)
 READ(SetInteger, const fmi2Integer)
 READ(SetBoolean, const fmi2Boolean)
-READ(SetString, const fmi2String)
-ASK(GetStatus, fmi2Status)
-ASK(GetRealStatus, fmi2Real)
-ASK(GetIntegerStatus, fmi2Integer)
-ASK(GetStringStatus, fmi2String)
 RATES(SetRealInputDerivatives, const fmi2Real)
 RATES(GetRealOutputDerivatives, fmi2Real)
 PASS(SetupExperiment, 1,
@@ -268,15 +309,184 @@ PASS(GetDirectionalDerivative, 1,
      (fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count, REFERENCES, const fmi2Real direction[],
       fmi2Real derivative[]),
      (front->inner, unknowns, unknown_count, references, count, direction, derivative))
-PASS(GetFMUstate, state, (fmi2Component c, fmi2FMUstate *state), (front->inner, state))
-PASS(SetFMUstate, state, (fmi2Component c, fmi2FMUstate state), (front->inner, state))
-PASS(SerializedFMUstateSize, state && size, (fmi2Component c, fmi2FMUstate state, size_t *size),
-     (front->inner, state, size))
-PASS(SerializeFMUstate, state && bytes, (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
-     (front->inner, state, bytes, size))
-PASS(DeSerializeFMUstate, bytes && state,
-     (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
-     (front->inner, bytes, size, state))
+
+/* --- saved states --- */
+
+static fmi2Status without_state(const struct front *front)
+{
+    return report(front, fmi2Error, "a state must be one that this instance has saved and not freed, is another");
+}
+
+/* Keep a new object of Python as a state, in place of the previous one if the host gives that. */
+static fmi2Status keep_state(struct front *front, fmi2FMUstate inner, fmi2FMUstate *state)
+{
+    struct saved *saved = *state;
+    if (saved) {
+        theirs.FreeFMUstate(front->inner, &saved->inner);
+    } else if ((saved = calloc(1, sizeof *saved))) {
+        saved->next = front->states;
+        front->states = saved;
+    } else {
+        theirs.FreeFMUstate(front->inner, &inner);
+        return report(front, fmi2Error, "there is not enough memory for a state");
+    }
+    saved->inner = inner;
+    *state = saved;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
+{
+    struct front *front = component;
+    fmi2FMUstate inner = NULL;
+    if (!front)
+        return fmi2Error;
+    if (!state || (*state && !find_state(front, *state)))
+        return without_state(front);
+    front->worst = fmi2OK;
+    const fmi2Status status = worst_of(front, theirs.GetFMUstate(front->inner, &inner));
+    return status == fmi2OK ? keep_state(front, inner, state) : status;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
+{
+    struct front *front = component;
+    if (!front)
+        return fmi2Error;
+    if (!find_state(front, state))
+        return without_state(front);
+    front->worst = fmi2OK;
+    return worst_of(front, theirs.SetFMUstate(front->inner, ((struct saved *)state)->inner));
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
+{
+    struct front *front = component;
+    if (!front)
+        return fmi2Error;
+    if (!state || !*state)
+        return fmi2OK;
+    struct saved **const place = find_state(front, *state);
+    if (!place)
+        return without_state(front);
+    remove_state(front, place);
+    *state = NULL;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size)
+{
+    struct front *front = component;
+    if (!front)
+        return fmi2Error;
+    if (!size || !find_state(front, state))
+        return without_state(front);
+    front->worst = fmi2OK;
+    return worst_of(front, theirs.SerializedFMUstateSize(front->inner, ((struct saved *)state)->inner, size));
+}
+
+/* pythonfmu copies as many bytes as the host has, not as many as there are. */
+fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
+{
+    struct front *front = component;
+    size_t length = 0;
+    if (!front)
+        return fmi2Error;
+    if (!bytes)
+        return without_state(front);
+    const fmi2Status status = fmi2SerializedFMUstateSize(component, state, &length);
+    if (status != fmi2OK)
+        return status;
+    if (size < length)
+        return report(front, fmi2Error, "the bytes of a serialized state must be at least %lu, are %lu",
+                      (unsigned long)length, (unsigned long)size);
+    return worst_of(front, theirs.SerializeFMUstate(front->inner, ((struct saved *)state)->inner, bytes, length));
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+{
+    struct front *front = component;
+    fmi2FMUstate inner = NULL;
+    if (!front)
+        return fmi2Error;
+    if (!bytes || !state || (*state && !find_state(front, *state)))
+        return without_state(front);
+    front->worst = fmi2OK;
+    const fmi2Status status = worst_of(front, theirs.DeSerializeFMUstate(front->inner, bytes, size, &inner));
+    return status == fmi2OK ? keep_state(front, inner, state) : status;
+}
+
+/* --- what no instance has: Strings and pending steps --- */
+
+fmi2Status fmi2SetString(fmi2Component component, REFERENCES, const fmi2String values[])
+{
+    (void)references;
+    (void)values;
+    if (!component)
+        return fmi2Error;
+    return count == 0 ? fmi2OK : report(component, fmi2Error, "a String cannot be set: there is none");
+}
+
+fmi2Status fmi2GetString(fmi2Component component, REFERENCES, fmi2String values[])
+{
+    (void)references;
+    (void)values;
+    if (!component)
+        return fmi2Error;
+    return count == 0 ? fmi2OK : report(component, fmi2Error, "a String cannot be read: there is none");
+}
+
+fmi2Status fmi2CancelStep(fmi2Component component)
+{
+    return component ? report(component, fmi2Error, "cancelStep needs a pending step, there never is one") : fmi2Error;
+}
+
+static fmi2Status not_pending(const struct front *front, const char *call)
+{
+    return front ? report(front, fmi2Discard, "%s needs a pending step, there never is one", call) : fmi2Error;
+}
+
+fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value)
+{
+    (void)kind;
+    (void)value;
+    return not_pending(component, "getStatus");
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Integer *value)
+{
+    (void)kind;
+    (void)value;
+    return not_pending(component, "getIntegerStatus");
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kind, fmi2String *value)
+{
+    (void)kind;
+    (void)value;
+    return not_pending(component, "getStringStatus");
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value)
+{
+    const struct front *front = component;
+    if (!front)
+        return fmi2Error;
+    if (kind != fmi2LastSuccessfulTime || !value)
+        return report(front, fmi2Discard, "the kind of getRealStatus must be fmi2LastSuccessfulTime");
+    return theirs.GetRealStatus(front->inner, kind, value);
+}
+
+/* A rejected step ends no simulation. */
+fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
+{
+    if (!component)
+        return fmi2Error;
+    if (kind != fmi2Terminated || !value)
+        return report(component, fmi2Discard, "the kind of getBooleanStatus must be fmi2Terminated");
+    *value = fmi2False;
+    return fmi2OK;
+}
 
 const char *fmi2GetVersion(void)
 {

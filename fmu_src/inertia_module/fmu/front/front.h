@@ -24,7 +24,8 @@ void *find_symbol(void *library, const char *name);
 /* Make of a path, in UTF-8 and LONGEST_PATH bytes, one that pythonfmu can open and Python read; 0 if there is none. */
 int to_plain_path(char *path);
 
-/* Whether a folder holds a file. */
-int has_file(const char *folder, const char *name);
+/* Read the text at the beginning of a file in a folder, of LONGEST_TEXT bytes with its end; 0 if there is no file. */
+#define LONGEST_TEXT 64
+int read_text(const char *folder, const char *name, char *text);
 
 #endif

@@ -40,14 +40,16 @@ int to_plain_path(char *path)
     return 1;
 }
 
-int has_file(const char *folder, const char *name)
+int read_text(const char *folder, const char *name, char *text)
 {
     char path[LONGEST_PATH + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *const file = fopen(path, "rb");
-    if (file)
-        fclose(file);
-    return file != NULL;
+    if (!file)
+        return 0;
+    text[fread(text, 1, LONGEST_TEXT - 1, file)] = '\0';
+    fclose(file);
+    return 1;
 }
 
 #else

@@ -61,11 +61,18 @@ int to_plain_path(char *path)
     return 1;
 }
 
-int has_file(const char *folder, const char *name)
+int read_text(const char *folder, const char *name, char *text)
 {
     char path[LONGEST_PATH + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    return GetFileAttributesA(path) != INVALID_FILE_ATTRIBUTES;
+    const HANDLE file = CreateFileA(path, GENERIC_READ, FILE_SHARE_READ, NULL, OPEN_EXISTING, 0, NULL);
+    DWORD length = 0;
+    if (file == INVALID_HANDLE_VALUE)
+        return 0;
+    ReadFile(file, text, LONGEST_TEXT - 1, &length, NULL);
+    CloseHandle(file);
+    text[length] = '\0';
+    return 1;
 }
 
 #else

@@ -9,7 +9,7 @@
 
 /* the kernel's arrays that hold variables */
 enum array { PARAMETERS, INPUTS, OUTPUTS, CLOCK, ARRAYS }; /* CLOCK: the time, where it is a variable */
-enum kind { REAL, INTEGER, BOOLEAN, ENUMERATION };
+enum kind { REAL, INTEGER, BOOLEAN, ENUMERATION, UNUSED }; /* UNUSED: no variable has this value reference */
 
 /* A variable; its value reference is its place in the table. */
 struct variable {

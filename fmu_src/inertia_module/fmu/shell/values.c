@@ -7,7 +7,8 @@
 /* The variable of a reference, or NULL with a report. */
 static const struct variable *find(struct instance *c, uint32_t reference, const struct type *type)
 {
-    if (reference < model.variable_count && type->kinds >> model.variables[reference].kind & 1)
+    const enum kind kind = reference < model.variable_count ? model.variables[reference].kind : UNUSED;
+    if (kind != UNUSED && type->kinds >> kind & 1)
         return &model.variables[reference];
     report(c, ERROR, "a value reference must be that of a variable of type %s in modelDescription.xml, is %u",
            type->name, (unsigned)reference);

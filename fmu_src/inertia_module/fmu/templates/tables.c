@@ -4,7 +4,12 @@
 #include <math.h>
 
 static const struct variable variables[] = {
-{% for one in model.variables %}
+{% for one in rows %}
+{% if one is none %}{# a value reference that no variable has #}
+    {"", UNUSED, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, 0.0, 0.0, 1.0, ""},
+{% elif one == model.time %}{# no place in a record of the kernel, no rate #}
+    {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},
+{% else %}
     {{ "{" }}{{ quoted(one.name) }}, {{ one.kind | upper }}, {{ arrays.get(one.causality, "OUTPUTS") }}, {{ model.place(one.name) }},
 {% for ending in ("_rate", "_rate_given") %}
      {{ model.place(one.name ~ ending) if one.causality == "input" else -1 }},
@@ -12,10 +17,8 @@ static const struct variable variables[] = {
      {{ discrete.index(one.name) if one.name in discrete else -1 }}, {{ one.late | int }}, {{ (one.causality == "output") | int }}, {{ one.is_tunable | int }},
      {{ number(one.start or 0.0) }}, {{ number(one.ends[0]) }}, {{ number(one.ends[1]) }}, {{ number(small(one)) }},
      {{ quoted(one.allowed if one.causality == "parameter" else "") }}},
-{% endfor %}
-{% if fmi == 3 %}{# no place in a record of the kernel, no rate #}
-    {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},
 {% endif %}
+{% endfor %}
 };
 
 {% for name, texts in (("messages", model.messages), ("warnings", model.warnings)) if texts %}
@@ -53,7 +56,7 @@ static const struct bound bounds[] = {
 };
 
 const struct model model = {
-    {{ quoted(model.name) }}, {{ quoted(guid) }}, variables, {{ model.variables | length + fmi - 2 }},
+    {{ quoted(model.name) }}, {{ quoted(guid) }}, variables, {{ rows | length }},
     {{ tolerance }}, {{ switch | join(", ") }},
     {{ model.sizes | join(", ") }},
     messages, {{ model.messages | length }}, {{ "warnings" if model.warnings else "NULL" }}, {{ model.warnings | length }},
