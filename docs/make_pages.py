@@ -18,7 +18,7 @@ README = HERE.parent / "README.md"
 # a link of the README to what is not in this folder
 OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#)[^)]+\)")
 # what the site has beside it (hooks.py)
-MACHINE = "\n**[The machine in motion](machine.html)**, here in the browser: turn it, change it.\n"
+MACHINE = "\n**[Interactive machine](machine.html)**: turn it and change its parameters in your browser.\n"
 # a place in a page for a section of a guide, which stands in the documentation of the FMU too
 SECTION = re.compile(r"(<!-- (\w+): (.*?) -->\n).*?(<!-- end -->)", re.S)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -27,7 +27,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 def start_page():
     """The README, with its links turned from the project's root to this folder; others are none."""
     text = OUTSIDE.sub(r"\1", README.read_text())
-    text = text.replace("can be changed.*\n", f"can be changed.*\n{MACHINE}", 1)
+    text = text.replace("\n## How it works", f"{MACHINE}\n## How it works", 1)
     return text.replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
