@@ -38,12 +38,13 @@ SETTLED, TURNS = 100, 600
 LIMITS = {"tension springs": 10.0, "meander springs": 60.0}
 COLUMNS = (
     *("mechanism", "ratio", "angle [deg]", "output torque [N.m]", "power lost [W]", "efficiency [1]"),
-    *("engagements of the housing freewheel per turn [1]", "engagements of the output freewheel per turn [1]"),
+    "engagements of the housing freewheel per turn [1]",
+    "engagements of the output freewheel per turn [1]",
 )
 
 
 def measured(ratio, **parameters):
-    """Measure mean output torque, N m, power loss, W, and engagements of both freewheels per turn of link 1."""
+    """Measure mean output torque, N m, power loss, W, engagements of both freewheels per turn of link 1."""
     module = Module().start(
         omega1=SPEED, load_torque=0.0, omega_out_start=ratio * SPEED, output_inertia=HELD, **parameters
     )
@@ -72,7 +73,7 @@ def rows():
 
 
 def read():
-    """Read the committed table: {(mechanism, ratio): columns from the angle on, shape (n, 6)}; empty is nan."""
+    """Read the committed table: {(mechanism, ratio): columns from the angle on, shape (n, 6)}."""
     found = {}
     with TABLE.open(encoding="utf-8", newline="") as file:
         _, *lines = csv.reader(file)
