@@ -8,7 +8,7 @@ from pathlib import Path
 from studies.stability import random_motions, verdicts
 
 HERE = Path(__file__).parent
-# count columns of the tables: all runs, and the groups that do not meet the plain bound
+# Count columns of the tables: all runs, and the groups beyond the plain bound.
 COUNTS = "runs", "explained", "sensitive", "failed"
 
 
