@@ -1,4 +1,4 @@
-"""Writes docs/freewheels.csv, draws docs/freewheels.png: what engagement angles of freewheels cost."""
+"""Measure losses and torque over the engagement angle of the freewheels; write freewheels.csv and .png."""
 
 import csv
 import math
@@ -16,9 +16,9 @@ DEGREES = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 RATIOS = (0.2, 0.5, 0.8)
 COLOURS = (BLUE, GREEN, VERMILION)
 ANGLES = ("housing_engagement_angle", "output_engagement_angle")
-# next to it a pulse hardly changes the speed of the shaft, kg m^2
+# output inertia that keeps the speed of the shaft constant, kg m^2
 HELD = 1e6
-# scene R1, the same with three satellites of a third of the mass each, and the planar module
+# R1, R1 with three satellites of a third of the mass each, the planar module, R1 with compliant freewheels
 MECHANISMS = {
     "R1": {},
     "R1, three satellites": {"satellites": 3, "imbalance_mass": 1.0 / 3.0},
@@ -30,20 +30,21 @@ MECHANISMS = {
     },
 }
 STYLES = {"R1": "-", "planar": "--", "R1, springs": ":"}
-# the speed matters to springs alone: without them torques and losses go with its square
+# rad/s; without springs torques and losses scale with its square
 SPEED = 100.0
-# revolutions of link 1 to settle, to look at
+# revolutions of link 1 to settle and to evaluate
 SETTLED, TURNS = 100, 600
 # largest indexing frequencies of sprag clutches, Hz: tension springs, meander springs
 LIMITS = {"tension springs": 10.0, "meander springs": 60.0}
 COLUMNS = (
     *("mechanism", "ratio", "angle [deg]", "output torque [N.m]", "power lost [W]", "efficiency [1]"),
-    *("engagements of the housing freewheel a turn [1]", "engagements of the output freewheel a turn [1]"),
+    "engagements of the housing freewheel per turn [1]",
+    "engagements of the output freewheel per turn [1]",
 )
 
 
 def measured(ratio, **parameters):
-    """Mean output torque, N m, power lost, W, engagements of both freewheels a turn of link 1."""
+    """Measure mean output torque, N m, power loss, W, engagements of both freewheels per turn of link 1."""
     module = Module().start(
         omega1=SPEED, load_torque=0.0, omega_out_start=ratio * SPEED, output_inertia=HELD, **parameters
     )
@@ -60,7 +61,7 @@ def measured(ratio, **parameters):
 
 
 def rows():
-    """Rows of COLUMNS; the efficiency is empty where no torque is passed."""
+    """Yield the rows of COLUMNS; the efficiency is empty if no torque is transmitted."""
     for name, mechanism in MECHANISMS.items():
         for ratio in RATIOS:
             for degrees in DEGREES:
@@ -72,7 +73,7 @@ def rows():
 
 
 def read():
-    """The committed table: {(mechanism, ratio): columns from the angle on, shape (n, 6), nan where empty}."""
+    """Read the committed table: {(mechanism, ratio): columns from the angle on, shape (n, 6)}."""
     found = {}
     with TABLE.open(encoding="utf-8", newline="") as file:
         _, *lines = csv.reader(file)
@@ -82,7 +83,7 @@ def read():
 
 
 def draw(table):
-    """Efficiency and output torque over the engagement angle, engagements a second over the speed."""
+    """Draw efficiency and output torque over the engagement angle, engagement frequency over the speed."""
     figure = Figure(figsize=(11.0, 3.8), layout="constrained")
     efficiency, torque, frequency = figure.subplots(1, 3)
     for (name, ratio), columns in table.items():
@@ -102,9 +103,9 @@ def draw(table):
         frequency.axhline(limit, color=BLACK, linewidth=0.8)
         frequency.text(3000.0, limit, name, ha="right", va="bottom", fontsize=8)
     efficiency.set(xlabel="engagement angle [deg]", ylabel="efficiency [%]")
-    torque.set(xlabel="engagement angle [deg]", ylabel="output torque over that at 0", ylim=(0.0, 1.8))
-    frequency.set(xlabel="input speed [rpm]", ylabel="engagements a second at 1 deg [Hz]", ylim=(0.0, 90.0))
-    efficiency.legend(fontsize=7, title="ratio of the speeds", title_fontsize=7)
+    torque.set(xlabel="engagement angle [deg]", ylabel="relative output torque (0 deg: 1)", ylim=(0.0, 1.8))
+    frequency.set(xlabel="input speed [rpm]", ylabel="engagement frequency at 1 deg [Hz]", ylim=(0.0, 90.0))
+    efficiency.legend(fontsize=7, title="speed ratio", title_fontsize=7)
     figure.savefig(PICTURE, dpi=110)
 
 

@@ -1,4 +1,4 @@
-"""Writes the generated pages of the documentation; with --check only tells whether they are up to date."""
+"""Write the generated pages of the documentation; with --check only compare them."""
 
 import re
 import sys
@@ -15,31 +15,31 @@ from studies.papers.page import papers_page
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
-# a link of the README to what is not in this folder
+# link of the README to a file outside this folder
 OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#)[^)]+\)")
-# what the site has beside it (hooks.py)
-MACHINE = "\n**[The machine in motion](machine.html)**, here in the browser: turn it, change it.\n"
-# a place in a page for a section of a guide, which stands in the documentation of the FMU too
+# page that only the site contains (hooks.py)
+MACHINE = "\n**[Interactive machine](machine.html)**: turn it and change its parameters in your browser.\n"
+# placeholder for a section of a guide, which the documentation in the FMU contains too
 SECTION = re.compile(r"(<!-- (\w+): (.*?) -->\n).*?(<!-- end -->)", re.S)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 def start_page():
-    """The README, with its links turned from the project's root to this folder; others are none."""
+    """Return the README with links relative to this folder; links to other files become plain text."""
     text = OUTSIDE.sub(r"\1", README.read_text())
-    text = text.replace("can be changed.*\n", f"can be changed.*\n{MACHINE}", 1)
+    text = text.replace("\n## How it works", f"{MACHINE}\n## How it works", 1)
     return text.replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
 def filled(name, values):
-    """A page from its template, whose places are filled with figures of committed tables."""
+    """Return a page from its template, filled with values of committed tables."""
     return (HERE / "templates" / name).read_text().format_map(values)
 
 
 def with_sections(name):
-    """A page with the sections of guides in their places."""
+    """Return a page with the sections of the guides filled in."""
     text = (HERE / name).read_text()
-    return SECTION.sub(lambda found: f"{found[1]}\n{guide(found[2])[found[3]]}\n\n{found[4]}", text)
+    return SECTION.sub(lambda match: f"{match[1]}\n{guide(match[2])[match[3]]}\n\n{match[4]}", text)
 
 
 PAGES = {
@@ -55,19 +55,19 @@ PAGES = {
 
 
 def is_current(path, text):
-    """Whether a page is what would be written now, but for the last digit of figures of the papers."""
+    """Return True if a page equals the new text; numbers of the papers may differ in the last digit."""
     if not path.exists():
         return False
-    found = path.read_text()
-    return same_figures(found, text) if path.name == "papers.md" else found == text
+    old = path.read_text()
+    return same_figures(old, text) if path.name == "papers.md" else old == text
 
 
-def same_figures(found, text):
-    """Whether two texts have the same words, and figures that differ by one in the last digit at most."""
-    if NUMBER.sub("#", found) != NUMBER.sub("#", text):
+def same_figures(old, new):
+    """Return True if two texts have equal words, and numbers that differ by at most 1 in the last digit."""
+    if NUMBER.sub("#", old) != NUMBER.sub("#", new):
         return False
-    pairs = zip(map(Decimal, NUMBER.findall(found)), map(Decimal, NUMBER.findall(text)), strict=True)
-    return all(abs(one - other) <= Decimal(1).scaleb(one.as_tuple().exponent) for one, other in pairs)
+    pairs = zip(map(Decimal, NUMBER.findall(old)), map(Decimal, NUMBER.findall(new)), strict=True)
+    return all(abs(a - b) <= Decimal(1).scaleb(a.as_tuple().exponent) for a, b in pairs)
 
 
 def main():

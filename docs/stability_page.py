@@ -1,4 +1,4 @@
-"""Figures of docs/stability.md: the committed verdicts, counted, and the bounds in the code."""
+"""Values for docs/stability.md: counts of the committed verdicts, and the bounds in the code."""
 
 from collections import Counter
 from pathlib import Path
@@ -6,42 +6,43 @@ from pathlib import Path
 from inertia_module.kernel.engine import MAX_EVALUATIONS
 from studies.stability import extremes, verdicts
 from studies.stability.motion import LEVELS
-from studies.stability.verdicts import BROKEN, OUTCOMES, REFUSED, counts, read_rows
+from studies.stability.verdicts import BROKEN, OUTCOMES, REJECTED, counts, read_rows
 
 TABLE = Path(__file__).parent / "stability.csv"
 
 
 def by_axis(rows):
-    """A line for each axis: its extremes, and at each level how many are not exact; empty: all are."""
+    """Yield a line for each axis: number of extremes, and the cases of each level that are not exact."""
     for axis in dict.fromkeys(row.axis for row in rows):
-        here = [row for row in rows if row.axis == axis]
+        extremes_of_axis = [row for row in rows if row.axis == axis]
         cells = []
         for level in LEVELS:
-            found = Counter(row.cells[level.name].outcome for row in here if level.name in row.cells)
-            told = ", ".join(f"{found[name]} {name}" for name in OUTCOMES[1:] if found[name])
-            cells.append(told if found else "-")
-        yield f"| {axis} | {len(here)} | {' | '.join(cells)} |"
+            names = (row.cells[level.name].outcome for row in extremes_of_axis if level.name in row.cells)
+            count = Counter(names)
+            exceptions = ", ".join(f"{count[name]} {name}" for name in OUTCOMES[1:] if count[name])
+            cells.append(exceptions if count else "-")
+        yield f"| {axis} | {len(extremes_of_axis)} | {' | '.join(cells)} |"
 
 
-def refusals(rows):
-    """A line for each reason to refuse, the most frequent first."""
-    cells = (cell for row in rows for cell in row.cells.values() if cell.outcome == REFUSED)
+def rejections(rows):
+    """Yield a line for each reason of a rejection, the most frequent first."""
+    cells = (cell for row in rows for cell in row.cells.values() if cell.outcome == REJECTED)
     for reason, number in Counter(cell.reason.partition(" with ")[0] for cell in cells).most_common():
-        yield f"- {number} refused: {reason}."
+        yield f"- {number} cases: *{reason}*"
 
 
 def values():
-    """What the template has places for."""
+    """Return the values of the template's placeholders."""
     rows = read_rows(TABLE)
-    counted = counts(rows)
-    broken = any(count[BROKEN] for count, _ in counted.values())
-    shown = [name for name in OUTCOMES if name != BROKEN or broken]
+    by_level = counts(rows)
+    has_broken = any(count[BROKEN] for count, _ in by_level.values())
+    columns = [name for name in OUTCOMES if name != BROKEN or has_broken]
     table = [
-        f"| level of fidelity | {' | '.join(shown)} | largest error |",
-        f"|---|{'---|' * len(shown)}---|",
+        f"| fidelity level | {' | '.join(columns)} | maximum error |",
+        f"|---|{'---|' * len(columns)}---|",
         *(
-            f"| {level} | {' | '.join(str(count[name]) for name in shown)} | {largest} |"
-            for level, (count, largest) in counted.items()
+            f"| {level} | {' | '.join(str(count[name]) for name in columns)} | {largest} |"
+            for level, (count, largest) in by_level.items()
         ),
     ]
     return {
@@ -51,7 +52,7 @@ def values():
         "table": "\n".join(table),
         "levels": " | ".join(level.name for level in LEVELS),
         "by_axis": "\n".join(by_axis(rows)),
-        "refusals": "\n".join(refusals(rows)),
+        "rejections": "\n".join(rejections(rows)),
         "tighter": verdicts.TIGHTER,
         "tightest": verdicts.TIGHTEST,
         "fixed_phase": verdicts.FIXED_PHASE,

@@ -1,8 +1,9 @@
-"""Small signals: the averaged module, linearised, against the rigid FMU, up to a tenth of the pulse rate.
+"""Compare the linearised averaged module with the rigid FMU for small signals.
 
-For each mechanism and operating point a small sine is put on omega1 and on the load torque of the rigid FMU,
-and what comes out is compared with the averaged module, as it is and with its transient inertia. Prints the
-largest deviation of gain and phase of output speed and mean torques.
+For each mechanism and operating point, a small sine of up to a tenth of the pulse frequency is added to
+omega1 and to the load torque of the rigid FMU. The response is compared with the averaged module, with and
+without its transient inertia. Prints the maximum deviations of gain and phase of the output speed and the
+mean torques.
 """
 
 import argparse

@@ -1,11 +1,12 @@
-"""Speed control of a car on a hill: designed on the averaged module, verified on the rigid and elastic FMU.
+"""Design a speed controller on the averaged module; verify it on the rigid and elastic FMUs.
 
-A car of 900 kg climbs through a planar module; a motor with a lag of 0.15 s sets omega1, a sensor with a lag
-of 0.05 s measures the speed. The averaged module is linearised where it carries the hill, a PI controller is
-tuned for a phase margin, a state feedback with integral by LQR. Both then run on the full FMUs, and gain and
-delay are raised there until the loop no longer settles: the margins predicted against those the pulses leave.
+A car of 900 kg climbs through a planar module. A motor with a lag of 0.15 s sets omega1; a sensor with a lag
+of 0.05 s measures the speed. The averaged module is linearised at the operating point on the hill. A PI
+controller is tuned for a phase margin, and a state feedback with integral action by LQR. Both then run on the
+full FMUs. There the gain and the delay increase until the loop becomes unstable, which measures the predicted
+margins.
 
-Writes out/speed_control/: responses.csv, speed_control.png.
+Writes responses.csv and speed_control.png to out/speed_control/.
 """
 
 import argparse

@@ -1,14 +1,15 @@
-"""Inertia module and elastic shaft as two FMUs, coupled at the communication points.
+"""Couple the inertia module and an elastic shaft as two FMUs at the communication points.
 
-The rigid module drives the hub (its output shaft, J3); DrivenShaft is the shaft behind it with the driven
-mass. Speed goes one way, torque the other:
+The rigid module drives the hub (its output shaft, J3). DrivenShaft is the shaft downstream with the driven
+mass. Speed and torque are exchanged:
 
     omega_out of the module          ->  hub_speed of the shaft
     shaft_torque_mean of the shaft   ->  load_torque of the module
 
-Side by side (Jacobi) is what most hosts do, and its error falls with the first power of the step. With the
-torque at an instant, the module first and the derivatives of both it falls with the second: see
-docs/coupling.md. Run `inertia-module build` first. The last line is the elastic module in one piece.
+Most hosts step both in parallel (Jacobi scheme); the error is proportional to the step. With the
+instantaneous torque, the module stepped first and the derivatives of both, the error is proportional to the
+square of the step: see docs/coupling.md. Run `inertia-module build` first. The last line is the monolithic
+elastic module.
 """
 
 from pathlib import Path
@@ -55,9 +56,9 @@ def simulate(advance, step, stop=1.0, folder=BUILD):
 
 
 if __name__ == "__main__":
-    print("             side by side               with derivatives")
+    print("             Jacobi                     with derivatives")
     print("step, s      hub, rad/s  driven mass    hub, rad/s  driven mass")
     for step in (1e-3, 1e-4, 1e-5):
         speeds = *simulate(advance, step), *simulate(advance_with_derivatives, step)
         print("{:<10g} {:12.6f} {:12.6f}  {:12.6f} {:12.6f}".format(step, *speeds))
-    print("one piece  {:12.6f} {:12.6f}".format(*ONE_PIECE))
+    print("monolithic {:12.6f} {:12.6f}".format(*ONE_PIECE))

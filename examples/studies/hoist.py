@@ -1,11 +1,10 @@
-"""Hoist: a load that pulls backwards, with and without the freewheel to the housing.
+"""Hoist: a load that pulls backwards, with and without the housing freewheel.
 
-A drum with a hanging load: its weight pulls the shaft backwards all the time. The module lifts it by
-pulses; between them, and when the input stands still, the freewheel of link 2 to the housing holds the load
-by itself. It cannot lower it: for that a brake on a second way is needed. Without that freewheel nothing
-holds it.
+The weight of a hanging load pulls the drum backwards all the time. The module lifts it with its pulses.
+Between pulses, and while the input stands still, the housing freewheel holds the load. The module cannot
+lower it; this needs a brake on a second path. Without the housing freewheel nothing holds the load.
 
-Run: python examples/studies/hoist.py    (leaves out/hoist/table.csv and plot.png)
+Run: python examples/studies/hoist.py    (writes out/hoist/table.csv and plot.png)
 """
 
 from pathlib import Path
@@ -57,12 +56,12 @@ def study(fmu=None):
 
 def main():
     rows, tables = study()
-    print("load, N.m   mass, kg   lifted in 3 s, m   sunk while standing, m   lifting, m/s")
+    print("load, N.m   mass, kg   lifted in 3 s, m   dropped at rest, m       lifting, m/s")
     for load, mass, lifted, sunk, speed in rows:
         print(f"{load:<11.1f} {mass:<10.1f} {lifted:<18.3f} {sunk:<24.2e} {speed:.3f}")
     load = SHARES[1] * rows[0][0] / SHARES[0]
     falling = run(load, False, stop=1.0)
-    print(f"without the freewheel of link 2, {load:.1f} N.m: {falling['height'][-1]:.2f} m after 1 s")
+    print(f"without the housing freewheel, {load:.1f} N.m: {falling['height'][-1]:.2f} m after 1 s")
     columns = {"time": tables[SHARES[0]].time, "omega1": tables[SHARES[0]]["omega1"]}
     columns |= {f"height_{share:g}": table["height"] for share, table in tables.items()}
     units = {name: "rad/s" if name == "omega1" else "m" for name in columns if name != "time"}

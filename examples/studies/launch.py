@@ -1,10 +1,10 @@
-"""Launch from standstill: how hard does the module pull a shaft that stands, and how soon is it up to speed?
+"""Launch from standstill: how large is the stall torque, and how soon does the shaft reach its speed?
 
 A planar module with constant input speed starts a flywheel against a constant load. The stall torque is the
-mean torque on a shaft too heavy to move; without gravity it grows with the square of the input speed. The
-time to half and to nine tenths of the input speed follows, rigid (with its pulses) and averaged (without).
+mean torque on a locked output shaft; without gravity it is proportional to the square of the input speed. The
+script prints the times to 50 % and 90 % of the input speed, rigid (with pulses) and averaged (without).
 
-Run: python examples/studies/launch.py    (leaves out/launch/table.csv and plot.png)
+Run: python examples/studies/launch.py    (writes out/launch/table.csv and plot.png)
 """
 
 from pathlib import Path
@@ -59,7 +59,7 @@ def study(fmu=None):
 
 def main():
     rows, launches = study()
-    print("omega1   stall torque   of omega1^2     rigid: 50 %    90 %   averaged: 50 %    90 %")
+    print("omega1   stall torque   / omega1^2      rigid: 50 %    90 %   averaged: 50 %    90 %")
     print("rad/s    N.m            N.m.s2/rad2            s       s                s       s")
     for omega1, torque, *times in rows:
         rigid_half, rigid_most, half, most = times

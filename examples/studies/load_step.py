@@ -1,12 +1,11 @@
-"""Climbing a step in load: what does the shaft do when the load grows, and when does it stop altogether?
+"""Steps of the load: how does the shaft react to a growing load, and at which load does it stop?
 
-The module runs at constant input speed, locked up: link 2, shaft and link 1 turn as one, and more than the
-stall torque goes through without a pulse. The load on the shaft goes up in steps. Beyond what lock-up can
-hold the satellites begin to turn, and the module falls to where its mean torque meets the load; with a load
-above the stall torque that is rest, the shaft held by the freewheel of link 2. When the load goes back, the
-shaft starts again by itself.
+The module runs locked up at constant input speed: link 1, link 2 and the shaft turn together, and more than
+the stall torque is transmitted without pulses. The load increases in steps. Above the lock-up torque the
+satellites start to spin, and the speed falls until the mean torque equals the load. With a load above the
+stall torque the shaft stops, held by the housing freewheel. When the load decreases, the shaft starts again.
 
-Run: python examples/studies/load_step.py    (leaves out/load_step/table.csv and plot.png)
+Run: python examples/studies/load_step.py    (writes out/load_step/table.csv and plot.png)
 """
 
 from pathlib import Path
@@ -69,7 +68,7 @@ def study(fmu=None):
 
 def main():
     rows, table = study()
-    print("load, N.m   settled, rad/s   of omega1   lowest, rad/s   mean input torque, N.m")
+    print("load, N.m   settled, rad/s   / omega1    minimum, rad/s   mean input torque, N.m")
     for load, speed, lowest, torque in rows:
         print(f"{load:<11.1f} {speed:<16.2f} {speed / OMEGA1:<11.3f} {lowest:<15.2f} {torque:.2f}")
     # pulses blur a picture of half a minute: means over a tenth of a second

@@ -1,11 +1,10 @@
-"""The urban cycle under noise: how well does the car follow when its speed sensor and the wind are noisy?
+"""Urban cycle with noise: how well does the car follow the cycle with a noisy speed sensor and gusts?
 
-The car of examples/urban.toml, once undisturbed and with noise on the measured speed (what a wheel sensor
-has) and gusts on the load. The controller sees the noisy speed; the error is that of the true one. The
-noise is the same in every run: numbers from a seeded generator, held for 50 ms, gusts smoothed over a
-second.
+The car of examples/urban.toml runs without noise, with noise on the measured speed (a wheel sensor), and with
+gusts on the load. The controller uses the noisy speed; the printed error is the error of the true speed. The
+noise is the same in every run: seeded random numbers, constant for 50 ms, gusts smoothed over one second.
 
-Run: python examples/studies/noisy_cycle.py    (leaves out/noisy_cycle/table.csv and plot.png)
+Run: python examples/studies/noisy_cycle.py    (writes out/noisy_cycle/table.csv and plot.png)
 """
 
 from pathlib import Path

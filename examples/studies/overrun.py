@@ -1,10 +1,11 @@
-"""Overrun and coasting: what happens when the engine slows down below the shaft?
+"""Overrun and coasting: how does the shaft move when the engine becomes slower than the shaft?
 
-The output freewheel passes no torque backwards, so there is no engine braking: the shaft coasts against its
-load while the input slows down, and when the input comes back it has to overtake the shaft before it pulls
-again. Without the output freewheel link 2 and the shaft are one: then the shaft drags the mechanism along.
+The output freewheel transmits no torque backwards, so there is no engine braking. The shaft coasts against
+its load while the input slows down. When the input accelerates again, it must overtake the shaft before
+torque is transmitted. Without the output freewheel, link 2 and the shaft are one body, and the shaft drives
+the mechanism.
 
-Run: python examples/studies/overrun.py    (leaves out/overrun/table.csv and plot.png)
+Run: python examples/studies/overrun.py    (writes out/overrun/table.csv and plot.png)
 """
 
 from pathlib import Path
@@ -51,8 +52,8 @@ def study(fmu=None):
 def main():
     tables = study()
     slowed, free, again = phases(tables[True])
-    print(f"shaft while it overruns: {slowed:.4f} rad/s2; load over inertia: {free:.4f} rad/s2")
-    print(f"pulls again {again:.3f} s after the input begins to speed up")
+    print(f"deceleration while overrunning: {slowed:.4f} rad/s2; load over inertia: {free:.4f} rad/s2")
+    print(f"torque transmitted again {again:.3f} s after the input starts to accelerate")
     for freewheel, table in tables.items():
         during = (table.time > TIMES[2]) & (table.time < TIMES[3])
         work = table["energy_in"][during][-1] - table["energy_in"][during][0]

@@ -46,7 +46,7 @@ export class App {
     this.session = new Session({
       run: (run) => { this.show(run); },
       say: (refusal, warnings) => {
-        this.refusal = [refusal, linked.unknown.length > 0 ? `not understood in the address: ${linked.unknown.join(", ")}` : ""]
+        this.refusal = [refusal, linked.unknown.length > 0 ? `unknown settings in the link: ${linked.unknown.join(", ")}` : ""]
           .filter((text) => text !== "").join("; ");
         this.panels.say(this.refusal, warnings);
       },
@@ -65,7 +65,7 @@ export class App {
 
   get scene(): Scene {
     const found = SCENES.get(this.store.get().scene);
-    if (!found) throw new Error(`there is no scene ${this.store.get().scene}`);
+    if (!found) throw new Error(`unknown scene '${this.store.get().scene}'`);
     return found;
   }
 

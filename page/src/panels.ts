@@ -1,4 +1,4 @@
-// All that is around the picture: tools, bar, instruments, sliders, sentences, keys.
+// Everything around the animation: tools, playback bar, tables, sliders, messages, shortcuts.
 
 import type { App } from "./app";
 import { button, byId, choice, element, tick } from "./common/dom";
@@ -18,11 +18,11 @@ import type { Run } from "./run/run";
 import { lengthOf } from "./run/sample";
 
 const SWITCHES: readonly (readonly [keyof Shown, string])[] = [
-  ["labels", "names"], ["cut", "cut-away"], ["follow", "follow carrier"],
+  ["labels", "part names"], ["cut", "cut-away"], ["follow", "follow carrier"],
   ["acceleration", "acceleration"], ["force", "shaking force"], ["torques", "torques"],
 ];
 const TRACES: readonly (readonly [TraceFrame, string])[] = [
-  ["link1", "path: seen from carrier"], ["fixed", "path: in space"], ["off", "no path"],
+  ["link1", "path: relative to the carrier"], ["fixed", "path: fixed frame"], ["off", "no path"],
 ];
 
 export class Panels {
@@ -38,7 +38,7 @@ export class Panels {
 
   constructor(private readonly app: App, curves: Curves, picture: Picture) {
     this.scenes = choice("Scene", [...SCENES].map(([name, { title }]) => [name, title]), app.store.get().scene, (name) => { app.choose(name); });
-    this.reset = button("Reset", "Back to the scene as it was", () => { app.store.set({ changed: {} }); });
+    this.reset = button("Reset", "Reset all settings of the scene", () => { app.store.set({ changed: {} }); });
     byId("scene").append(this.scenes, this.reset);
     this.tools();
     this.showBoxes = this.boxes();
@@ -87,23 +87,23 @@ export class Panels {
   private tools(): void {
     const { app } = this;
     const name = (): string => app.scene.name;
-    const share = button("Copy link", "Copy a link that shows the same", () => {
+    const share = button("Copy link", "Copy a link to this view", () => {
       history.replaceState(null, "", app.hash());
-      void navigator.clipboard.writeText(location.href).then(() => { this.say("", ["the link is copied"]); });
+      void navigator.clipboard.writeText(location.href).then(() => { this.say("", ["link copied"]); });
     });
     byId("tools").append(
       button("CSV", "Download the run as CSV", () => { if (app.run) download(`${name()}.csv`, csv(app.run), "text/csv"); }),
       button("TOML", "Download the scene as TOML", () => {
         download(`${name()}.toml`, toml(app.scene, app.store.get().changed), "application/toml");
       }),
-      share, button("◐", "Light or dark", switchTheme), helpButton());
+      share, button("◐", "Light or dark theme", switchTheme), helpButton());
   }
 
-  /** Boxes and list of what is shown; the answer sets them. */
+  /** Check boxes and list of the visible items; the returned function sets them. */
   private boxes(): (shown: Shown) => void {
     const { app } = this;
     const ticks = SWITCHES.map(([name, text]) => ({ name, box: tick(text, (on) => { app.showAlso({ [name]: on }); }) }));
-    const path = choice("Path of the imbalance", TRACES, "link1", (frame) => { app.showAlso({ trace: frame as TraceFrame }); });
+    const path = choice("Path of the unbalanced mass", TRACES, "link1", (frame) => { app.showAlso({ trace: frame as TraceFrame }); });
     byId("shown").append(...ticks.map(({ box }) => box.root), path);
     return (shown) => {
       for (const { name, box } of ticks) box.show(shown[name] === true);

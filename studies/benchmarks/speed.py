@@ -130,7 +130,10 @@ def seconds_of_r1(module, python, folder):
     fast = {
         f"{way}, {name}": (partial(run, steps=steps), tolerances)
         for name, steps in STEPS.items()
-        for way, run, tolerances in (("kernel, compiled", by_kernel, FINE), ("C by hand", hand, BEARABLE))
+        for way, run, tolerances in (
+            ("kernel, compiled", by_kernel, FINE),
+            ("hand-written C", hand, BEARABLE),
+        )
     }
     slow = {"kernel, plain Python, one step of 1 s": (plain_run, COARSE)}
     for way, path in (("native FMU in an fmpy loop", module), ("Python FMU in an fmpy loop", python)):

@@ -166,7 +166,7 @@ class Equation(NamedTuple):
     def __str__(self) -> str:
         """Verdict, with the name in the code and the difference, in Markdown."""
         difference = self.difference
-        wrong = f"**wrong**, by {difference:.2g}"
+        wrong = f"**wrong**, difference {difference:.2g}"
         return f"{'**right**' if difference < ROUNDING else wrong} (`{self.name}`)"
 
 
@@ -176,11 +176,13 @@ def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
 
 
 class Found:
-    """Figures of a claim as the page tells them, several after one another.
+    """Values of a claim, formatted for the page as a list separated by commas.
+
+    A format that ends in % prints fractions in percent. Values without a format are differences; the page
+    prints "round-off" for small ones, because round-off depends on the machine.
 
     Args:
-        value: number, text, or several of them. A format that ends in % gives shares in percent. Without a
-            format they are differences, and rounding, other on each machine, is not spelt out.
+        value: number, text, or several of them.
     """
 
     def __init__(self, value: Any) -> None:
@@ -192,12 +194,12 @@ class Found:
     def __format__(self, form: str) -> str:
         if form.endswith("%"):
             return f"{Found(np.multiply(100.0, self.value)):{form[:-1]}f} %"
-        told = []
+        texts = []
         for value in np.ravel(np.array(self.value, dtype=object)):
             difference = not form and isinstance(value, float)
             small = difference and value < ROUNDING
-            told.append("rounding" if small else format(value, ".2g" if difference else form))
-        return ", ".join(told)
+            texts.append("round-off" if small else format(value, ".2g" if difference else form))
+        return ", ".join(texts)
 
 
 def verdict(says: Any) -> str:

@@ -83,10 +83,10 @@ def two_forms(ordinate: str, right: Any, page: Any, title: str = "") -> Panel:
     return Panel(ordinate, {"exact": right, "as printed": page}, title)
 
 
-def sheet(width: float, height: float, told: str) -> Figure:
-    """An empty figure of this size, inches, with what is drawn below it; needs no window."""
+def sheet(width: float, height: float, caption: str) -> Figure:
+    """Return an empty figure of this size, inches, with a caption below; needs no window."""
     figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
-    figure.supxlabel(textwrap.fill(told, round(16 * width)), fontsize=8)
+    figure.supxlabel(textwrap.fill(caption, round(16 * width)), fontsize=8)
     return figure
 
 
@@ -109,9 +109,9 @@ def draw(axes: Axes, panel: Panel, x: Any, abscissa: str = "") -> None:
     axes.axhline(0.0, color=BLACK, linewidth=0.6)
 
 
-def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, told: str, **shared: Any) -> Figure:
+def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, caption: str, **shared: Any) -> Figure:
     """Draw rows of panels over one abscissa, x of shape (n,); shared: as sharey of subplots."""
-    figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), told)
+    figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), caption)
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, squeeze=False, **shared)
     for row, cells in zip(grid, rows, strict=True):
         for axes, panel in zip(row, cells, strict=True):
@@ -199,8 +199,8 @@ def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> 
 
     share, instant = karetin.best_mirror(speed, span)
     both = {"exact": speed(TURNS * span), "mirrored": speed(2.0 * instant - TURNS * span)}
-    told = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
-    return Panel(f"|V| [m/s], {title}", both, told)
+    heading = f"ε = {epsilon:g}, γ = {gamma:g}: asymmetry {100.0 * share:.1f} %"
+    return Panel(f"|V| [m/s], {title}", both, heading)
 
 
 def asymmetries(name: str, motion: Any) -> Any:
@@ -232,8 +232,8 @@ def curves(name: str) -> Figure:
         "without_offsets": mechanism(PAPER, offsets=False),
         "wheels": WHEELS,
     }
-    told, shared = row["told"].format_map(captions), {"sharey": row.get("sharey", "none")}
-    figure = panels(eval(row["panels"], scope), eval(row["x"], scope), row["label"], told, **shared)
+    caption, shared = row["caption"].format_map(captions), {"sharey": row.get("sharey", "none")}
+    figure = panels(eval(row["panels"], scope), eval(row["x"], scope), row["label"], caption, **shared)
     for axes, limits in zip(figure.axes, row.get("limits", ()), strict=False):
         axes.set_ylim(*limits)
     edges = [*phase_starts(KAPPA2), KAPPA[-1]]
@@ -325,8 +325,8 @@ class Sketch:
 
 def figure_1() -> Figure:
     """Karetin's figure 1: the layout in section at the time 0, both modes seen against the central axis."""
-    g, told = LAYOUT, f"All exact. b, c: one turn of the drive, drawn after {INSTANT:g} of it; P is D on yOz"
-    figure = sheet(12.0, 4.2, f"{told}. {mechanism(g)}")
+    g, shown = LAYOUT, f"b, c: one revolution of the pinion shaft, drawn after {INSTANT:g} revolutions"
+    figure = sheet(12.0, 4.2, f"All exact. {shown}; P is the projection of D on yOz. {mechanism(g)}")
     layout = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
     views = (
         (layout, "xz", "section", STOP, 0.0),
@@ -359,8 +359,8 @@ def pitch_cones(g: Geometry) -> tuple[Any, Any, Any]:
 
 def trajectories() -> Figure:
     """Karetin's figure 2: trajectory of D in the stop and in the dynamic mode, with the pitch cones."""
-    told = f"Trajectory of D over a period, exact, with its place at the start. {mechanism(PAPER)}"
-    figure = sheet(10.4, 5.2, told)
+    caption = f"Trajectory of D over a period and position at the start, exact. {mechanism(PAPER)}"
+    figure = sheet(10.4, 5.2, caption)
     apex, *rims = pitch_cones(PAPER)
     start = exact(PAPER, STOP, [0.0])
     centre, A, D = np.zeros(3), start.centre_of_satellite[:, 0], start.position[:, 0]
@@ -394,9 +394,9 @@ def arms() -> Figure:
     """Karetin's (26) to (31): projections of V on the planes at one instant, arms and speeds over a turn."""
     turn, at = slice(0, len(MOVING.t) // int(GENERAL.turns_in_period), 5), 112
     turns = MOVING.t[turn] * MOVING.omega16 / (2.0 * np.pi)
-    told = "Projections of V and their arms about O, exact, (26) to (30) as printed the same; in (31) the"
-    told += f" printed y_N is the x of N. V: 1 m/s is 4 mm; the planes are drawn at {turns[at]:.2f} turns"
-    figure = sheet(9.6, 8.0, f"{told}. {mechanism(GENERAL)}")
+    caption = "Projections of V and their arms about O, exact; (26) to (30) are right as printed, in (31) the"
+    caption += f" printed y_N is the x of N. V: 1 m/s is 4 mm; planes drawn at {turns[at]:.2f} revolutions"
+    figure = sheet(9.6, 8.0, f"{caption}. {mechanism(GENERAL)}")
     grid = figure.subplots(3, 3, height_ratios=(2.2, 1.0, 1.0)).T
     look: dict[str, Any] = {"color": GREY, "linewidth": 0.8}
     names = zip(("xOy", "yOz", "xOz"), "HPF", "LMN", strict=True)
@@ -423,7 +423,7 @@ def arms() -> Figure:
 
 def epicycloid() -> Figure:
     """The figure of Lysenko, to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
-    figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the held wheel 2 (exact), drawn at α = 130°. {WHEELS}")
+    figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the fixed wheel 2 (exact), drawn at α = 130°. {WHEELS}")
     Sketch(figure.subplots(), "XY", (-105, 105, -105, 105)).parts("wheels", "links")
     return figure
 
@@ -431,9 +431,9 @@ def epicycloid() -> Figure:
 def speeds_and_forces() -> Figure:
     """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle."""
     page = lysenko.printed(M, SHOWN, W)
-    printed_arms = f"its arms as printed k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
-    told = f"exact (Fk lies behind F1, on one line: k1 = 0), grey Fk as printed, {printed_arms}"
-    figure = sheet(9.4, 5.0, f"At α = 130°, {told}. {WHEELS}")
+    printed_arms = f"with the printed arms k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
+    caption = f"exact (Fk is in line with F1, so k1 = 0); grey: Fk as printed, {printed_arms}"
+    figure = sheet(9.4, 5.0, f"At α = 130°, {caption}. {WHEELS}")
     speeds = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
     forces = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
     titles = {

@@ -1,4 +1,4 @@
-"""docs/papers.md: every equation and every claim of the papers, with the verdict and the figures found."""
+"""Generate docs/papers.md: every equation and claim of the papers with its verdict and computed values."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from . import karetin, lysenko, stelmashchuk
 from .engine import claims_of, words
 
 PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
-# a section of the equations of a paper: the name of an equation, and the rest of its heading
+# Heading of an equation: its number and its title.
 SECTION = re.compile(r"^#### (.+?): (.+)\n", re.M)
 
 
 def papers_page() -> str:
-    """The page in Markdown: the words beside the code of each paper, with what is found in their places."""
-    # of a symbol, the cells of a table that tell what variable of the FMU it is
+    """Return the page in Markdown: the text of each paper with its computed values filled in."""
+    # Table cells of each variable of the FMUs: name, unit, description.
     cells = {
         fmu: {
             name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
-            for name, variable in known.items()
+            for name, variable in variables.items()
         }
-        for fmu, known in (("fmu", INERTIA_MODULE.by_name), ("shaft", DRIVEN_SHAFT.by_name))
+        for fmu, variables in (("fmu", INERTIA_MODULE.by_name), ("shaft", DRIVEN_SHAFT.by_name))
     }
     parts = [words("papers.md")]
     for name, paper in PAPERS.items():
-        found = {**claims_of(name, paper), **cells, "equations": equations(name)}
-        parts.append(words(f"{name}.md").format_map(found))
+        values = {**claims_of(name, paper), **cells, "equations": equations(name)}
+        parts.append(words(f"{name}.md").format_map(values))
     return "\n".join(parts)
 
 
 def equations(paper: str) -> str:
-    """The words on the equations of a paper, below each heading the verdict on its forms, if it has them."""
-    found = PAPERS[paper].EQUATIONS
+    """Return the text on the equations of a paper, with the verdict below the heading of each equation."""
+    verdicts = PAPERS[paper].EQUATIONS
 
-    def judged(heading: re.Match[str]) -> str:
-        return heading[0] + (f"\n{found[heading[1]]}\n" if heading[1] in found else "")
+    def with_verdict(heading: re.Match[str]) -> str:
+        return heading[0] + (f"\n{verdicts[heading[1]]}\n" if heading[1] in verdicts else "")
 
-    return SECTION.sub(judged, words(f"{paper}_equations.md"))
+    return SECTION.sub(with_verdict, words(f"{paper}_equations.md"))

@@ -198,7 +198,7 @@ class Run:
         end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
         points: all values at the start and after each segment. state: state and outputs at the end.
         finite: whether every output was, at every communication point.
-        residual: largest energy residual, J. gained: largest energy from nowhere, J.
+        residual: largest energy residual, J. gained: largest spurious energy, J.
         energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
         speed, torque: largest seen, rad/s, N.m.
         breaches: deepest of each of BREACHES, rad/s, N.m, W, J.

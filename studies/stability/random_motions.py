@@ -54,8 +54,8 @@ METHODS = ("choice", "random", "uniform", "randint", "decades", "between")
 WEIGHTS = (1, 3, 5, 3, 4, 2)
 STUDIES = Path(__file__).parents[1]
 HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
-# rows that count: motions that take too long to be run again in other ways, and those refused
-SHORT, TAKEN = "not long", "not refused"
+# rows that count motions with all checks done, and accepted motions
+COMPLETE, ACCEPTED = "within the work limit", "accepted"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -112,7 +112,7 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * fastest**2
     name, energy, accuracy = "energy residual", found.residual, motion["tolerance"]
     if motion.level.method == TIMESTEPPING:
-        name, energy, accuracy = "energy from nowhere", found.gained, TIMESTEPPING_ACCURACY
+        name, energy, accuracy = "spurious energy", found.gained, TIMESTEPPING_ACCURACY
     beyond = motions.relative(max(energy - rounding, 0.0), found.energy)
     figures[name] = Figure(beyond, energy_bound(accuracy, found.turns))
     breaches = motions.BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (motions.REGAINED,)
@@ -160,7 +160,7 @@ def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
     end = motions.run(replace(faster, segments=segments), make).end
     powers = {"angle": 0, "omega2": 1, "omega_out": 1, "energy_in": 2, "energy_out": 2}
     unlike = [name for name, power in powers.items() if end.get(name) != found.end[name] * FACTOR**power]
-    return {"scaling by the speed": Figure(float(len(unlike)), 0.0)}
+    return {"speed scaling": Figure(float(len(unlike)), 0.0)}
 
 
 def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
@@ -449,7 +449,7 @@ def rows_of(outcomes: Sequence[Outcome]) -> list[tuple[Any, ...]]:
                 number, worst = max(told.items(), key=lambda one: one[1].value / max(one[1].bound, 1e-300))
                 where = f"{worst.value:.0e}", f"{worst.bound:.0e}", number
             rows.append((level, name, len(figures), explained, len(figures) - len(told), failed, *where))
-        for name, part in ((SHORT, "long"), (TAKEN, "refused")):
+        for name, part in ((COMPLETE, "long"), (ACCEPTED, "refused")):
             numbers = [one.number for one in here if getattr(one.finding, part)]
             rows.append((level, name, len(here), 0, 0, len(numbers), "", "", numbers[0] if numbers else ""))
     return rows

@@ -57,8 +57,8 @@ TIGHTEST = 1e-13
 # rad of the highest harmonic in a step of method timestepping
 FIXED_PHASE = 0.1
 
-EXACT, SENSITIVE, DEGRADED, REFUSED, BROKEN = "exact", "sensitive", "degraded", "refused", "broken"
-COLOURS = {EXACT: GREEN, SENSITIVE: BLUE, DEGRADED: ORANGE, REFUSED: "#BBBBBB", BROKEN: VERMILION}
+EXACT, SENSITIVE, DEGRADED, REJECTED, BROKEN = "exact", "sensitive", "degraded", "rejected", "broken"
+COLOURS = {EXACT: GREEN, SENSITIVE: BLUE, DEGRADED: ORANGE, REJECTED: "#BBBBBB", BROKEN: VERMILION}
 OUTCOMES = tuple(COLOURS)
 # figures that compare two runs of one motion, and all that are relative errors
 COMPARED = ("long against short steps", "error", "error, short steps")
@@ -102,7 +102,7 @@ class Trial:
 
     Attributes:
         case: what was tried. long, short: in long communication steps and in many short ones.
-        tight: at a far tighter tolerance, by events (None where it is refused).
+        tight: at a far tighter tolerance, by events (None if it is rejected).
         sensitivity: of the motion itself: largest distance from tight by relative changes of the tolerance's
             size (angle at the start, load, speed of link 1), as far as it takes to explain the other runs.
     """
@@ -175,7 +175,7 @@ class Verdict:
     """Verdict on a case.
 
     Attributes:
-        outcome: exact, sensitive, degraded, refused or broken. reason: message, or which bound is missed by
+        outcome: exact, sensitive, degraded, rejected or broken. reason: message, or which bound is missed by
             how much.
         figures: by name, measured and allowed.
     """
@@ -198,7 +198,7 @@ class Verdict:
     @property
     def cell(self) -> Cell:
         """The verdict, coarsely."""
-        if self.outcome in (REFUSED, BROKEN):
+        if self.outcome in (REJECTED, BROKEN):
             return Cell(self.outcome, None, cause(self.reason))
         power = math.ceil(math.log10(self.error)) if self.error else LEAST_POWER
         return Cell(self.outcome, max(LEAST_POWER, power), ", ".join(self.missed))
@@ -214,7 +214,7 @@ class Verdict:
 
 
 def cause(message: str) -> str:
-    """Reason of a refusal, without the values and what is allowed."""
+    """Return the reason of a rejection, without values and ranges."""
     found = re.search(r": ([^;]*)", message)
     return found.group(1).strip() if found else message.partition(", are ")[0]
 
@@ -242,14 +242,14 @@ def judge(trial: Trial) -> Verdict:
 
     Where runs differ and a change of the problem by the tolerance alone moves the end by more than
     LARGEST_ERROR, no method can say which is right: sensitive. An exception, a value that is not finite, a
-    refusal in short steps of what long ones did, or a refused step that leaves the module changed or
+    rejection in short steps only, or a rejected step that leaves the module changed or
     unusable is broken: a bug.
     """
     case, long, short = trial.case, trial.long, trial.short
     if long.broken:
         return Verdict(case, BROKEN, long.broken)
     if long.refused:
-        return Verdict(case, REFUSED, long.refused)
+        return Verdict(case, REJECTED, long.refused)
     if short.refused:
         return Verdict(case, BROKEN, f"short steps: {short.refused}")
     if not (long.finite and short.finite):

@@ -1,6 +1,6 @@
-"""Verdicts on the equations and claims of the papers, how the page tells them, and the figures.
+"""Verdicts on the equations and claims of the papers, their text on the page, and the figures.
 
-What the verdicts are stands in docs/papers.md, which `make docs` compares.
+docs/papers.md contains the verdicts; `make docs` compares it.
 """
 
 import io
@@ -73,8 +73,8 @@ def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
         assert len({values.shape for values in columns.values()}) == 1
         assert all(np.isfinite(values).all() for values in columns.values())
         assert "=" in figure.get_supxlabel()
-        # a unit, or a number of turns
-        assert all("[" in column or "turns" in column for column in columns)
+        # a unit, or a number of revolutions
+        assert all("[" in column or "revolutions" in column for column in columns)
     # of each kind one is written
     for name in ("karetin_1", "karetin_2", "karetin_3", "lysenko_forces"):
         written = io.BytesIO()

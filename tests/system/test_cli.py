@@ -66,7 +66,7 @@ def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(tmp_path)
 def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
     auto = ("--fidelity", "auto", "--error", "5 %")
     done = succeeded("run", *SHORT, *auto, "-o", tmp_path / "out", folder=workshop)
-    for words in ("chosen: ", "where 0.05 was asked for", "next level: "):
+    for words in ("chosen: ", "requested 0.05", "next level: "):
         assert words in done.stdout
     choice = json.loads((tmp_path / "out" / "summary.json").read_text())["fidelity_choice"]
     assert choice["chosen"]["error"] <= 0.05

@@ -231,7 +231,7 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
         figure.savefig(tmp_path / "orders.png")
         drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
         assert len(drawn) == 2 * len(names)
-        assert drawn[-1].get_xlabel() == ("frequency [Hz]" if in_hz else "order, cycles a turn of link 1")
+        assert drawn[-1].get_xlabel() == ("frequency [Hz]" if in_hz else "order [cycles per revolution of link 1]")
         assert read_columns(found.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * found.order.size
 
 

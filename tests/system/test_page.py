@@ -112,7 +112,7 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
     legend = page.drawn().page.locator(".panel .legend").first.inner_text()
     assert float(re.search(r"freewheel\s+(\S+)\s+W", legend)[1]) > 10.0
     counts = [f"{page.shown(f'{which}_engagements')[-1]:.1f}" for which in ("housing", "output")]
-    told = page.page.get_by_role("row", name="engagements of each").locator("td").first.inner_text()
+    told = page.page.get_by_role("row", name="engagements per second").locator("td").first.inner_text()
     assert told == "/".join(counts)
 
 
@@ -162,9 +162,9 @@ def test_clock_curves_and_switches_agree(page):
     scrub(page, "0")
     switches = page.shown("time")[1:][np.diff(page.shown("contact_mode")) != 0]
     for expected in switches[:3]:
-        page.press("On to the next switch of a freewheel")
+        page.press("Next freewheel switching event")
         assert page.state("time") == pytest.approx(expected, abs=1e-9)
-    page.press("Back to the last switch of a freewheel")
+    page.press("Previous freewheel switching event")
     assert page.state("time") == pytest.approx(switches[1], abs=1e-9)
     scrub(page, "5000")
     page.page.get_by_role("button", name="one pulse").click()
@@ -173,11 +173,11 @@ def test_clock_curves_and_switches_agree(page):
     assert 2 <= ((switches > begin - 1e-9) & (switches <= end + 1e-9)).sum() <= 6
 
 
-def test_link_restores_the_state_and_names_what_it_says_wrongly(page):
+def test_link_restores_the_state_and_names_what_is_wrong_in_it(page):
     set_field(page, "load_torque", "4.5")
     page.settled()  # places of the slider are shares of the run as far as it is
     page.page.get_by_label("cut-away").uncheck()
-    page.page.get_by_label("Path of the imbalance").select_option("fixed")
+    page.page.get_by_label("Path of the unbalanced mass").select_option("fixed")
     scrub(page, "2500")
     page.page.wait_for_function(
         "location.hash.includes('t=0.25') && location.hash.includes('load_torque=4.5')"
@@ -187,12 +187,12 @@ def test_link_restores_the_state_and_names_what_it_says_wrongly(page):
     assert page.state("time") == pytest.approx(0.25)
     assert page.page.locator("#set-load_torque").input_value() == "4.5"
     assert not page.page.get_by_label("cut-away").is_checked()
-    assert page.page.get_by_label("Path of the imbalance").input_value() == "fixed"
+    assert page.page.get_by_label("Path of the unbalanced mass").input_value() == "fixed"
     assert (page.shown("omega_out") == output).all()
     assert page.state("hash") == link
     page.at("#load_torque=much&colour=red&omega1=90")
     assert page.page.locator(SENTENCE).inner_text() == (
-        "not understood in the address: load_torque=much, colour=red"
+        "unknown settings in the link: load_torque=much, colour=red"
     )
     assert page.shown("input_speed")[-1] == 90.0
 
@@ -203,7 +203,7 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
     for name, text, sentence in (
         ("imbalance_mass", "-3", "imbalance_mass must be between 0 and 1000000000 kg, is -3"),
         ("tolerance", "7", "tolerance must be between 1e-13 and 0.1, is 7"),
-        ("duration", "-1", "a run must have between 1 and 60000 steps: duration is -1 s, step is 0.0005 s"),
+        ("duration", "-1", "a run must have between 1 and 60000 steps (got duration -1 s, step 0.0005 s)"),
     ):
         set_field(page, name, text)
         page.page.wait_for_function(f"document.querySelector('{SENTENCE}').textContent !== ''")
@@ -267,8 +267,8 @@ def test_files_of_the_run_and_the_scene(page):
 
 def test_converter_chart_is_that_of_the_package(page):
     """Stall torque and efficiency of scene R1 without losses, and the point of the run."""
-    page.page.get_by_label("Phase plot or converter chart").select_option("chart")
-    ready = "document.querySelector('.note:not([hidden])').textContent.startsWith('Steady pulses')"
+    page.page.get_by_label("Phase plot or torque converter chart").select_option("chart")
+    ready = "document.querySelector('.note:not([hidden])').textContent.startsWith('Periodic steady state')"
     page.page.wait_for_function(ready)
     points = page.state("chart")
     assert [point["ratio"] for point in points] == pytest.approx(np.arange(25) / 25)
@@ -295,7 +295,7 @@ def sized(still, request):
 
 def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
     before = sized.page.evaluate(PAPER)
-    sized.press("Light or dark")
+    sized.press("Light or dark theme")
     assert sized.page.evaluate(PAPER) != before
     for font in FONTS:
         set_font(sized.page, font)
@@ -518,9 +518,9 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
     page.drawn()
     speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())
     table = page.page.locator(".instruments").first.inner_text()
-    assert "ω2 link 2, at instants" in speeds
+    assert "ω2 link 2, instantaneous" in speeds
     (told,) = re.findall(r"M2 mesh, mean\s+(\S+)\s+N·m", torques)
-    (now,) = re.findall(r"torques: mean of a step.*mesh torque, M2\s+(\S+)", table, re.S)
+    (now,) = re.findall(r"step-averaged torques.*mesh torque, M2\s+(\S+)", table, re.S)
     assert told == now
     assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
     page.page.get_by_label("Scene", exact=True).select_option("reference")

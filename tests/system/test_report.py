@@ -23,8 +23,8 @@ SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
 CROWDED = ("satellites=6", "a=1.5", "mesh_efficiency=98 %", "run.stop_time=0.1 s")
 STALLED = ("load.torque=500 N.m", "run.stop_time=0.2 s", "omega_out_start=0")
 SECTIONS = [
-    *("Warnings and remarks", "What was found", "What was asked", "Mechanism", "Curves"),
-    *("Torque converter chart", "Orders", "Energy and losses", "Duty of the freewheels"),
+    *("Warnings and remarks", "Results", "Inputs", "Mechanism", "Curves"),
+    *("Torque converter chart", "Orders", "Energy and losses", "Freewheel duty"),
 ]
 # times of this machine, which differ from run to run
 TIMES = {"wall time", "real time factor"}
@@ -76,9 +76,9 @@ def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(r
     titles = list(found)
     assert titles[: len(SECTIONS)] == SECTIONS
     assert {title.partition(": ")[0] for title in titles[len(SECTIONS) : -1]} == {"Parameters"}
-    assert titles[-1] == "How to repeat it"
+    assert titles[-1] == "How to reproduce this report"
     assert (root.find("head/title").text, root.find("body/h1").text) == (result.scene.title,) * 2
-    cells = [cell for row in rows(found["What was found"]) for cell in row]
+    cells = [cell for row in rows(found["Results"]) for cell in row]
     numbers = dict(zip(cells[::2], cells[1::2], strict=True))
     expected = result.lines()
     assert {name for name in numbers if name} == set(expected)
@@ -87,9 +87,9 @@ def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(r
     }
     remarks = [f"warning: {one}" for one in result.warnings]
     remarks += [f"{name.replace('_', ' ')} {one}" for name, one in result.remarks.items()]
-    assert texts(found["Warnings and remarks"]) == (remarks or ["There are none."])
+    assert texts(found["Warnings and remarks"]) == (remarks or ["None."])
     assert len(remarks) == {CROWDED: 2, STALLED: 1, (): 0}[keys]
-    assert found["How to repeat it"].find("pre").text == scene.read_text(encoding="utf-8")
+    assert found["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
 
 
 def test_report_asks_for_nothing_and_a_title_cannot_break_out_of_it(reported, tmp_path):
@@ -114,7 +114,7 @@ def test_parameters_say_where_they_are_from(reported, tmp_path):
     scene.write_text(text.replace('kind = "torque"', 'kind = "shaft"\ninertia = 2.0'))
     root, result = reported(scene, "imbalance_mass=900 g", "run.stop_time=0.1 s")
     found = sections(root)
-    asked = {key: (value, source) for key, value, source in rows(found["What was asked"])[1:]}
+    asked = {key: (value, source) for key, value, source in rows(found["Inputs"])[1:]}
     assert asked["drive.omega1"] == ("94.2478 rad/s, 94.2478 rad/s", "scene file: speed.csv")
     assert asked["run.stop_time"] == ("0.1 s", "--set")
     assert asked["accuracy.window"] == ("1 s", "default")
@@ -139,13 +139,13 @@ LEFT_OUT = [
     ((REFERENCE, "output_freewheel=false"), {"Torque converter chart": "must both be 1"}),
     (
         (REFERENCE, "fidelity=averaged"),
-        {"Orders": "it has no pulses", "Duty of the freewheels": "averaged has no pulses"},
+        {"Orders": "it has no pulses", "Freewheel duty": "averaged has no pulses"},
     ),
     (
         (REFERENCE, "drive.omega1=0", "load.torque=0"),
         {"Orders": "does not turn", "Torque converter chart": "does not turn"},
     ),
-    ((SHAFT,), dict.fromkeys(("Mechanism", "Torque converter chart", "Orders"), "a driven shaft alone")),
+    ((SHAFT,), dict.fromkeys(("Mechanism", "Torque converter chart", "Orders"), "a driven shaft without")),
 ]
 
 
@@ -156,7 +156,7 @@ def test_what_a_scene_cannot_have_is_left_out_with_the_sentence_why(reported, gi
     found = sections(reported(scene, *keys)[0])
     for title, words in expected.items():
         (text,) = texts(found[title])
-        assert text.startswith("Left out: ")
+        assert text.startswith("Not available: ")
         assert words in text
         assert not rows(found[title])
         assert found[title].find("img") is None
@@ -166,8 +166,8 @@ def test_duty_is_that_of_the_summary_beside_its_limits_and_one_that_is_passed_is
     limits = ("freewheels.indexing_frequency=2 Hz", "freewheels.output.torque=150 N.m")
     root, result = reported(REFERENCE, *limits, "housing_freewheel=false")
     found, numbers = sections(root), result.lines()
-    duty = rows(found["Duty of the freewheels"])[1:]
-    assert [row[1] for row in duty] == ["there is none"] * 4
+    duty = rows(found["Freewheel duty"])[1:]
+    assert [row[1] for row in duty] == ["not present"] * 4
     assert [row[2] for row in duty] == [numbers[f"output {row[0]}"] for row in duty]
     assert duty[1][2].endswith(" Hz, limit 2")
     assert duty[2][2].endswith(" N.m, limit 150")

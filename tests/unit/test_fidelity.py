@@ -249,22 +249,22 @@ def test_next_level_is_the_cheapest_of_a_higher_fidelity_that_meets_the_error_or
 
 def test_it_says_what_why_and_what_the_next_would_cost():
     text = "\n".join(recommend(ROWS, 1e-2, ["omega_out", "omega2"]).lines())
-    assert "chosen: rigid, timestepping, step 1 ms: error 0.008 (omega2) where 0.01 was asked for" in text
-    assert "not enough: averaged, map: it has no pulses, only their mean (omega2)" in text
-    assert "not enough: rigid, timestepping, step 10 ms: error 0.3 (omega2)" in text
-    assert "not enough: rigid, event, tolerance 1: tolerance = 1 is refused" in text
+    assert "chosen: rigid, timestepping, step 1 ms: error 0.008 (omega2), requested 0.01" in text
+    assert "rejected: averaged, map: it has no pulses, only their mean (omega2)" in text
+    assert "rejected: rigid, timestepping, step 10 ms: error 0.3 (omega2)" in text
+    assert "rejected: rigid, event, tolerance 1: tolerance = 1 is refused" in text
     assert "next level: elastic, event, tolerance 1e-03: error 1e-05" in text
-    assert "6 times as long" in text
+    assert "6 times the run time" in text
 
 
 @pytest.mark.parametrize(
     "rows, error, wanted, words",
     [
-        (ROWS, 1e-12, "omega_out", "1e-12 in omega_out is met by no level .*1e-09: error 1e-09"),
-        ([TIGHT], 1.0, "energy_in", "nothing is known of energy_in"),
+        (ROWS, 1e-12, "omega_out", "1e-12 in omega_out is not reached by any .*1e-09: error 1e-09"),
+        ([TIGHT], 1.0, "energy_in", "no reference for energy_in"),
         # what a level does not model comes before what is unknown
         ([TIGHT], 1.0, "energy_in shaft_twist", "it has no elastic shaft"),
-        ([PEER], 1.0, "omega_out", "none was measured"),
+        ([PEER], 1.0, "omega_out", "no level was measured"),
     ],
 )
 def test_an_error_that_none_meets_is_refused_with_the_best(rows, error, wanted, words):
@@ -299,8 +299,8 @@ def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, m
         assert sum(line.startswith(level) for line in lines) == 1
     assert any("2.4e-05" in line and "1.6" in line for line in lines)
     assert not any("tolerance 1e-07" in line for line in lines)
-    heading = next(" ".join(line.split()) for line in lines if line.startswith("level"))
-    assert heading == "level of fidelity setting error largest in ms per s"
+    heading = next(" ".join(line.split()) for line in lines if line.startswith("fidelity level"))
+    assert heading == "fidelity level setting error maximum in ms per s"
     assert any(wanted[0].split("_")[0] in line and line.rstrip().endswith("1.6") for line in lines)
 
 

@@ -43,11 +43,11 @@ def ends(level, by_torque, **losses):
 
 
 def found(level, name, by_torque=False):
-    """Effect of a parameter at a level: yes, no or refused."""
+    """Effect of a parameter at a level: yes, no or rejected."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
     except Refused as error:
-        return "refused" if name in str(error) else str(error)
+        return "rejected" if name in str(error) else str(error)
     return "yes" if changed else "no"
 
 

@@ -108,7 +108,7 @@ SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(
         (REFERENCE, "", faulty(told=lambda p: {"imbalance_mass": 1.001 * p.get("imbalance_mass", 1.0)})),
         ("restored state", "", faulty(after_restore=lose_digits)),
         ("long and short steps", "", faulty(add_to_the_shaft)),
-        ("scaling by the speed", "", SLOWER_ABOVE_50),
+        ("speed scaling", "", SLOWER_ABOVE_50),
         ("finite", "", showing(input_torque_mean=math.nan)),
         ("OverflowError: too large", "", raising(OverflowError("too large"))),
         (VIRTUAL_WORK, "mesh_efficiency", faulty(told=less_lost)),
@@ -160,4 +160,4 @@ def test_rows_tell_the_figure_next_to_its_bound_or_furthest_over_it():
     outcomes = [Outcome(number, "averaged", Finding({"error": one})) for number, one in enumerate(figures)]
     row, long, refused = campaign.rows_of(outcomes)
     assert row == ("averaged", "error", 4, 1, 1, 1, "1e-06", "1e-07", 1)
-    assert (long[1:6], refused[1:6]) == (("not long", 4, 0, 0, 0), ("not refused", 4, 0, 0, 0))
+    assert (long[1:6], refused[1:6]) == (("within the work limit", 4, 0, 0, 0), ("accepted", 4, 0, 0, 0))

@@ -249,7 +249,7 @@ def test_controlled_run_tells_how_well_it_follows_and_where_its_energy_went(fmu,
     assert result.summary["distance"] == pytest.approx(5.0, rel=0.2)
     figure = scene_figure(result)
     assert len(figure.axes) == 5
-    assert {"lost", "viscous"} <= labels(figure)
+    assert {"losses", "viscous"} <= labels(figure)
     figure.savefig(tmp_path / "closed.png")
     assert (tmp_path / "closed.png").stat().st_size > 10_000
 
@@ -299,10 +299,10 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
     assert numbers["satellite_force_rms"] < numbers["satellite_force_peak"]
     assert not set(LOSSES) & set(result.table.names)
     figure = scene_figure(result)
-    assert {"on the satellite's bearing", "on the mount", "viscous", "lost"} <= labels(figure)
+    assert {"satellite bearing", "mounting", "viscous", "losses"} <= labels(figure)
     assert len(figure.axes) == 12
     # the power lost, drawn over the end of the run, is that of the table
-    lost = next(axes for axes in figure.axes if axes.get_ylabel() == "lost [W]" and axes.get_xlim()[0] > 0.3)
+    lost = next(axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3)
     power = np.diff(result.record["energy_lost"]) / 1e-3
     assert lost.lines[0].get_ydata() == pytest.approx(power[-lost.lines[0].get_ydata().size :])
 
@@ -311,10 +311,10 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
 def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(fmu, step, coarse):
     figure = scene_figure(run_scene(scene(step=step), fmu))
     lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
-    assert ("link 2 ω2, at instants" in lines) is coarse
+    assert ("link 2 ω2, instantaneous" in lines) is coarse
     assert ("output freewheel" in lines) is not coarse
     if coarse:
-        assert lines["link 2 ω2, at instants"].get_linestyle() == "None"
+        assert lines["link 2 ω2, instantaneous"].get_linestyle() == "None"
 
 
 @pytest.mark.parametrize("stop, step", [(0.5, 0.001), (0.01, 0.01)], ids=["many steps", "one step"])
@@ -332,7 +332,7 @@ def test_an_ideal_run_leaves_the_wanted_columns_and_is_drawn_without_panels_of_l
     figure = scene_figure(result)
     assert len(figure.axes) == 8
     assert figure.get_figheight() == 9.0
-    assert not {"lost", "viscous", "on the mount"} & labels(figure)
+    assert not {"losses", "viscous", "mounting"} & labels(figure)
     figure.savefig(tmp_path / "run.png")
     assert (tmp_path / "run.png").stat().st_size > 10_000
 
@@ -474,13 +474,13 @@ LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
 @pytest.mark.parametrize(
     "torque, shown",
     [
-        (PULSES, "the last 4 pulses"),
-        (np.concatenate([PULSES, LOCKED[:8]]), "the last 4 pulses"),
-        (np.concatenate([PULSES, LOCKED]), "lock-up from 0.026 s on"),
-        (np.concatenate([PULSES, COASTING]), "no more pulses from 0.029 s on"),
-        (PULSES[:15], "the end"),
-        (LOCKED, "the end"),
-        (COASTING, "the end"),
+        (PULSES, "last 4 pulses"),
+        (np.concatenate([PULSES, LOCKED[:8]]), "last 4 pulses"),
+        (np.concatenate([PULSES, LOCKED]), "lock-up from 0.026 s"),
+        (np.concatenate([PULSES, COASTING]), "no pulses from 0.029 s"),
+        (PULSES[:15], "end of the run"),
+        (LOCKED, "end of the run"),
+        (COASTING, "end of the run"),
     ],
 )
 def test_close_up_is_called_what_it_is(torque, shown):
@@ -501,7 +501,7 @@ def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, label, fa
     columns = {"time": np.arange(3.0), "energy_in": power, "energy_lost": 0.1 * power}
     plot(axes, Result(columns), FLOWS, "power", unit)
     assert axes.get_ylabel() == f"power [{label}]"
-    assert [line.get_label() for line in axes.lines] == ["in", "lost"]
+    assert [line.get_label() for line in axes.lines] == ["input", "losses"]
     assert axes.lines[0].get_ydata() == pytest.approx(power / factor)
 
 

@@ -237,16 +237,16 @@ class Choice:
         """Say what was chosen, why, and what the next level would cost."""
 
         def cost(row: Row) -> str:
-            return f"{1e3 * row.wall_time:.3g} ms per simulated second in the kernel"
+            return f"{1e3 * row.wall_time:.3g} ms of kernel time per simulated second"
 
         error, worst = self.row.worst_of(self.wanted)
-        met = f"error {error:.2g} ({worst}) where {self.error:g} was asked for"
+        met = f"error {error:.2g} ({worst}), requested {self.error:g}"
         lines = [f"chosen: {self.row.label}: {met}, {cost(self.row)}"]
-        lines += [f"not enough: {label}: {reason}" for label, reason in self.passed.items()]
+        lines += [f"rejected: {label}: {reason}" for label, reason in self.passed.items()]
         if self.following is None:
-            return [*lines, "next level: none of those measured"]
+            return [*lines, "next level: none"]
         reached = f"error {self.following.worst(self.wanted):.2g}, {cost(self.following)}"
-        return [*lines, f"next level: {self.following.label}: {reached}, {self.ratio:.3g} times as long"]
+        return [*lines, f"next level: {self.following.label}: {reached}, {self.ratio:.3g} times the run time"]
 
     def as_dict(self) -> dict[str, Any]:
         """Give the choice for machines."""
@@ -270,7 +270,7 @@ def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:
             return f"it {lacking[name]} ({name})"
     unknown = [name for name in wanted if math.isnan(row.errors.get(name, math.nan))]
     if unknown:
-        return f"nothing is known of {', '.join(unknown)}"
+        return f"no reference for {', '.join(unknown)}"
     largest, worst = row.worst_of(wanted)
     return "" if largest <= error else f"error {largest:.2g} ({worst})"
 
@@ -296,9 +296,9 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
     chosen = cheapest(meeting)
     if chosen is None:
         best = (
-            f"the best is {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "none was measured"
+            f"best: {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "no level was measured"
         )
-        raise Refused(f"error = {error:g} in {', '.join(wanted)} is met by no level of fidelity; {best}")
+        raise Refused(f"error = {error:g} in {', '.join(wanted)} is not reached by any fidelity level; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
@@ -343,8 +343,8 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 
     allowed = 0.01 if error is None else error
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    for heading in ("level of fidelity", "setting", "error", "largest in", "ms per s"):
-        table.add_column(heading, no_wrap=heading != "largest in")
+    for heading in ("fidelity level", "setting", "error", "maximum in", "ms per s"):
+        table.add_column(heading, no_wrap=heading != "maximum in")
     for row in at_levels(rows, allowed, wanted):
         largest, worst = row.worst_of(wanted)
         cost = text(1e3 * row.wall_time, ".3g")
@@ -352,8 +352,8 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
     console = terminal()
     console.print(title, style="bold")
     console.print(
-        f"Each level at its cheapest setting with errors up to {allowed:g}, else at its most accurate;"
-        f" communication step {rows[0].communication_step:g} s; ms of the kernel per simulated second"
+        f"Each level at its cheapest setting with an error of at most {allowed:g}, otherwise at its most accurate"
+        f" setting; communication step {rows[0].communication_step:g} s; kernel time in ms per simulated second"
     )
     console.print(table)
 
@@ -562,7 +562,7 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
 # --- the trade: error over cost, on log-log axes ---
 
 # label of a cost, and factor to the unit in it
-_AXES = {"wall_time": ("ms per simulated second", 1e3), "evaluations": ("right-hand sides", 1.0)}
+_AXES = {"wall_time": ("kernel time [ms per simulated second]", 1e3), "evaluations": ("right-hand-side evaluations", 1.0)}
 
 
 def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Figure:
@@ -576,7 +576,7 @@ def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Fi
             name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
             levels.setdefault(name, []).append(row)
     figure = Figure(figsize=(11.0, 5.5), dpi=110, layout="constrained")
-    figure.suptitle(f"{title}: error over cost", fontsize=11)
+    figure.suptitle(f"{title}: accuracy against run time", fontsize=11)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, (cost, (label, factor)) in zip(panels, _AXES.items(), strict=True):
         for name, level in levels.items():
@@ -587,7 +587,7 @@ def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Fi
             axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=4, label=name)
         axes.set_xlabel(label)
         axes.grid(alpha=0.3, linewidth=0.4)
-    panels[0].set_ylabel("largest relative error [1]")
+    panels[0].set_ylabel("maximum relative error [1]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
     return figure
 

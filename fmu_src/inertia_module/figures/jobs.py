@@ -32,12 +32,12 @@ LARGEST_TORQUE_RATIO = 6.0
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 # panels of a chart, the last two of one with engagements: title and unit
 PANELS = (
-    ("torque ratio, efficiency (broken line)", ""),
-    ("mean output torque / ω1²; bar: lock-up holds", "N·m·s²"),
-    ("mean input torque / ω1², of the drive", "N·m·s²"),
-    ("RMS ripple over mean output torque", "-"),
-    ("engagements: output, housing (broken), allowed (dots)", "a turn of the input"),
-    ("largest torque in the output freewheel / ω1²", "N·m·s²"),
+    ("torque ratio, efficiency (dashed)", ""),
+    ("mean output torque / ω1²; bar: lock-up torque", "N·m·s²"),
+    ("mean input torque / ω1²", "N·m·s²"),
+    ("output torque ripple (RMS) / mean", "-"),
+    ("engagements: output, housing (dashed), limit (dotted)", "per input revolution"),
+    ("maximum output freewheel torque / ω1²", "N·m·s²"),
 )
 
 
@@ -207,11 +207,11 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
 
     meets = [found.judge.meets(row) for row in found.rows]
-    for label, wanted, colour in (("beyond a limit", False, "0.8"), ("meets all limits", True, "tab:blue")):
+    for label, wanted, colour in (("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")):
         rows = [row for row, one in zip(found.rows, meets, strict=True) if one is wanted]
         panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
     style = "k*" if across is None else "k-"
-    panel.plot(*points(found.front), style, linewidth=1.0, markersize=9, label="none is better")
+    panel.plot(*points(found.front), style, linewidth=1.0, markersize=9, label="Pareto front")
     for side, one in enumerate(found.finalists):
         chosen = found.judge.meets(one.checked)
         (x,), (y,) = points([one.checked])
@@ -219,11 +219,11 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         # those beside each other to both sides
         shift = (-14, -14) if side % 2 else (6, 6)
         panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
-    panel.plot([], [], "o", color="tab:green", label=f"checked {found.judge.spec.search.check}")
+    panel.plot([], [], "o", color="tab:green", label=f"verified ({found.judge.spec.search.check})")
     dress(panel, titled(up, found.judge.unit(up)))
     x, y = points(found.rows)
     _stretch(panel.set_yscale, panel.yaxis, y)
-    panel.set_xlabel("design, in the order of the search")
+    panel.set_xlabel("design number")
     if across is not None:
         _stretch(panel.set_xscale, panel.xaxis, x)
         panel.set_xlabel(titled(across, found.judge.unit(across)))
@@ -301,7 +301,7 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
         dress(left, titled(name, unit))
         right.set_ylabel(label)
         if over.size < 2 or not amplitude.any():
-            told = "one window" if amplitude.any() else "does not swing"
+            told = "one window" if amplitude.any() else "constant"
             right.text(0.5, 0.5, told, ha="center", transform=right.transAxes)
             continue
         largest = float(found.waterfall[name].max())
@@ -315,5 +315,5 @@ def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
     highest = min(1.1 * float(found.order[last]), float(found.order[-1]))
     for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
         axes.set_xlim(0.0, highest if in_order else highest * float(found.rate.max()))
-        axes.set_xlabel(f"order, cycles a {BASES[found.of]}" if in_order else "frequency [Hz]")
+        axes.set_xlabel(f"order [cycles per {BASES[found.of]}]" if in_order else "frequency [Hz]")
     return figure

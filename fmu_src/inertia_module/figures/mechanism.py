@@ -26,10 +26,10 @@ CIRCLE = np.stack([0.0 * TURN, np.sin(TURN), np.cos(TURN)], axis=1)
 # turns of the drive at most that a path shows: a whole period may take a million
 MOST_TURNS = 20
 # axes across and up, by what a view is
-PLANAR = {"along the central axis, paths in link 1": (1, 2)}
+PLANAR = {"view along the central axis, paths relative to link 1": (1, 2)}
 BEVEL = {
-    "section through central axis and drive": (0, 2),
-    "along the axis of the drive": (0, 1),
+    "section through the central axis and the pinion shaft": (0, 2),
+    "view along the pinion shaft": (0, 1),
 }
 
 
@@ -70,12 +70,12 @@ def _draw_imbalance(axes: Axes, d: Any, view: tuple[int, int], q: Array, turned:
     if d.planar:
         places = [layout.to_fixed_frame(turned, *place) for place in places]  # type: ignore[no-untyped-call]
     seen = _draw(axes, np.array(places), view, VERMILION, "", filled=False)
-    axes.plot(*seen[:, :1], "o", color=VERMILION, label="" if turned else "imbalance and its path")
+    axes.plot(*seen[:, :1], "o", color=VERMILION, label="" if turned else "unbalanced mass and its path")
 
 
 def _draw_planar(axes: Axes, d: Any, view: tuple[int, int]) -> None:
     """Draw sun wheel, carrier and satellites at the start."""
-    _draw(axes, d.sun_radius * CIRCLE, view, BLUE, "sun wheel, link 2")
+    _draw(axes, d.sun_radius * CIRCLE, view, BLUE, "sun gear, link 2")
     for turned in np.arange(d.satellites) * math.tau / d.satellites:
         centre = d.axial * np.array([0.0, -math.sin(turned), math.cos(turned)])
         _draw(axes, np.stack([0.0 * centre, centre]), view, BLACK, "" if turned else "carrier, link 1")
@@ -92,12 +92,12 @@ def _draw_bevel(axes: Axes, d: Any, view: tuple[int, int]) -> None:
     apex = np.array([0.0, 0.0, d.c * slant * math.cos(psi)])
     for line in (axes.axvline, axes.axhline):
         line(0.0, color=GREY, linewidth=0.9, dashes=(10, 3, 2, 3))
-    _draw_cone(axes, view, BLUE, "wheel 17, on link 1", apex, slant * _cone(psi, math.pi, 0.0))
+    _draw_cone(axes, view, BLUE, "gear 17, fixed to link 1", apex, slant * _cone(psi, math.pi, 0.0))
     turns = min(int(d.period_turns), MOST_TURNS)
     path = np.linspace(0.0, math.tau * turns, TURN.size * turns) - d.phase_a
     for turned in np.arange(d.satellites) * math.tau / d.satellites:
         cone = slant * _cone(phi, math.pi - d.shaft_angle, turned)
-        _draw_cone(axes, view, ORANGE, "" if turned else "satellite 6", apex, cone)
+        _draw_cone(axes, view, ORANGE, "" if turned else "satellite gear 6", apex, cone)
         _draw_imbalance(axes, d, view, path[:1] if turned else path, turned)
 
 

@@ -81,8 +81,8 @@ def report_file(
     remarks += chosen
     asked, *parameters = _asked(result.scene, text, keys).items()
     sections = {
-        "Warnings and remarks": Part(remarks or ["There are none."]),
-        "What was found": _found(result),
+        "Warnings and remarks": Part(remarks or ["None."]),
+        "Results": _found(result),
     }
     sections |= dict([asked])
     for number, (title, make) in enumerate(PARTS.items()):
@@ -90,12 +90,12 @@ def report_file(
         try:
             sections[title] = make(result)
         except Refused as reason:
-            sections[title] = Part([f"Left out: {reason}."])
+            sections[title] = Part([f"Not available: {reason}."])
     origin = {
         "scene file": f"{file.name}, SHA-256 {hashlib.sha256(text.encode()).hexdigest()}",
         "FMU": f"{fmu.name} {read_description(fmu, validate=False).guid}",
         "version": f"inertia-module {__version__}, Python {platform.python_version()}, {platform.platform()}",
-        "made": f"{date.today()}",
+        "date": f"{date.today()}",
         "command": command,
     }
     sections |= dict(parameters)
@@ -168,11 +168,11 @@ def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
             rows[""].append((key, _shown(value), source(key, _shown(value), "default")))
     columns = ("parameter", "value", "source", "meaning")
     parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
-    added = "A value other than that of its source has in it what other keys add, as the inertia of a load."
-    return {"What was asked": Part([added], ("key", "value", "source"), rows[""]), **parts}
+    added = "A value that differs from its source includes contributions of other keys, such as the inertia of a load."
+    return {"Inputs": Part([added], ("key", "value", "source"), rows[""]), **parts}
 
 
-# --- what was found ---
+# --- results ---
 
 
 def _found(result: SceneResult) -> Part:
@@ -187,12 +187,12 @@ def _module(result: SceneResult) -> Scene:
     """The scene of a run, which must be one of the module."""
     if isinstance(result.scene, Scene):
         return result.scene
-    raise Refused("the scene is one of a driven shaft alone, without satellites and freewheels")
+    raise Refused("the scene is a driven shaft without satellites and freewheels")
 
 
 def _mechanism(result: SceneResult) -> Part:
     """Sketch of one module."""
-    text = "One module, to scale: pitch circles or pitch cones. No parameter gives the size of anything else."
+    text = "One module, to scale. The sketch shows pitch circles or pitch cones; other dimensions are not parameters."
     return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
 
 
@@ -208,8 +208,8 @@ def _chart(result: SceneResult) -> Part:
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
     figure = chart_figure({"mechanism": chart}, allowed=allowed)
-    at = f"at the largest speed of link 1 in the run, {omega1:.5g} rad/s"
-    return Part([f"Steady means over the speed ratio, {at}."], ("number", "value"), rows, _picture(figure))
+    at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
+    return Part([f"Steady-state means over the speed ratio, {at}."], ("number", "value"), rows, _picture(figure))
 
 
 def _orders(result: SceneResult) -> Part:
@@ -221,10 +221,9 @@ def _orders(result: SceneResult) -> Part:
     begin, end = record.time[turning[0]], record.time[turning[-1] + 1]
     found = orders(scene, record=record, begin=begin, end=end)
     rows = [(_words(name), *line) for name, lines in found.lines(NAMED).items() for line in lines.items()]
-    texts = [f"Cycles a {BASES[LINK1]}, from {begin:g} s to {end:g} s."]
+    texts = [f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."]
     if is_coarse(record):
-        step = "The communication step is long for the pulses"
-        texts.append(f"{step}: what is above the highest order is folded down.")
+        texts.append("The communication step is too long for the pulses: orders above the maximum are aliased.")
     return Part([" ".join(texts)], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
 
 
@@ -237,8 +236,8 @@ def _energy(result: SceneResult) -> Part:
             power = f"{value / time:.4g} W" if unit == "J" else ""
             share = f"{100.0 * value / lost:.3g} %" if name.startswith(LOST_TO) else ""
             rows.append((_words(name), f"{value:.6g} {unit}", power, share))
-    texts = [] if lost else ["The mechanism is ideal: it loses nothing."]
-    return Part(texts, ("energy", "value", "mean power", "share of what is lost"), rows)
+    texts = [] if lost else ["The mechanism is ideal: no losses."]
+    return Part(texts, ("energy", "value", "mean power", "share of the losses"), rows)
 
 
 def _duty(result: SceneResult) -> Part:
@@ -249,22 +248,22 @@ def _duty(result: SceneResult) -> Part:
     lines = result.lines()
     frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [
-        (number, *(lines.get(f"{name} {number}", "there is none") for name in FREEWHEELS))
+        (number, *(lines.get(f"{name} {number}", "not present") for name in FREEWHEELS))
         for number in (*frequencies, "torque peak", "slip peak")
     ]
     text = (
-        "The mean frequency is that of the whole run; the largest is that of ten engagements in a row, for a"
-        " maker limits how soon its sprags have to engage again. Slip is the speed of overrunning."
+        "The mean frequency covers the whole run. The maximum covers ten consecutive engagements, because"
+        " manufacturers limit the indexing frequency of sprags. Slip is the overrunning speed."
     )
     return Part([text], ("number", *(f"{name} freewheel" for name in FREEWHEELS)), rows)
 
 
-# sections of what was found, as far as a scene can have them
+# sections of the results, as far as a scene can have them
 PARTS: dict[str, Callable[[SceneResult], Part]] = {
     "Mechanism": _mechanism,
     "Curves": lambda result: Part(picture=_picture(scene_figure(result), size=1.0)),
     "Torque converter chart": _chart,
     "Orders": _orders,
     "Energy and losses": _energy,
-    "Duty of the freewheels": _duty,
+    "Freewheel duty": _duty,
 }

@@ -47,13 +47,13 @@ LOOKS = {
     "housing_torque": ("housing freewheel", BLUE, "-"),
     "load_torque": ("load", GREEN, "--"),
     "drive_torque": ("drive", BLUE, "-"),
-    "satellite_force": ("on the satellite's bearing", PURPLE, "-"),
-    "shaking_force": ("on the mount", BLUE, "-"),
-    "imbalance_acceleration": ("imbalance", PURPLE, "-"),
-    "energy_in": ("in", BLACK, "-"),
-    "energy_out": ("out to the load", GREEN, "-"),
-    GAIN: ("gain of stored", BLUE, "-"),
-    "energy_lost": ("lost", VERMILION, "-"),
+    "satellite_force": ("satellite bearing", PURPLE, "-"),
+    "shaking_force": ("mounting", BLUE, "-"),
+    "imbalance_acceleration": ("unbalanced mass", PURPLE, "-"),
+    "energy_in": ("input", BLACK, "-"),
+    "energy_out": ("output", GREEN, "-"),
+    GAIN: ("change in stored", BLUE, "-"),
+    "energy_lost": ("losses", VERMILION, "-"),
     "hub_speed": ("hub", BLACK, "-"),
     "hub_acceleration": ("hub", BLACK, "-"),
     "driven_acceleration": ("driven mass", VERMILION, "-"),
@@ -108,7 +108,7 @@ def plot(
         label, colour, line = LOOKS[name]
         look: dict[str, Any] = {"color": colour, "linestyle": line, "label": labels.get(name, label)}
         if name in INSTANTS and is_coarse(table):
-            look |= {"linestyle": "none", "marker": ".", "markersize": 2.0, "label": f"{label}, at instants"}
+            look |= {"linestyle": "none", "marker": ".", "markersize": 2.0, "label": f"{label}, instantaneous"}
         axes.plot(table.time[first:], table[name][first:] / factor, linewidth=1.5, **look)
     dress(axes, f"{what} [{unit}]")
 
@@ -138,13 +138,13 @@ def end_of_run(table: Result) -> tuple[int, str]:
     """First row of a close-up of the end, and what it shows: the last pulses, or what came after them."""
     starts = pulse_starts(table)
     if starts.size < PULSES_SHOWN:
-        return int(0.9 * len(table)), "the end"
+        return int(0.9 * len(table)), "end of the run"
     driving, time = table["output_torque_mean"] > 0.0, table.time
     first, last = int(starts[-PULSES_SHOWN]), int(np.flatnonzero(driving[1:] != driving[:-1])[-1])
     if time[-1] - time[last] > time[starts[-1]] - time[first]:
-        what = "lock-up" if driving[-1] else "no more pulses"
-        return first, f"{what} from {time[last]:.4g} s on"
-    return first, f"the last {PULSES_SHOWN} pulses"
+        what = "lock-up" if driving[-1] else "no pulses"
+        return first, f"{what} from {time[last]:.4g} s"
+    return first, f"last {PULSES_SHOWN} pulses"
 
 
 def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
@@ -157,7 +157,7 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     elif "imbalance_acceleration" in table:
         drawn.append(partial(_magnitudes, names=INSTANTS[-1:], what="acceleration", unit="m/s²"))
     if lost := losses(table):
-        drawn += [partial(_powers, names=FLOWS, what="power"), partial(_powers, names=lost, what="lost")]
+        drawn += [partial(_powers, names=FLOWS, what="power"), partial(_powers, names=lost, what="losses")]
     drawn.append(_energies)
     figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
     grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
@@ -174,7 +174,7 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
         told += f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
     told += "mean torque {output_torque_mean:.3g} N·m"
     headline(grid[0, 0], told.format_map(numbers))
-    headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switches in all)")
+    headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switching events in total)")
 
 
 def _speeds(axes: Axes, table: Result, first: int) -> None:
@@ -203,7 +203,7 @@ def _torques(axes: Axes, table: Result, first: int) -> None:
     if starts.size > 1 and not first:
         impulse = np.concatenate([[0.0], np.cumsum(torque[1:] * np.diff(time))])
         means, edges = np.diff(impulse[starts]) / np.diff(time[starts]), time[starts]
-        axes.stairs(means, edges, baseline=None, color=BLACK, linewidth=1.8, label="mean from pulse to pulse")
+        axes.stairs(means, edges, baseline=None, color=BLACK, linewidth=1.8, label="mean per pulse")
     plot(axes, table, ("load_torque", "drive_torque"), "torque", "N·m", first)
 
 
@@ -252,7 +252,7 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     heights = (1.6, 1, 1, 1.2, 1) if lost else (1.6, 1, 1, 1.2)
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     _followed_speed(panels[0], table, result.scene.cycle)
-    told = "error {tracking_error_rms:.2f} km/h rms and {tracking_error_maximum:.2f} km/h at most"
+    told = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
     if result.scene.cycle is not None:
         told = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + told
     headline(panels[0], told.format_map(numbers))
@@ -262,7 +262,7 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
     if lost:
-        _powers(panels[4], table, 0, lost, "lost")
+        _powers(panels[4], table, 0, lost, "losses")
     panels[-1].set_xlabel("time [s]")
 
 
@@ -297,11 +297,11 @@ def _energy_shares(axes: Axes, table: Result) -> None:
         "rolling": (work(table, "rolling_torque"), ORANGE),
         "air drag": (work(table, "drag_torque"), SKY),
         "slope": (work(table, "slope_torque"), GREEN),
-        "lost": (table["energy_lost"], GREY),
+        "losses": (table["energy_lost"], GREY),
     }
     parts = {name: part for name, part in parts.items() if part[0].any()}
     # module, car and, if it is elastic, the coupling between them
-    parts["in motion"] = (table["energy_in"] - sum(energy for energy, _ in parts.values()), PURPLE)
+    parts["kinetic"] = (table["energy_in"] - sum(energy for energy, _ in parts.values()), PURPLE)
     factor, unit = in_thousands("J", table["energy_in"])
     shares, colours = zip(*((energy / factor, colour) for energy, colour in parts.values()), strict=True)
     axes.stackplot(table.time, *shares, labels=list(parts), colors=colours, alpha=0.75, linewidth=0)
@@ -319,7 +319,7 @@ def _shaft_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     plot(panels[0], table, ("hub_speed", "omega_out"), "speed", "rad/s", omega_out="driven mass")
     plot(panels[1], table, ("hub_acceleration", "driven_acceleration"), "acceleration", "rad/s²")
     plot(panels[2], table, ("twist",), "twist", "mrad")
-    _energies(panels[3], table, 0, energy_lost="lost, less the balancer's work")
+    _energies(panels[3], table, 0, energy_lost="losses minus work of the balancer")
     panels[3].set_xlabel("time [s]")
     peak = result.summary["driven_acceleration_peak"]
-    headline(panels[0], f"driven mass at most {peak:.4g} rad/s², hub {np.abs(law).max():.4g} rad/s²")
+    headline(panels[0], f"maximum: driven mass {peak:.4g} rad/s², hub {np.abs(law).max():.4g} rad/s²")

@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 
 # what an order is counted over
 LINK1, DRIVE = "link1", "drive_angle"
-BASES = {LINK1: "turn of link 1", DRIVE: "turn of the drive angle"}
+BASES = {LINK1: "revolution of link 1", DRIVE: "revolution of the pinion shaft"}
 # an angle comes without whole turns, and these
 ANGLES = ("input_angle", "input_turns", "drive_angle", "drive_turns")
 # components, in the fixed frame, of the force of imbalance 0 on its bearing, which is that mass times

@@ -1,20 +1,20 @@
-// What the page says about itself.
+// Help text of the viewer.
 
 import { button, element } from "../common/dom";
 import { KEY_HELP } from "./keyboard";
 
 const PARAGRAPHS = [
-  "Link 1, the carrier, is turned by the motor. It carries drive wheels that mesh with link 2; on them run satellites with an"
-  + " imbalance each. The faster link 1 turns relative to link 2, the faster the imbalances swing, and their inertia pushes link 2"
-  + " forwards and backwards in turn.",
-  "The housing freewheel takes the backward pushes: it holds link 2 (amber while it holds). The output freewheel passes the forward"
-  + " pushes on to the output shaft. So the output is driven by pulses of torque, the stronger the slower it turns: a stepless"
-  + " transmission that works like a torque converter. A freewheel with an engagement angle turns back before it holds: its rollers"
-  + " stand off the outer race by the play that is left.",
-  "All numbers are computed in this page by the kernel of the inertia module, the same that is in the FMU. Change anything on the"
-  + " right: the run is integrated anew. Energy that the audit misses is the error of the integration.",
-  "Gears, imbalances and their paths are drawn where they are. Shafts, arms, freewheels and the size of wheels 2 and 16 are drawn"
-  + " to suit; planar modules stand side by side, and of more than 12 modules or satellites 12 are drawn.",
+  "The motor turns link 1, the carrier. The carrier holds pinions that mesh with link 2, and satellites with an unbalanced mass"
+  + " each. The faster link 1 turns relative to link 2, the faster the unbalanced masses spin. Their inertia pushes link 2"
+  + " alternately forward and backward.",
+  "The housing freewheel (one-way clutch) transmits the backward pulses to the housing and locks link 2; it is amber while locked."
+  + " The output freewheel transmits the forward pulses to the output shaft. The slower the output turns, the stronger the pulses:"
+  + " a continuously variable transmission that behaves like a torque converter. A freewheel with an engagement angle rotates"
+  + " backward before it locks. The gap between its rollers and the outer race is the remaining angle.",
+  "The kernel of the FMU computes all numbers in this page. Change any setting on the right to run the simulation again."
+  + " The energy imbalance is the integration error.",
+  "Gears, unbalanced masses and their paths are drawn to scale. Shafts, arms, freewheels and the diameters of gears 2 and 16 are"
+  + " schematic. Planar modules are drawn side by side, at most 12 modules and 12 satellites.",
 ];
 
 /** A button that opens the help. */

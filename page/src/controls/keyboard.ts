@@ -1,30 +1,30 @@
-// Keys of the page. Fields and lists keep theirs.
+// Keyboard shortcuts of the viewer. Input fields and lists keep their own keys.
 
 export type Keys = Readonly<Record<string, () => void>>;
 
-/** What the keys do, for the help of the page. */
+/** Shortcuts and their actions, for the help dialog. */
 export const KEY_HELP: readonly (readonly [string, string])[] = [
   ["Space", "play or pause"],
-  ["← →", "a point of the run back or on"],
-  [", .", "to the last or next switch of a freewheel"],
+  ["← →", "previous or next point of the run"],
+  [", .", "previous or next freewheel switching event"],
   ["L", "repeat one pulse"],
   ["− +", "slower, faster"],
-  ["Home End", "to the beginning, to the end"],
+  ["Home End", "start or end of the run"],
   ["F", "follow the carrier"],
   ["C", "cut-away"],
   ["T", "torques"],
-  ["V", "see all of the machine"],
+  ["V", "show the whole mechanism"],
 ];
 
 function takesKeys(target: EventTarget | null, key: string): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.matches("input[type=text], select, textarea")) return true;
-  // sliders move by arrows, buttons and boxes answer the space bar
+  // arrow keys move sliders, the space bar activates buttons and check boxes
   if (target.matches("input[type=range]")) return key !== " " && key.length > 1;
   return target.matches("button, summary, input[type=checkbox], a") && (key === " " || key === "Enter");
 }
 
-/** Listen to keys by their names (KeyboardEvent.key, letters small). */
+/** Listen to keys by name (KeyboardEvent.key, lower-case letters). */
 export function listen(keys: Keys): void {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || takesKeys(event.target, event.key)) return;

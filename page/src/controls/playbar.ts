@@ -14,17 +14,17 @@ export interface PlayActions {
 const PARTS = 10000;
 const SPEEDS = [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
 
-/** A speed of play as a fraction. */
+/** Playback speed as text. */
 function speedText(speed: number): string {
-  return speed < 1 ? `1/${Math.round(1 / speed)} of real speed` : speed === 1 ? "real speed" : `${speed} × real speed`;
+  return speed < 1 ? `slow motion 1/${Math.round(1 / speed)}` : speed === 1 ? "real time" : `${speed} × real time`;
 }
 
-/** The nearest speed that can be chosen. */
+/** The nearest selectable speed. */
 function nearestSpeed(speed: number): number {
   return SPEEDS.reduce((best, other) => Math.abs(Math.log(other / speed)) < Math.abs(Math.log(best / speed)) ? other : best);
 }
 
-/** The bar under the picture. */
+/** The playback bar below the animation. */
 export class PlayBar {
   readonly root: HTMLElement;
   private readonly play: HTMLButtonElement;
@@ -40,18 +40,18 @@ export class PlayBar {
     this.play = button("▶", "Play", actions.toggle);
     this.play.classList.add("play");
     this.pulse = button("↻ one pulse", "Repeat one pulse, slowly", actions.pulse);
-    this.speed = choice("Speed of play", SPEEDS.map((speed) => [String(speed), speedText(speed)]), "0.05", (text) => {
+    this.speed = choice("Playback speed", SPEEDS.map((speed) => [String(speed), speedText(speed)]), "0.05", (text) => {
       player.set({ speed: Number(text) });
     });
     this.scrub.addEventListener("input", () => {
       player.set({ time: (Number(this.scrub.value) / PARTS) * this.length, loop: null });
     });
-    this.root = element("div", { class: "playbar", role: "group", "aria-label": "Play" },
+    this.root = element("div", { class: "playbar", role: "group", "aria-label": "Playback" },
       this.play,
-      button("⇤", "Back to the last switch of a freewheel", () => { actions.step(false); }),
-      button("⇥", "On to the next switch of a freewheel", () => { actions.step(true); }),
+      button("⇤", "Previous freewheel switching event", () => { actions.step(false); }),
+      button("⇥", "Next freewheel switching event", () => { actions.step(true); }),
       this.pulse, this.scrub, this.time, this.speed,
-      choice("Time shown in the curves", [["0", "curves: whole run"], ["10", "curves: 10 turns"], ["2", "curves: 2 turns"]], "0", actions.window));
+      choice("Time range of the curves", [["0", "curves: whole run"], ["10", "curves: 10 revolutions"], ["2", "curves: 2 revolutions"]], "0", actions.window));
   }
 
   show(length: number): void {

@@ -1,4 +1,4 @@
-// What the instruments say now, and the energy audit.
+// Current values and the energy balance.
 
 import type { Run } from "../run/run";
 import { isCoarse, largest, nearest, shownName, valueAt } from "../run/sample";
@@ -26,18 +26,18 @@ function signal(name: string, part: string, column: string, unit: string): Row {
   };
 }
 
-/** State of a freewheel: where it does not hold, by the speed at which it overruns, rad/s. */
+/** State of a freewheel: locked, overrunning or rotating backward, from the overrunning speed, rad/s. */
 function freewheel(name: string, which: "housing" | "output", overrun: (run: Run, time: number) => number): Row {
   return {
     name, part: which, unit: "",
     text: (run, time) => {
-      if (holding(nearest(run, "contact_mode", time))[which]) return "holds";
-      return overrun(run, time) < -1e-9 ? "turns back" : "overruns";
+      if (holding(nearest(run, "contact_mode", time))[which]) return "locked";
+      return overrun(run, time) < -1e-9 ? "rotates backward" : "overruns";
     },
   };
 }
 
-/** Engagements a second of a freewheel, over the last second or since the start. */
+/** Engagement frequency of a freewheel over the last second or since the start. */
 function engagements(run: Run, which: string, time: number): string {
   if ((run.parameters.fidelity ?? 0) < RIGID) return "–";
   const [name, span] = [`${which}_engagements`, Math.min(time, 1)];
@@ -58,27 +58,27 @@ const NOW: readonly Row[] = [
   freewheel("housing freewheel", "housing", (run, time) => valueAt(run, "omega2", time)),
   freewheel("output freewheel", "output", (run, time) => valueAt(run, "omega_hub", time) - valueAt(run, "omega2", time)),
   {
-    name: "engagements of each", part: "", unit: "Hz",
+    name: "engagements per second", part: "", unit: "1/s",
     text: (run, time) => `${engagements(run, "housing", time)}/${engagements(run, "output", time)}`,
   },
-  signal("imbalance acceleration", "imbalance", "imbalance_acceleration", "m/s²"),
+  signal("unbalanced mass, acceleration", "imbalance", "imbalance_acceleration", "m/s²"),
 ];
 
 const ENERGY: readonly Row[] = [
-  ["put in by the drive", "energy_in"], ["given to the load", "energy_out"], ["lost", "energy_lost"],
+  ["input work", "energy_in"], ["output work", "energy_out"], ["losses", "energy_lost"],
 ].map(([name = "", column = ""]) => signal(name, "", column, "J"));
 
 const AUDIT: readonly Row[] = [
   ...ENERGY,
   {
-    name: "gain of stored", part: "", unit: "J",
+    name: "change in stored energy", part: "", unit: "J",
     text: (run, time) => steadyText(
       valueAt(run, "energy_stored", time) - (run.columns.energy_stored?.[0] ?? NaN), largest(run, ["energy_stored"])),
   },
-  { name: "missing: error of the run", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
+  { name: "imbalance (integration error)", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
 ];
 
-/** A table of rows that is told the time. */
+/** A table of values at a time. */
 class Instruments {
   readonly root: HTMLTableElement;
   private readonly cells: { cell: HTMLElement; text: Row["text"] }[];
@@ -101,10 +101,10 @@ class Instruments {
     for (const { cell, text } of this.cells) {
       const now = text(run, time);
       if (cell.textContent !== now) cell.textContent = now;
-      cell.classList.toggle("holds", now === "holds");
+      cell.classList.toggle("holds", now === "locked");
     }
   }
 }
 
-export const instruments = (): Instruments => new Instruments("Now", NOW, ", torques: mean of a step");
-export const audit = (): Instruments => new Instruments("Energy audit", AUDIT);
+export const instruments = (): Instruments => new Instruments("Now", NOW, ", step-averaged torques");
+export const audit = (): Instruments => new Instruments("Energy balance", AUDIT);

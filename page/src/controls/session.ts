@@ -20,11 +20,11 @@ const PATIENCE = 150;
 /** More points than this are not kept. */
 const MOST_STEPS = 60_000;
 
-const CONSTANT = "Load and drive that follow the motion in this scene are constant here.";
+const CONSTANT = "Loads and sources that depend on the motion are constant in this viewer.";
 
 function recordedNote(every: number): string {
-  const which = every === 1 ? "" : `, of every ${every} points one`;
-  return `This is the run as it was recorded${which}. Change anything, and the page integrates its own.`;
+  const which = every === 1 ? "" : `, every ${every}th point`;
+  return `Recorded run${which}. Change any setting to simulate in the browser.`;
 }
 
 export class Session {
@@ -75,11 +75,11 @@ export class Session {
   }
 }
 
-/** What is wrong with the length of a run, or nothing. */
+/** The message for a run with too many or no steps, otherwise an empty text. */
 function tooLong({ step, duration }: Request): string {
   const steps = Math.round(duration / step);
   if (steps >= 1 && steps <= MOST_STEPS) return "";
   const least = Number((duration / MOST_STEPS).toPrecision(3));
   const advice = steps > MOST_STEPS ? `; step must be at least ${least} s` : "";
-  return `a run must have between 1 and ${MOST_STEPS} steps: duration is ${duration} s, step is ${step} s${advice}`;
+  return `a run must have between 1 and ${MOST_STEPS} steps (got duration ${duration} s, step ${step} s)${advice}`;
 }

@@ -7,7 +7,7 @@ import { GROUPS, type Group } from "./groups";
 
 /** Length and step of the run stand with the variables of the table. */
 const TIMES: readonly Variable[] = [
-  ["duration", "length of the run"], ["step", "communication step: distance of the points of the run"],
+  ["duration", "duration of the run"], ["step", "communication step: time between points of the run"],
 ].map(([name = "", description = ""]) => ({
   name, group: "Run", description, kind: "Real", causality: "input", tunable: false, unit: "s",
   start: name === "step" ? 0.0005 : 1, min: 0, max: null, nominal: null, allowed: "", items: [], place: -1, ratePlace: -1, rateGivenPlace: -1,

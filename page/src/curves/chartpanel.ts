@@ -59,7 +59,7 @@ export class ChartPanel {
     this.points = [];
     clearTimeout(this.waiting);
     if (!(speed > 0)) {
-      this.tell("There is no chart of an input at rest.");
+      this.tell("The chart needs a turning input.");
       return;
     }
     this.next(parameters, speed, chartRatios());
@@ -67,14 +67,14 @@ export class ChartPanel {
 
   private next(parameters: Run["parameters"], speed: number, [ratio, ...rest]: number[]): void {
     if (ratio === undefined) {
-      this.tell(`Steady pulses at ω1 = ${speed} rad/s: input and output torque, dashed the efficiency. The dot is the run now.`);
+      this.tell(`Periodic steady state at ω1 = ${speed} rad/s: input and output torque; efficiency dashed. The dot is the current time of the run.`);
       return;
     }
     this.waiting = window.setTimeout(() => {
       try {
         this.points.push(chartPoint(parameters, speed, ratio));
       } catch (refused) {
-        this.tell(`No chart: ${(refused as Error).message}`);
+        this.tell(`Chart not available: ${(refused as Error).message}`);
         return;
       }
       this.plot?.plot.setData(this.data());

@@ -1,4 +1,4 @@
-// The row of curves: two panels over time, and the phase plot or the converter chart.
+// The row of curves: two panels over time, and the phase plot or the torque converter chart.
 
 import { choice, element } from "../common/dom";
 import type { Run } from "../run/run";
@@ -8,7 +8,7 @@ import { ChartPanel } from "./chartpanel";
 import { PhasePlot } from "./phase";
 import { TimePanel } from "./timeplot";
 
-const PHASE_NOTE = "The drive turns at q′ = k (ω1 − ω2); all turns of the run lie over one another. The dot is now.";
+const PHASE_NOTE = "The pinion shaft turns at q′ = k (ω1 − ω2). All its revolutions are overlaid; the dot is the current time.";
 
 export class Curves {
   private readonly panels: TimePanel[];
@@ -23,9 +23,9 @@ export class Curves {
 
   constructor(host: HTMLElement, scrub: (time: number) => void) {
     this.panels = ["speeds", "torques"].map((id) => new TimePanel(id, scrub));
-    const select = choice("Phase plot or converter chart",
-      [["phase", "Phase plot, ω2 over q"], ["chart", "Converter chart"]], "phase", (shown) => { this.turnTo(shown); });
-    const third = element("section", { class: "panel", "aria-label": "Phase plot and converter chart" },
+    const select = choice("Phase plot or torque converter chart",
+      [["phase", "Phase plot, ω2 over q"], ["chart", "Torque converter chart"]], "phase", (shown) => { this.turnTo(shown); });
+    const third = element("section", { class: "panel", "aria-label": "Phase plot and torque converter chart" },
       element("header", {}, select), this.note, this.chart.note, this.phase.root, this.chart.root);
     host.append(...this.panels.map((panel) => panel.root), third);
     this.chart.root.hidden = this.chart.note.hidden = true;

@@ -31,7 +31,7 @@ export class PhasePlot {
     this.plot = null;
     if (!this.run || !this.root.isConnected || this.root.hidden) return;
     this.plot = new Plot(this.root, {
-      x: "drive angle q in its turn [rad]",
+      x: "pinion-shaft angle q [rad]",
       axes: [{ label: "ω2 [rad/s]" }],
       lines: [{ label: "ω2", colour: "transparent" }],
       range: { x: () => [0, TURN] },

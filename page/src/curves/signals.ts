@@ -1,11 +1,11 @@
-// What the curves show of a run.
+// Signals of the curves.
 
 import { CURVES } from "../common/colours";
 import { variables, type Run } from "../run/run";
 import { isCoarse } from "../run/sample";
 
-/** What a coarse run shows of what swings: its mean over or its greatest in each step, or dots at instants. */
-const INSTEAD = { mean: "mean", peak: "greatest", dots: "at instants" } as const;
+/** How a coarsely sampled run shows a pulsating signal: step mean, step maximum, or instantaneous values as dots. */
+const INSTEAD = { mean: "mean", peak: "maximum", dots: "instantaneous" } as const;
 
 export interface Series {
   readonly label: string;
@@ -84,7 +84,7 @@ function runningMean(values: Float64Array, half: number): Float64Array {
   });
 }
 
-/** What energy is lost to, by cause. */
+/** Prefix of the losses by cause. */
 const LOST_TO = "energy_lost_";
 const LOST = variables.map(({ name }) => name).filter((name) => name.startsWith(LOST_TO));
 const COLOURS = Object.values(CURVES);
@@ -95,7 +95,7 @@ export const PANELS: readonly Panel[] = [
     series: [
       column("ω1 input", "input_speed", CURVES.blue),
       column("ω2 link 2", "omega2", CURVES.green, "dots"),
-      column("output", "omega_out", CURVES.purple),
+      column("ω3 output", "omega_out", CURVES.purple),
     ],
   },
   {
@@ -110,10 +110,10 @@ export const PANELS: readonly Panel[] = [
   {
     id: "power", title: "Power, running mean", unit: "W",
     series: [
-      power("in", "energy_in", CURVES.blue),
-      power("out to the load", "energy_out", CURVES.purple),
+      power("input", "energy_in", CURVES.blue),
+      power("output", "energy_out", CURVES.purple),
       power("stored", "energy_stored", CURVES.green),
-      power("lost", "energy_lost", CURVES.red),
+      power("losses", "energy_lost", CURVES.red),
     ],
   },
   {
@@ -123,8 +123,8 @@ export const PANELS: readonly Panel[] = [
   {
     id: "forces", title: "Forces", unit: "N",
     series: [
-      column("on a satellite's bearing", "satellite_force", CURVES.red, "peak"),
-      magnitude("on the mount", "shaking_force", CURVES.grey),
+      column("satellite bearing", "satellite_force", CURVES.red, "peak"),
+      magnitude("mounting", "shaking_force", CURVES.grey),
     ],
   },
 ];

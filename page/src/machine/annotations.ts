@@ -114,7 +114,7 @@ export class Annotations {
       (column) => `imbalance ${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
     add("force", this.force.tip, new Vector3(0, 0.16 * reach, 0), (column) => {
       const size = Math.hypot(column("shaking_force_x"), column("shaking_force_y"), column("shaking_force_z"));
-      return `${steadyText(size, this.largest.force)} N on the mount`;
+      return `${steadyText(size, this.largest.force)} N on the mounting`;
     });
   }
 
@@ -126,6 +126,6 @@ export class Annotations {
     labels.add("housing freewheel", "housing", this.group, axis(stations.housing, 0.36));
     labels.add("output freewheel", "output", this.group, axis(stations.freewheel, -0.52));
     labels.add("output shaft", "output", this.group, axis(stations.end, 0.12));
-    labels.add("imbalance", "imbalance", this.marker, new Vector3(0, 0, 0.14 * reach));
+    labels.add("unbalanced mass", "imbalance", this.marker, new Vector3(0, 0, 0.14 * reach));
   }
 }
