@@ -1,4 +1,4 @@
-/* Common to the FMUs of test_check.py: what they do is in behaviour.h, which a test writes. */
+/* Common to the FMUs of test_check.py. A test writes their behaviour to behaviour.h. */
 #include <math.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* value references; y is u, flag is true from 0.5 s on, text is "early" or "late", count counts the steps */
@@ -32,6 +33,10 @@ static const char *text(unsigned reference)
 {
     return reference == IN_TEXT ? model.text : model.time >= 0.5 - 1e-9 ? "late" : "early";
 }
+
+/* of FMI 3.0: whether a step may return early, and whether and when it does */
+static bool early_allowed, is_early;
+static double early_time;
 
 /* returns a status: 0 if all is well, 2 discards the step, 3 is an error */
 static int behaviour(double time, double step);

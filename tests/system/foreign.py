@@ -1,6 +1,8 @@
-"""FMUs that behave badly, or correctly in an unusual way: a C file, compiled for a test, and its description."""
+"""FMUs that behave badly, or correctly in an unusual way: C code compiled for a test, and a description."""
 
+import functools
 import subprocess
+import tempfile
 import zipfile
 from pathlib import Path
 
@@ -19,13 +21,19 @@ DESCRIPTION_2 = """<?xml version="1.0" encoding="UTF-8"?>
   <ModelVariables>
     <ScalarVariable name="u" valueReference="1" causality="input"><Real start="0"/></ScalarVariable>
     <ScalarVariable name="y" valueReference="2" causality="output"><Real/></ScalarVariable>
-    <ScalarVariable name="flag" valueReference="3" causality="output" variability="discrete"><Boolean/></ScalarVariable>
-    <ScalarVariable name="text" valueReference="4" causality="output" variability="discrete"><String/></ScalarVariable>
-    <ScalarVariable name="count" valueReference="5" causality="output" variability="discrete"><Integer/></ScalarVariable>
+    <ScalarVariable name="flag" valueReference="3" causality="output" variability="discrete">
+      <Boolean/>
+    </ScalarVariable>
+    <ScalarVariable name="text" valueReference="4" causality="output" variability="discrete">
+      <String/>
+    </ScalarVariable>
+    <ScalarVariable name="count" valueReference="5" causality="output" variability="discrete">
+      <Integer/>
+    </ScalarVariable>
   </ModelVariables>
   <ModelStructure>
-    <Outputs><Unknown index="2"/><Unknown index="3"/><Unknown index="4"/><Unknown index="5"/></Outputs>
-    <InitialUnknowns><Unknown index="2"/><Unknown index="3"/><Unknown index="4"/><Unknown index="5"/></InitialUnknowns>
+    <Outputs>{unknowns}</Outputs>
+    <InitialUnknowns>{unknowns}</InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>
 """
@@ -45,10 +53,8 @@ DESCRIPTION_3 = """<?xml version="1.0" encoding="UTF-8"?>
     <String name="in_text" valueReference="8" causality="input"><Start value="none"/></String>
   </ModelVariables>
   <ModelStructure>
-    <Output valueReference="2"/><Output valueReference="3"/><Output valueReference="4"/><Output valueReference="5"/>
-    <Output valueReference="6"/><Output valueReference="7"/>
-    <InitialUnknown valueReference="2"/><InitialUnknown valueReference="3"/><InitialUnknown valueReference="4"/>
-    <InitialUnknown valueReference="5"/><InitialUnknown valueReference="6"/><InitialUnknown valueReference="7"/>
+    {outputs}
+    {unknowns}
   </ModelStructure>
 </fmiModelDescription>
 """
@@ -62,46 +68,36 @@ EXPERIMENT = """<Experiments>
 """
 
 
-def library(folder, fmi, behaviour):
+@functools.cache
+def library(fmi, behaviour):
     """The content of a library whose steps run this C code; without a compiler the test is skipped."""
-    slave, prefix = (fmi2.FMU2Slave, "fmi2") if fmi == 2 else (fmi3.FMU3Slave, "fmi3")
-    names = [name for name in dir(slave) if name.startswith(prefix)]
+    kinds = (fmi2.FMU2Slave,) if fmi == 2 else (fmi3.FMU3Slave, fmi3.FMU3Model)
+    names = sorted({name for kind in kinds for name in dir(kind) if name.startswith(f"fmi{fmi}")})
     stubs = "".join(f"__attribute__((weak)) int {name}() {{ return 0; }}\n" for name in names)
-    (folder / "stubs.c").write_text(stubs)
-    (folder / "behaviour.h").write_text(behaviour)
-    output = folder / f"foreign{sharedLibraryExtension}"
-    sources = [SOURCES / f"foreign{fmi}.c", folder / "stubs.c"]
-    command = [
-        system_compiler(),
-        "-shared",
-        "-fPIC",
-        "-w",
-        "-I",
-        folder,
-        "-I",
-        SOURCES,
-        *sources,
-        "-o",
-        output,
-        "-lm",
-    ]
-    subprocess.run(command, check=True)
-    return output.read_bytes()
-
-
-def step(code):
-    """A behaviour: this C code in each step; it may return a status."""
-    return f"static int behaviour(double time, double step) {{ {code}; return 0; }}"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "stubs.c").write_text(stubs)
+        (folder / "behaviour.h").write_text(behaviour)
+        sources = [SOURCES / f"foreign{fmi}.c", folder / "stubs.c"]
+        flags = ["-shared", "-fPIC", "-w", "-I", folder, "-I", SOURCES]
+        subprocess.run([system_compiler(), *flags, *sources, "-o", folder / "library", "-lm"], check=True)
+        return (folder / "library").read_bytes()
 
 
 def description(fmi=2, times="", variable="true", interface="CoSimulation", more=""):
     """A model description, with the times of the default experiment."""
     experiment = f"<DefaultExperiment {times}/>" if times else ""
     if fmi == 2:
-        return DESCRIPTION_2.format(variable=variable, experiment=experiment)
+        unknowns = "".join(f'<Unknown index="{index}"/>' for index in range(2, 6))
+        return DESCRIPTION_2.format(variable=variable, experiment=experiment, unknowns=unknowns)
     if interface == "CoSimulation":
         more += f' canHandleVariableCommunicationStepSize="{variable}"'
-    return DESCRIPTION_3.format(interface=interface, more=more, experiment=experiment)
+    outputs, unknowns = (
+        "".join(f'<{kind} valueReference="{reference}"/>' for reference in range(2, 8))
+        for kind in ("Output", "InitialUnknown")
+    )
+    filled = {"outputs": outputs, "unknowns": unknowns}
+    return DESCRIPTION_3.format(interface=interface, more=more, experiment=experiment, **filled)
 
 
 def references(
@@ -120,7 +116,7 @@ def foreign_fmu(folder, code="", fmi=2, files=None, **more):
 
     files: text or bytes by name, besides library and description; more: of the description.
     """
-    content = library(folder, fmi, code if "behaviour" in code else step(code))
+    content = library(fmi, f"static int behaviour(double time, double step) {{ {code}; return 0; }}")
     place = platform if fmi == 2 else platform_tuple
     path = folder / "foreign.fmu"
     with zipfile.ZipFile(path, "w") as archive:

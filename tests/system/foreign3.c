@@ -5,7 +5,18 @@ void *fmi3InstantiateCoSimulation(const char *name, const char *token, const cha
     bool early, const unsigned *r, size_t n, void *e, void *m, void *i)
 {
     memset(&model, 0, sizeof model);
+    early_allowed = early;
     return &model;
+}
+void *fmi3InstantiateModelExchange(const char *name, const char *token, const char *place, bool v, bool l, void *e, void *m)
+{
+    memset(&model, 0, sizeof model);
+    return &model;
+}
+int fmi3SetTime(void *c, double time)
+{
+    model.time = time;
+    return 0;
 }
 int fmi3EnterInitializationMode(void *c, bool t, double tolerance, double start, bool s, double stop)
 {
@@ -59,12 +70,13 @@ int fmi3GetBinary(void *c, const unsigned *references, size_t n, size_t *sizes, 
 }
 int fmi3DoStep(void *c, double time, double step, bool n, bool *event, bool *ends, bool *early, double *reached)
 {
+    is_early = false;
     int status = behaviour(time, step);
-    *event = *early = false;
+    *event = *early = is_early;
     *ends = model.count < 0;
-    *reached = time + step;
+    *reached = is_early ? early_time : time + step;
     if (status == 0 && model.count >= 0) {
-        model.time = time + step;
+        model.time = *reached;
         model.count++;
     }
     return status;

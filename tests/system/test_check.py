@@ -1,4 +1,4 @@
-"""Check of FMUs of others: those that end, block or flood their host, archives that attack it, correct ones."""
+"""Check of foreign FMUs: those that end, block or flood their host, archives that attack it, correct ones."""
 
 import contextlib
 import json
@@ -17,6 +17,8 @@ import pytest
 from inertia_module.common.errors import FmuError
 from inertia_module.harness import archive, check, copies
 from inertia_module.harness.check import check_fmu
+from inertia_module.harness.examination import examine
+from inertia_module.harness.report import Journal
 from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
 from tests.system.programs import command, is_one_line
 
@@ -38,6 +40,11 @@ def cache(tmp_path, monkeypatch):
 def fmu(tmp_path, cache):
     """Makes an FMU whose steps run C code."""
     return lambda *code, **more: foreign_fmu(tmp_path, *code, **more)
+
+
+def examined(path):
+    """Report of an FMU that may run in this process."""
+    return examine(path, Journal())
 
 
 # --- FMUs that do harm to their process ---
@@ -93,13 +100,35 @@ def test_an_fmu_that_eats_memory_is_stopped(fmu):
     assert problem == f"{STAGE}: the FMU crashes (SIGSEGV, for lack of memory: 1.5 GB are allowed)"
 
 
-def test_error_output_is_a_warning_and_what_is_known_by_then_stays(fmu):
+def test_error_output_is_a_warning_and_earlier_results_stay(fmu):
     report = check_fmu(fmu('if (time > 0.5) { fputs("help\\n", stderr); exit(1); }'))
     assert report.warnings == ["it prints to the error output: 'help'"]
     assert report.facts["model"] == "foreign"
 
 
-def test_a_slow_fmu_is_told_with_the_time_that_it_reached(fmu):
+FORGED = {
+    "a pipe": "unlink(name); mkfifo(name, 0600)",
+    "a link": 'unlink(name); symlink("/dev/zero", name)',
+    "no journal": 'FILE *f = fopen(name, "w"); fputs("{}", f); fclose(f)',
+}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the FMU looks for its journal in /proc")
+@pytest.mark.parametrize("kind", FORGED)
+def test_an_fmu_that_exchanges_the_journal_of_the_check_does_not_block_it(fmu, kind):
+    code = 'const char *name = "../journal.json"; ' + FORGED[kind] + "; _exit(0)"
+    (problem,) = check_fmu(fmu(code), progress=lambda share: None).problems
+    assert problem == "starting: the FMU ends the process of its host, with exit code 0"
+
+
+def test_control_characters_of_an_fmu_do_not_reach_the_terminal(fmu):
+    path = fmu('puts("\\x1b[2Kno problems found\\rno problems found")')
+    (problem,) = check_fmu(path).problems
+    assert problem.isprintable()
+    assert "\n" not in problem
+
+
+def test_the_problem_of_a_slow_fmu_has_the_time_that_it_reached(fmu):
     shares = []
     report = check_fmu(fmu("usleep(50000)", times='stopTime="1e3"'), 4.0, shares.append)
     (problem,) = report.problems
@@ -158,7 +187,7 @@ def test_a_signal_ends_the_check_and_its_process(fmu, tmp_path, monkeypatch, nam
 
 
 def test_a_correct_fmu_has_no_problems(fmu):
-    report = check_fmu(fmu())
+    report = examined(fmu())
     assert (report.problems, report.warnings) == ([], [])
     assert report.facts["stepped to"] == "1 s in 100 steps"
     assert report.outputs == {"y": 0.0, "flag": 1.0, "text": "late", "count": 100.0}
@@ -181,18 +210,18 @@ DEFAULTS = {
 def test_default_experiment_is_stepped_as_the_fmu_has_it(fmu, fmi, case):
     times, variable, steps, end = DEFAULTS[case]
     code = "return fabs(time - model.time) > 1e-6 ? 3 : 0"
-    report = check_fmu(fmu(code, fmi=fmi, times=times, variable=variable))
+    report = examined(fmu(code, fmi=fmi, times=times, variable=variable))
     assert (report.problems, report.warnings) == ([], [])
     assert report.facts["stepped to"] == f"{end:g} s in {steps} steps"
 
 
 def test_internal_step_of_an_fmu_is_its_step(fmu):
-    report = check_fmu(fmu(fmi=3, times='stopTime="10"', more='fixedInternalStepSize="1"'))
+    report = examined(fmu(fmi=3, times='stopTime="10"', more='fixedInternalStepSize="1"'))
     assert report.facts["stepped to"] == "10 s in 10 steps"
 
 
 def test_only_the_beginning_of_a_default_experiment_without_end_is_stepped(fmu):
-    report = check_fmu(fmu(times='stopTime="1e8" stepSize="1e-3"'), ENOUGH)
+    report = examined(fmu(times='stopTime="1e8" stepSize="1e-3"'))
     assert report.problems == []
     assert report.facts["stepped to"] == "100 s in 100000 steps"
     assert report.warnings == [
@@ -205,16 +234,53 @@ def test_only_the_beginning_of_a_default_experiment_without_end_is_stepped(fmu):
     ['stopTime="INF"', 'stopTime="-1"', 'startTime="NaN"', 'stopTime="1" stepSize="0"', 'stopTime="0"'],
 )
 def test_times_that_make_no_experiment_are_one_problem(fmu, times):
-    (problem,) = check_fmu(fmu(times=times)).problems
+    (problem,) = examined(fmu(times=times)).problems
     assert "an experiment must have finite times, a stop after its start, a positive step: " in problem
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_an_fmu_that_ends_the_simulation_is_told_and_correct(fmu, fmi):
+def test_an_fmu_that_ends_the_simulation_is_correct(fmu, fmi):
     code = "if (time > 0.5) { model.count = -1; return " + ("2; }" if fmi == 2 else "0; }")
-    report = check_fmu(fmu(code, fmi=fmi))
+    report = examined(fmu(code, fmi=fmi))
     assert report.problems == []
     assert report.facts["stepped to"] == "0.51 s in 51 steps, where it ends the simulation"
+
+
+EARLY = "if ({}) {{ is_early = true; early_time = time + step / 2; }}"
+
+
+def test_event_mode_and_early_returns_are_tried_too(fmu):
+    code = EARLY.format("early_allowed && step > 0.009")
+    report = examined(fmu(code, fmi=3, more='hasEventMode="true"'))
+    assert report.problems == []
+    assert report.facts["stepped to"] == report.facts["with event mode"] == "1 s in 100 steps"
+    assert report.outputs["count"] == 200.0
+
+
+def test_a_return_that_is_too_early_is_one_problem(fmu):
+    (problem,) = examined(fmu(EARLY.format("time > 0.5"), fmi=3)).problems
+    assert problem.endswith("a step returns early, which the host has not allowed")
+    code = "if (early_allowed) { is_early = true; early_time = time; }"
+    (problem,) = examined(fmu(code, fmi=3, more='hasEventMode="true"')).problems
+    assert problem == (
+        "stepping it with event mode to 1 s fails: at time 0 s: the step to 0.01 s returns early 10000 times"
+    )
+
+
+def test_model_exchange_is_stepped_and_its_references_are_not_replayed(fmu):
+    files = references("time,y\n0,5\n")
+    report = examined(fmu(fmi=3, interface="ModelExchange", files=files, times='startTime="1" stopTime="3"'))
+    assert report.problems == []
+    assert report.warnings == ["its references are not replayed: the replay needs co-simulation"]
+    assert report.facts["stepped to"] == "3 s in 100 steps"
+    assert report.outputs["ramps"] == pytest.approx([3.0, 6.0, 9.0])
+
+
+def test_outputs_that_are_not_finite_are_problems_and_null_for_machines(fmu):
+    done = command("check", fmu("model.u = time > 0.5 ? NAN : 0"), "--json")
+    told = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert told["problems"] == ["output y is not finite at 0.52 s"]
+    assert told["outputs"]["y"] is None
 
 
 def test_an_fmu_that_moves_to_another_folder_is_found_again(fmu, tmp_path, monkeypatch):
@@ -227,7 +293,7 @@ def test_an_fmu_that_moves_to_another_folder_is_found_again(fmu, tmp_path, monke
 
 
 def test_an_fmu_for_scheduled_execution_alone_is_correct_and_not_stepped(fmu):
-    report = check_fmu(fmu(fmi=3, interface="ScheduledExecution"))
+    report = examined(fmu(fmi=3, interface="ScheduledExecution"))
     assert report.problems == []
     assert report.facts["FMI"] == "3.0, scheduled execution"
     assert report.warnings == ["it is not stepped: it is for scheduled execution alone"]
@@ -236,12 +302,12 @@ def test_an_fmu_for_scheduled_execution_alone_is_correct_and_not_stepped(fmu):
 def test_all_platforms_are_listed_also_those_of_fmi_3(fmu):
     names = ("aarch64-linux", "aarch64-darwin", "wasm32-wasip2", "x86-windows", "riscv64-linux")
     files = {f"binaries/{name}/foreign.bin": "" for name in names} | {"sources/foreign.c": ""}
-    platforms = check_fmu(fmu(fmi=3, files=files)).facts["platforms"].split(", ")
+    platforms = examined(fmu(fmi=3, files=files)).facts["platforms"].split(", ")
     assert set(platforms) >= {*names, "c-code"}
 
 
 def test_an_fmu_for_other_machines_names_the_library_that_is_missing(tmp_path, cache):
-    (problem,) = check_fmu(packed(tmp_path / "other.fmu", [])).problems
+    (problem,) = examined(packed(tmp_path / "other.fmu", [])).problems
     assert re.match(r"it cannot be stepped on this machine: it has no binaries/\w+/foreign\.\w+$", problem)
 
 
@@ -268,8 +334,7 @@ CORRECT = {
 @pytest.mark.parametrize("case", CORRECT)
 def test_correct_results_of_all_types_have_no_problems(fmu, case):
     fmi, results, inputs = CORRECT[case]
-    code = "model.u = model.u" if inputs is None else "if (fabs(step - 0.25) > 1e-9) return 3"
-    report = check_fmu(fmu(code, fmi=fmi, files=references(results, inputs=inputs)))
+    report = examined(fmu(fmi=fmi, files=references(results, inputs=inputs)))
     assert (report.problems, report.warnings) == ([], [])
     assert report.references
 
@@ -326,19 +391,19 @@ WRONG = {
 @pytest.mark.parametrize("case", WRONG)
 def test_wrong_results_are_one_problem(fmu, case):
     fmi, results, problem = WRONG[case]
-    (found,) = check_fmu(fmu(fmi=fmi, files=references(results))).problems
+    (found,) = examined(fmu(fmi=fmi, files=references(results))).problems
     assert found.startswith(problem)
 
 
 def test_start_of_an_experiment_is_its_own(fmu):
     files = references("time,ramps\n2,2 4 6\n3,3 6 9\n", times='startTime="2" stopTime="3" stepSize="0.5"')
-    assert check_fmu(fmu(fmi=3, files=files)).problems == []
+    assert examined(fmu(fmi=3, files=files)).problems == []
 
 
 def test_texts_are_set_too(fmu):
     files = references("time,y\n0,0\n1,0\n", inputs="time,in_text\n0,first\n0.5,second\n")
-    code = 'return strcmp(model.text, time < 0.49 ? "first" : "second") ? 3 : 0'
-    assert check_fmu(fmu(code, fmi=3, files=files)).problems == []
+    code = 'return model.text[0] && strcmp(model.text, time < 0.49 ? "first" : "second") ? 3 : 0'
+    assert examined(fmu(code, fmi=3, files=files)).problems == []
 
 
 ABSURD = {
@@ -355,7 +420,7 @@ ABSURD = {
 @pytest.mark.parametrize("case", ABSURD)
 def test_absurd_times_of_an_experiment_are_one_problem(fmu, case):
     times, words = ABSURD[case]
-    (problem,) = check_fmu(fmu(files=references("time,y\n0,0\n1,0\n", times=times))).problems
+    (problem,) = examined(fmu(files=references("time,y\n0,0\n1,0\n", times=times))).problems
     assert problem.startswith("experiment test fails: ")
     assert words in problem
 
@@ -379,10 +444,10 @@ def test_nothing_outside_the_fmu_is_read(fmu, tmp_path, cache, place):
     }.get(place, place)
     path = fmu(files=references("time,y\n0,0\n1,0\n", source=source))
     if place == "a link":  # the FMU may make one when it runs
-        check_fmu(path)
+        examined(path)
         (folder,) = cache.glob("*/extra/*")
         (folder / "linked.csv").symlink_to(secret)
-    report = check_fmu(path, ENOUGH)
+    report = examined(path)
     (problem,) = report.problems
     assert problem.startswith("experiment test fails: ")
     assert "must be a file inside the FMU" in problem
@@ -391,7 +456,7 @@ def test_nothing_outside_the_fmu_is_read(fmu, tmp_path, cache, place):
 
 def test_a_table_without_bound_is_not_read(fmu, monkeypatch):
     content = "time,y\n" + "0,0\n" * 26_000_000
-    (problem,) = check_fmu(fmu(files=references(content)), ENOUGH).problems
+    (problem,) = examined(fmu(files=references(content))).problems
     assert problem.endswith("results.csv must have at most 100 MB, has 104 MB")
 
 
@@ -426,9 +491,7 @@ ENTRIES = {
 def test_entries_that_leave_their_folder_are_one_problem(tmp_path, cache, case):
     entry, problem = ENTRIES[case]
     path = packed(tmp_path / "a.fmu", [(entry, "/etc/passwd")])
-    done = command("check", path, "--json")
-    assert done.exit_code == 1
-    (found,) = json.loads(done.stdout)["problems"]
+    (found,) = examined(path).problems
     assert found.startswith(f"entry {problem}")
     assert not cache.exists() or list(cache.iterdir()) == []
 
@@ -445,7 +508,7 @@ def test_other_compression_than_the_standard_has_is_one_problem(tmp_path, cache)
     entry = zipfile.ZipInfo("resources/a")
     entry.compress_type = zipfile.ZIP_LZMA
     path = packed(tmp_path / "a.fmu", [(entry, "a")])
-    assert check_fmu(path).problems == [
+    assert examined(path).problems == [
         "entry 'resources/a' must be stored or deflated, is compressed by method 14"
     ]
 
@@ -463,7 +526,7 @@ def bomb(path, files):
 
 def test_an_archive_that_unpacks_to_more_than_a_gigabyte_is_rejected_at_once(tmp_path, cache):
     path = bomb(tmp_path / "a.fmu", 7)
-    (problem,) = check_fmu(path).problems
+    (problem,) = examined(path).problems
     assert problem == "the archive must unpack to at most 1 GB, unpacks to 1.05 GB"
     assert list(cache.iterdir()) == []
 
@@ -472,7 +535,7 @@ def test_an_entry_that_is_larger_than_it_claims_is_rejected(tmp_path, cache):
     path = bomb(tmp_path / "a.fmu", 1)
     content = path.read_bytes().replace((150_000_000).to_bytes(4, "little"), (1000).to_bytes(4, "little"))
     path.write_bytes(content)
-    (problem,) = check_fmu(path).problems
+    (problem,) = examined(path).problems
     assert problem.startswith("entry 'resources/0' cannot be unpacked: ")
     assert list(cache.iterdir()) == []
 
@@ -482,7 +545,7 @@ def test_a_damaged_entry_is_one_problem_and_leaves_nothing(tmp_path, cache):
     content = bytearray(path.read_bytes())
     content[content.index(b"resources/a") + 500] ^= 255
     path.write_bytes(content)
-    (problem,) = check_fmu(path).problems
+    (problem,) = examined(path).problems
     assert problem.startswith("entry 'resources/a' cannot be unpacked: Bad CRC-32")
     assert list(cache.iterdir()) == []
 
@@ -503,18 +566,18 @@ def test_entities_in_descriptions_are_one_error(tmp_path, cache, case, file):
     with zipfile.ZipFile(path, "w") as made:
         for name, content in {DESCRIPTION: description(fmi=3), file: DOCTYPES[case]}.items():
             made.writestr(name, content)
-    is_one_line(
-        command("check", path), "a.fmu must be an FMU: ", f"{file} must have no document type (DOCTYPE)"
-    )
+    words = rf"a.fmu must be an FMU: {file} must have no document type \(DOCTYPE\), has one$"
+    with pytest.raises(FmuError, match=words):
+        examined(path)
 
 
 @pytest.mark.parametrize("case", DOCTYPES)
 def test_entities_in_experiments_are_one_problem(fmu, case):
     files = references("time,y\n0,0\n")
     files[next(name for name in files if name.endswith(".exp"))] = DOCTYPES[case]
-    assert check_fmu(fmu(files=files)).problems == [
-        "its experiments with references cannot be read: experiments.exp must have no document type (DOCTYPE),"
-        " has one"
+    assert examined(fmu(files=files)).problems == [
+        "its experiments with references cannot be read:"
+        " experiments.exp must have no document type (DOCTYPE), has one"
     ]
 
 

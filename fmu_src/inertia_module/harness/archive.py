@@ -240,7 +240,7 @@ def reject_entities(content: bytes, name: str) -> None:
     try:
         parser.Parse(content, True)
     except (expat.ExpatError, ValueError) as error:
-        # other faults are found by who reads the file
+        # the reader of the file reports other faults
         if isinstance(error, FmuError):
             raise
 

@@ -14,12 +14,12 @@ from ..common.errors import FmuError, must_be
 from ..common.terminal import Progress
 from .archive import regular_file
 from .child import End, run_child
-from .report import Journal, Report, listed
+from .report import Journal, Report, line_of, listed
 
 # limits of the process: time, s, and memory, bytes
 TIMEOUT = 60.0
 MAX_MEMORY = 4_000_000_000
-# share of the memory from which a crash is one for lack of memory
+# share of the memory above which the reason of a crash is a lack of memory
 NEARLY_ALL = 0.8
 
 
@@ -65,6 +65,7 @@ def check_fmu(
     if end.errors.strip():
         report.warnings.append(f"it prints to the error output: {_beginning(end.errors)}")
     report.problems, report.warnings = listed(report.problems), listed(report.warnings)
+    report.facts = {heading: line_of(text) for heading, text in report.facts.items()}
     return report
 
 

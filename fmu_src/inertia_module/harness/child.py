@@ -17,7 +17,7 @@ from typing import IO, Any, NamedTuple
 INTERVAL = 0.05
 # time for the last output of a process that has ended, s
 LAST_OUTPUT = 1.0
-# beginning of an output that is kept, bytes
+# length of the beginning of an output, bytes
 MAX_OUTPUT = 2000
 
 

@@ -128,23 +128,29 @@ def _experiments(folder: Path, report: Report) -> list[Experiment]:
 
 
 class _Samples:
-    """Outputs over a run: last values, and the first time at which one was not finite.
+    """Outputs over a run: last values, and the first time at which a value was not finite.
 
     Args:
         journal: takes the progress.
-        steps: of the run.
+        times: communication points, s, shape (steps + 1,).
+
+    Attributes:
+        time: the last one, s.
+        count: number of steps.
+        last: last values by name.
+        not_finite: times, s, by name.
     """
 
-    def __init__(self, journal: Journal, steps: int) -> None:
-        self._journal, self._steps = journal, steps
-        self.time, self.count = 0.0, -1
+    def __init__(self, journal: Journal, times: Array) -> None:
+        self._journal, self._start, self._steps = journal, float(times[0]), times.size - 1
+        self.time, self.count = self._start, 0
         self.last: dict[str, Values] = {}
         self.not_finite: dict[str, float] = {}
 
     def take(self, time: float, values: dict[str, Values]) -> None:
         """Take the values at a time, s."""
         self.time, self.last = time, values
-        self.count += 1
+        self.count += time > self._start
         for name, elements in values.items():
             if not all(isinstance(value, str) or np.isfinite(value) for value in elements):
                 self.not_finite.setdefault(name, time)
@@ -172,7 +178,7 @@ def _step(description: Any, folder: Path, journal: Journal, events: bool = False
     try:
         times = _default_times(description, report)
         journal.begin(f"stepping it{mode} to {times[-1]:g} s")
-        samples = _Samples(journal, times.size - 1)
+        samples = _Samples(journal, times)
         tolerance = getattr(description.defaultExperiment, "tolerance", None)
         plan = Plan(times, outputs, float(tolerance) if tolerance else None, events=events)
         ended = run(description, str(folder), plan, log, samples.take)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import stat
 import time
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
@@ -13,6 +14,10 @@ from ..common.files import write_atomically
 
 # messages of one kind that are listed
 MAX_MESSAGES = 10
+# length of a message that is printed, characters
+MAX_LENGTH = 1000
+# size of a journal that is read, bytes
+MAX_JOURNAL = 50_000_000
 # time between two entries of the progress, s
 INTERVAL = 0.2
 
@@ -58,9 +63,16 @@ class Report:
     references: list[Deviation] = field(default_factory=list)
 
 
+def line_of(text: str) -> str:
+    """Return a text of an FMU as one line of printable characters, at most MAX_LENGTH."""
+    line = " ".join(text.split())
+    line = "".join(letter if letter.isprintable() else "\ufffd" for letter in line)
+    return line if len(line) <= MAX_LENGTH else f"{line[:MAX_LENGTH]}…"
+
+
 def listed(messages: Iterable[str]) -> list[str]:
-    """Return different messages in their order, at most MAX_MESSAGES, and the number of the others."""
-    different = list(dict.fromkeys(messages))
+    """Return different messages as lines, at most MAX_MESSAGES, and the number of the others."""
+    different = list(dict.fromkeys(map(line_of, messages)))
     more = len(different) - MAX_MESSAGES
     return different[:MAX_MESSAGES] + [f"and {more} more messages"] * (more > 0)
 
@@ -111,9 +123,15 @@ class Journal:
 
     @classmethod
     def read(cls, file: Path) -> Journal:
-        """Read a journal; an empty one if there is none that can be read."""
+        """Read a journal; return an empty one if the file is missing or no journal.
+
+        The file may be of an FMU that has exchanged it: a link or a pipe is not opened.
+        """
         journal = cls()
         try:
+            status = file.lstat()
+            if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_JOURNAL:
+                return journal
             state = json.loads(file.read_bytes())
             report = state.pop("report")
             report["references"] = [Deviation(**row) for row in report["references"]]

@@ -76,7 +76,7 @@ def span_of(description: Any, settings: Mapping[str, str | float]) -> Span:
         settings: startTime, stopTime and stepSize, s, as far as the experiment has them.
 
     Raises:
-        ValueError: one of them is no number.
+        ValueError: a time is no number.
     """
     default, interface = description.defaultExperiment, description.coSimulation
     named: dict[str, float | None] = {}
