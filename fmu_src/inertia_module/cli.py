@@ -731,7 +731,8 @@ def main() -> None:
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
     for name in ("SIGTERM", "SIGHUP"):  # nothing is left behind
-        if kind := getattr(signal, name, None):
+        kind = getattr(signal, name, None)  # Windows has no SIGHUP, nohup ignores it
+        if kind is not None and signal.getsignal(kind) is not signal.SIG_IGN:
             signal.signal(kind, lambda number, _: sys.exit(128 + number))
     code: object = 0
     try:

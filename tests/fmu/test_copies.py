@@ -102,6 +102,16 @@ def test_a_signal_leaves_nothing_among_the_temporary_files(fmu, place, temporary
     assert len(names(place)) == 1
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
+def test_a_command_that_nohup_has_started_goes_on():
+    program = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN); " + WAITS
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout.readline() == "ready\n"
+        running.send_signal(signal.SIGHUP)
+        running.send_signal(signal.SIGTERM)
+    assert running.returncode == 128 + signal.SIGTERM
+
+
 def test_processes_that_unpack_at_once_make_one_copy(fmu, place, temporary):
     command = [sys.executable, "-c", OPENED.format(path=str(fmu)) + "fmus[0].advance(0.01)"]
     running = [subprocess.Popen(command) for _ in range(4)]
