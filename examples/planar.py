@@ -1,4 +1,4 @@
-"""Simulate a planar module with three satellites; inputs from a table, the whole run in one call."""
+"""A planar module with three satellites; inputs from a table, the whole run in one call."""
 
 from inertia_module import current_fmu, drive
 

@@ -20,7 +20,7 @@ def report(rows):
 
 def step_numbers(table, plants):
     """Of the measured speed: overshoot and settling after the reference step, dip after that of the hill."""
-    print("\ncontroller      plant       overshoot  rise time  settling time  dip on the hill")
+    print("\ncontroller      plant       overshoot  rise time  settling time  dip by the hill")
     step = table.time[1]
     rows = slice(round(1.0 / step), round(7.0 / step))
     for name in ("PI", "state feedback"):
