@@ -193,14 +193,22 @@ def build(output: OutputFolder = None) -> Answer:
 
 
 @command
-def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
+def check(
+    fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
+    timeout: Annotated[
+        str, option("Time limit of the process that runs the FMU, s, or with a unit: '5 min'.", "TIME")
+    ] = "60 s",
+) -> Answer:
     """Validate any FMU file, step it, replay the references in it.
 
     It is stepped with event mode too where it has one; references are those of FMI-LS-REF, with tolerances.
+    The FMU runs in a process of its own, with limits of time and memory. This is no sandbox.
     """
     from .harness.check import check_fmu
 
-    report = check_fmu(fmu)
+    limit = quantity_of("--timeout", timeout, "s", above=0.0)
+    with progress_bar(f"check of {fmu.name}") as progress:
+        report = check_fmu(fmu, limit or 0.0, progress)
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
     shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviations from its references", rows)] if rows else []
@@ -722,7 +730,10 @@ def main() -> None:
     A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
+    for name in ("SIGTERM", "SIGHUP"):  # nothing is left behind
+        kind = getattr(signal, name, None)  # Windows has no SIGHUP, nohup ignores it
+        if kind is not None and signal.getsignal(kind) is not signal.SIG_IGN:
+            signal.signal(kind, lambda number, _: sys.exit(128 + number))
     code: object = 0
     try:
         app()

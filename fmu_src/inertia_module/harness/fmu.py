@@ -89,18 +89,22 @@ def fmu_file(path: Path | str | None) -> Path:
 def read_description(path: Path, validate: bool = True) -> Any:
     """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
 
-    Refused where there is no FMU, and with validate what is against the standard too.
+    Args:
+        path: of the file.
+        validate: reject a description that violates the standard.
+
+    Raises:
+        FmuError: there is no FMU, or its description is rejected.
     """
     from fmpy import read_model_description
 
     from ..fmu.description import TYPES_3
+    from .archive import read_archive
+    from .copies import unpacked
 
-    if path.is_dir():
-        raise FmuError(f"{path} must be an FMU file, is a folder")
-    if not path.is_file():
-        raise FmuError(f"{path} must be an FMU file: there is no such file")
+    content = read_archive(path)
     try:
-        description = read_model_description(str(path), validate=validate)
+        description = read_model_description(unpacked(content), validate=validate)
     except Exception as error:
         raise FmuError(f"{path} must be an FMU: {error}") from error
     of_fmi_2 = {name: type_2 for type_2, name in TYPES_3.items()}
@@ -215,7 +219,9 @@ class Fmu(Plant, Closing):
             raise
 
     def _load(self) -> None:
-        from .loading import instantiate, unpacked
+        from .archive import read_archive
+        from .copies import unpacked
+        from .loading import instantiate
 
         description = read_description(self.path)
         if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
@@ -223,7 +229,7 @@ class Fmu(Plant, Closing):
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
-            folder = unpacked(self.path.read_bytes())
+            folder = unpacked(read_archive(self.path))
             self._instance = instantiate(description, folder, self.path.stem, self._log)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
