@@ -148,7 +148,7 @@ def test_noise_that_is_known_weighs_and_judges(fmu, known, tmp_path):
     assert fit.estimated == []
     # half of what it is in one of two columns: (1 + 4) / 2
     assert fit.chi_squared == pytest.approx(2.5, rel=0.1)
-    assert any("the residuals are larger than the given noise" in line for line in fit.warnings)
+    assert any("the residuals are larger than the specified noise" in line for line in fit.warnings)
 
 
 def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known, tmp_path):
@@ -374,8 +374,8 @@ def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
     few = Result.from_columns({"time": [0.1], "omega2": [1.0]})
     idle = ["shaft_damping", "shaft_stiffness"]
     for measured, free, options, words in (
-        (few, FREE, {}, "measured values must be greater than 2, the number of free keys, is 1"),
-        (MEASURED, idle, {}, r"no free key .*shaft_damping.* has an influence on omega2, omega_out"),
+        (few, FREE, {}, "measured values must be greater than 2, the number of free parameters, is 1"),
+        (MEASURED, idle, {}, r"no free parameter .*shaft_damping.* has an influence on omega2, omega_out"),
         (MEASURED, FREE, {"starts": -1}, "starts must be at least 0, is -1"),
     ):
         assert_refused(words, jobs.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)

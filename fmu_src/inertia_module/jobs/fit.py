@@ -140,7 +140,7 @@ class FitResult:
         chance = CHANCE * math.sqrt(2.0 / self.measurement.number)
         if not self.estimated and self.chi_squared > 1.0 + chance:
             found.append(
-                f"reduced chi-squared is {self.chi_squared:.3g}: the residuals are larger than the given"
+                f"reduced chi-squared is {self.chi_squared:.3g}: the residuals are larger than the specified"
                 " noise, so the scene does not explain the data"
             )
         table = self.table()
@@ -287,7 +287,7 @@ def fit(
     if not keys:
         raise Refused("at least one key must be free; a deviation of 0 fixes a key")
     if data.number <= len(keys):
-        allowed = f"greater than {len(keys)}, the number of free keys"
+        allowed = f"greater than {len(keys)}, the number of free parameters"
         raise Refused(must_be("the number of measured values", allowed, str(data.number)))
     if starts < 0:
         raise Refused(must_be("starts", "at least 0", str(starts)))
@@ -335,7 +335,7 @@ def _run(
         costs.append(float(np.sum(problem.residuals(point) ** 2)))
     begun = [points[n] for n in np.argsort(costs)[:SEARCHED] if math.isfinite(costs[n])]
     if not begun:
-        raise Refused(f"the scene rejects all start values of the free keys: {rig.refused}")
+        raise Refused(f"the scene rejects all start values of the free parameters: {rig.refused}")
     ends = []
     for n, point in enumerate(begun, 1):
         progress(LOOKED + LOOKED * n / len(begun))
@@ -370,7 +370,7 @@ def _of_influence(end: End) -> End:
     told, keys = end.changes >= NOTHING, end.problem.keys
     if not told.any():
         raise Refused(
-            f"no free key ({', '.join(key.name for key in keys)}) has an influence on"
+            f"no free parameter ({', '.join(key.name for key in keys)}) has an influence on"
             f" {', '.join(end.problem.rig.data.columns)}"
         )
     free = tuple(key for key, one in zip(keys, told, strict=True) if one)
