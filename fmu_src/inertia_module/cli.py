@@ -564,9 +564,9 @@ def orders(
     files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
     files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
 
-    shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
+    shown: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
     for name, lines in found.lines(hz=hz).items():
-        still = {"no order": f"0 {found.units[name]}, it does not swing"}
+        still = {"no order": f"0 {found.units[name]}, constant"}
         shown.append((name.replace("_", " "), lines or still))
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
 
@@ -608,8 +608,8 @@ def fit(
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
 
     shown: list[Shown] = [
-        (f"{found.scene.title}: fitted, intervals of 95 %", found.lines()),
-        ("what is not free, freed in turn", found.suspicions()),
+        (f"{found.scene.title}: fitted values with 95 % intervals", found.lines()),
+        ("fixed parameters, released one at a time", found.suspicions()),
     ]
     shown += [f"warning: {warning}" for warning in found.warnings]
     return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)

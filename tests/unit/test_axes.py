@@ -80,9 +80,9 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     axes = axes_of(["imbalance_mass=1:2"], scene)
-    assert_refused("number of points for a grid", grid, axes)
+    assert_refused("imbalance_mass must be FROM:TO:COUNT for a grid, is 1:2 kg", grid, axes)
     assert_refused("must be latin:COUNT or sobol:COUNT", shares_sampled, 1, "random:10", 0)
-    with pytest.raises(Refused, match="at most 10000000 points"):
+    with pytest.raises(Refused, match="points of a grid must be at most 10000000, is "):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
 
 

@@ -128,8 +128,8 @@ class Evaluator(ExitStack):
         found, _, results = text.partition("\n")
         if found != head:
             raise Refused(
-                f"{folder} must be another folder, or {JOURNAL} in it removed: it holds results of another"
-                " scene, or of another version"
+                f"{folder} contains results of another scene or version; use another folder or delete"
+                f" {JOURNAL} in it"
             )
         *whole, cut = results.split("\n")  # a kill may have cut the last line: what it held is done again
         for line in map(json.loads, whole):

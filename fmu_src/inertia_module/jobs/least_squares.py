@@ -93,7 +93,7 @@ class Problem:
             )
         except ValueError as error:
             said = self.rig.refused or error
-            raise Refused(f"ranges must be such that the scene takes them: {said}") from error
+            raise Refused(f"the scene rejects values within the ranges: {said}") from error
         return End(self, point(end.x), end.fun, end.jac / sizes, bool(end.success))
 
 

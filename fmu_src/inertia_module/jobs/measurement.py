@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused, did_you_mean, must_be
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME, COMPUTED
 from ..harness.simulate import Result
@@ -146,21 +146,18 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
         if name not in known:
             raise Refused(f"column {name} must be computed by the scene {did_you_mean(name, known)}")
     if not given:
-        raise Refused(f"columns must include one that the scene computes, are {', '.join(table.names)}")
+        raise Refused(must_be("at least one column", "computed by the scene", ", ".join(table.names)))
     for name in noises:
         if name.removesuffix(NOISE) not in table:
-            raise Refused(f"column {name} must belong to a column {name.removesuffix(NOISE)}, there is none")
+            raise Refused(f"column {name} requires a column {name.removesuffix(NOISE)}")
     times, stop_time = table.time, scene.run.stop_time
     if (np.diff(times) <= 0.0).any():
         row = int(np.argmax(np.diff(times) <= 0.0)) + 1
-        raise Refused(
-            f"time must grow from row to row, is {times[row]:g} s in row {row} as in the one before"
-        )
+        repeated = f"{times[row]:g} s in row {row} after {times[row - 1]:g} s"
+        raise Refused(must_be("time", "strictly increasing", repeated))
     if times[0] < 0.0 or times[-1] > stop_time * (1.0 + 1e-9):
-        raise Refused(
-            f"time must be within the run of the scene, 0 to {stop_time:g} s,"
-            f" is {times[0]:g} to {times[-1]:g} s"
-        )
+        run = f"within the run of the scene, 0 to {stop_time:g} s"
+        raise Refused(must_be("time", run, f"{times[0]:g} to {times[-1]:g} s"))
     units = SIGNAL_UNITS | scene.signal_units | {name: one.unit for name, one in BY_NAME.items()}
     noisy = [name for name in given if f"{name}{NOISE}" in noises]
     kept = {name: units.get(name, "") or "1" for name in given}
@@ -169,7 +166,7 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     noise = {name: si[f"{name}{NOISE}"] for name in noisy}
     for name, deviation in noise.items():
         if deviation.min() <= 0.0:
-            raise Refused(f"{name}{NOISE} must be above 0, is {deviation.min():g}")
+            raise Refused(must_be(f"{name}{NOISE}", "above 0", f"{deviation.min():g}"))
     counted = np.ones((len(table), len(given)), dtype=bool)
     counted[0, [name.endswith(MEAN) for name in given]] = False
     headings = {name: table.units.get(name, "") or kept[name] for name in given}
@@ -212,10 +209,9 @@ class Rig(SceneRunner):
         ticks = np.rint(times * (TICKS / step)).astype(np.int64)
         off = ticks % TICKS != 0
         if off.any() and scene.parameters().get("input_hold"):
-            raise Refused(
-                "with mechanism.input_hold = 'linear' time must be a whole number of run.communication_step ="
-                f" {step:g} s, is {times[off][0]:g} s"
-            )
+            allowed = f"a multiple of run.communication_step = {step:g} s"
+            time = f"{times[off][0]:g} s"
+            raise Refused(must_be("with mechanism.input_hold = 'linear' each time", allowed, time))
         points = TICKS * np.arange(max(-(-int(ticks.max()) // TICKS), 1) + 1)
         stops = np.union1d(ticks, points)
         self._stops, self._points, self._taken = stops * (step / TICKS), np.searchsorted(stops, points), 0

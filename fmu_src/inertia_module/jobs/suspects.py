@@ -80,8 +80,8 @@ class Suspect:
         if kind == SHIFT:
             late = "late" if self.value > 0.0 else "early"
             column = "the clock of the file" if self.name == CLOCK else of
-            return f"{column} {abs(1e3 * self.value):.3g} ms {late}"
-        return f"{self.name} of {known} in place of {self.usual:.4g}"
+            return f"a time shift of {abs(1e3 * self.value):.3g} ms ({late}) in {column}"
+        return f"{self.name} = {known} instead of {self.usual:.4g}"
 
     @property
     def freed(self) -> str:
@@ -93,12 +93,12 @@ class Suspect:
     def told(self) -> str:
         """Line on its value and on what it would do to the answers."""
         changed = "; ".join(
-            f"{name} {value:.5g}, {low:.5g} to {high:.5g}"
+            f"{name} {value:.5g} ({low:.5g} to {high:.5g})"
             for name, (value, low, high) in self.answers.items()
         )
         before, after = self.chi_squared
         value = f"{self.value:.4g} ± {self.error:.2g} {self.unit.removeprefix('1')}".rstrip()
-        return f"{value}, chi squared {before:,.0f} -> {after:,.0f}; {changed}"
+        return f"{value}, chi-squared {before:,.0f} → {after:,.0f}; {changed}"
 
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:
