@@ -10,6 +10,7 @@ import atexit
 import functools
 import inspect
 import json
+import logging
 import math
 import os
 import re
@@ -34,7 +35,6 @@ from .common.units import factor_between, number_of, split_quantity
 
 if TYPE_CHECKING:
     from .fidelity.trials import Choice
-    from .fmu.native_fmu import NativeFmu
     from .scene import Scene, SceneResult, ShaftScene
 
 # what options hold, where one that is not given is None
@@ -58,6 +58,19 @@ Workers = Annotated[int | None, option("Processes on this machine (one for each 
 
 # prints a line to the error output: stages of a build, among others
 aside = partial(typer.echo, err=True)
+
+
+class LogOfStages(logging.Handler):
+    """Handler that prints the log of the package: the stages of a build that a command needs."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a message to the error output."""
+        aside(record.getMessage())
+
+
+LOG = logging.getLogger("inertia_module")
+LOG.addHandler(LogOfStages())
+LOG.setLevel(logging.INFO)
 
 
 # a line; headings and values under a title; what prints more than that
@@ -127,14 +140,6 @@ def show(one: Shown) -> None:
         terminal().print(table)
     else:
         one()
-
-
-def current_fmu(fmu: NativeFmu | None = None) -> Path:
-    """The FMU of the module, or another: see builder.current_fmu."""
-    from .fmu.builder import MODULE_FMU
-    from .fmu.builder import current_fmu as current
-
-    return current(fmu or MODULE_FMU, progress=aside)
 
 
 def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
@@ -311,7 +316,7 @@ def run(
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
     """Run a scene of either kind; its result and the FMU. also: to be recorded of a module."""
-    from .fmu.builder import MODULE_FMU, SHAFT_FMU
+    from .fmu.builder import MODULE_FMU, SHAFT_FMU, current_fmu
     from .scene import ShaftScene, run_shaft_scene
 
     path = fmu or current_fmu(SHAFT_FMU if isinstance(read, ShaftScene) else MODULE_FMU)
@@ -538,11 +543,10 @@ def orders(
         library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
-    path = fmu or current_fmu()
     with progress_bar(read.title) as progress:
         found = inertia_module.orders(
             read,
-            path,
+            fmu,
             of=of,
             signals=signals,
             highest=highest,
@@ -594,7 +598,7 @@ def fit(
             starts=starts,
             seed=seed,
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             progress=progress,
         )
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
@@ -639,7 +643,7 @@ def sweep(
             sensitivity=sensitivity,
             seed=seed,
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             scheduler=scheduler,
             workers=workers,
             progress=progress,
@@ -675,7 +679,7 @@ def design(
         found = inertia_module.design(
             read_spec(spec, keys),
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             scheduler=scheduler,
             workers=workers,
             progress=progress,

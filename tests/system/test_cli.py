@@ -16,6 +16,7 @@ from inertia_module.cli import app, show
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
 from inertia_module.fidelity.trials import print_levels
+from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.harness.results import Result
@@ -47,10 +48,10 @@ SHORT = (REFERENCE, "--set", "run.stop_time=0.1 s", "--set", "run.communication_
 # --- what commands leave ---
 
 
-def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(tmp_path):
+def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
     done = own_process("run", *SHORT, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
-    assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
     assert table[0].startswith("time [s]")
     assert len(table) == 102
@@ -158,10 +159,14 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
 
 
 @pytest.mark.parametrize("arguments, words", REFUSED["options"])
-def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, tmp_path, arguments, words):
+def test_what_cannot_be_is_one_line_before_any_build_and_leaves_nothing(
+    tmp_path, monkeypatch, arguments, words
+):
+    monkeypatch.setattr(builder, "current_fmu", lambda *_: pytest.fail("an FMU was built"))
     name, *options = arguments
-    is_one_line(command(name, *SHORT, *options, "-o", tmp_path / "out", folder=workshop), *words)
-    assert not (tmp_path / "out").exists()
+    files = {"fit": RIG, "design": [EXAMPLES / "design_car.toml"]}.get(name, SHORT)
+    is_one_line(command(name, *files, *options, "-o", tmp_path / "out", folder=tmp_path), *words)
+    assert not list(tmp_path.iterdir())
 
 
 IS_FOLDER = "error: . must be an FMU file, is a folder\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
 from typing import Any, Self
@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, did_you_mean
+from ..common.errors import FmuError, Refused, did_you_mean
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
 from ..memory import Plant, Run
@@ -27,6 +27,8 @@ RUN = "inertiaModuleRun"
 # the question whether it ends the simulation
 WARNING, DISCARD = 1, 2
 TERMINATED = 3
+# types of values that are no numbers
+NOT_NUMBERS = ("String", "Binary", "Clock")
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 
@@ -74,7 +76,11 @@ def run(
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
     """Names as a tuple; a single one may be given as a string."""
-    return (names,) if isinstance(names, str) else tuple(names)
+    if isinstance(names, str):
+        return (names,)
+    if isinstance(names, Iterable):
+        return tuple(names)
+    raise Refused(f"names must be a string or a list of strings, are {names!r}")
 
 
 def fmu_file(path: Path | str | None) -> Path:
@@ -107,6 +113,11 @@ def read_description(path: Path, validate: bool = True) -> Any:
     for variable in description.modelVariables:
         variable.type = of_fmi_2.get(variable.type, variable.type)
     return description
+
+
+def is_number(variable: Any) -> bool:
+    """Return True if a variable of fmpy is a single number: no text, no clock, no array."""
+    return variable.type not in NOT_NUMBERS and not variable.dimensions
 
 
 def _number_for(variable: Any, value: Any) -> float:
@@ -261,10 +272,14 @@ class Fmu(Plant, Closing):
     # --- values ---
 
     def _variable(self, name: str) -> Any:
+        """Return the variable of this name; raise FmuError if there is none, or if it is no single number."""
         variable = self.variables.get(name)
         if variable is None:
             hint = did_you_mean(name, self.variables)
             raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
+        if not is_number(variable):
+            kind = f"an array of {variable.type}" if variable.dimensions else f"a {variable.type}"
+            raise FmuError(f"{name} must be a number, is {kind} in {self.path.name}")
         return variable
 
     def _references(self, names: str | Sequence[str]) -> list[int]:
@@ -412,7 +427,8 @@ class RestartedFmu(Fmu):
 
     def _before_start(self) -> None:
         # a value read here makes the native FMU derive its constants, for the state that is kept
-        self.read(next(name for name, v in self.variables.items() if v.causality == "output"))
+        outputs = (v.name for v in self.variables.values() if v.causality == "output" and is_number(v))
+        self.read([*outputs][:1])
         self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float]) -> None:

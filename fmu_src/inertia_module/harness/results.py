@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
 from ..common.files import write_atomically, write_figure, write_text
@@ -36,8 +37,8 @@ class TableError(Refused):
     """Error of a table: the message names the column and what is allowed."""
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, eq=False)
+class Result(ByContent):
     """Columns of equal length n, the first of them ``time`` (s).
 
     Attributes:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from pydantic_core import to_jsonable_python
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
@@ -79,8 +80,8 @@ class Fitted:
         return f"{value}, from {low:.6g} to {high:.6g}{rests}{doubt}"
 
 
-@dataclass(frozen=True)
-class FitResult:
+@dataclass(frozen=True, eq=False)
+class FitResult(ByContent):
     """Result of a fit.
 
     Attributes:
@@ -288,6 +289,8 @@ def fit(
         raise Refused(f"there must be more measured values than free keys, {len(keys)}, are {data.number}")
     if starts < 0:
         raise Refused(f"starts must be at least 0, is {starts}")
+    if seed < 0:
+        raise Refused(f"seed must be at least 0, is {seed}")
     with Rig(base, data, fmu_file(fmu)) as rig:
         doubted = _units_doubted(rig, {key.name: key.start for key in given})
         try:
