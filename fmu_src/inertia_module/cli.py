@@ -7,6 +7,7 @@ are imported when a command runs: help needs none of them.
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import inspect
 import json
@@ -29,6 +30,7 @@ import typer
 
 import inertia_module
 
+from .common.errors import sentence_of
 from .common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from .common.terminal import progress_bar, terminal
 from .common.units import factor_between, number_of, split_quantity
@@ -56,8 +58,11 @@ Json = Annotated[bool, option("Print one JSON object for machines.", None, "--js
 Scheduler = Annotated[Text, option("Dask scheduler to use: tcp://host:8786.", "ADDRESS")]
 Workers = Annotated[int | None, option("Processes on this machine (one for each core).", "N", min=1)]
 
-# prints a line to the error output: stages of a build, among others
-aside = partial(typer.echo, err=True)
+
+def aside(text: str) -> None:
+    """Print a line to the error output; nothing is printed if the error output is closed or full."""
+    with contextlib.suppress(OSError):
+        typer.echo(text, err=True)
 
 
 class LogOfStages(logging.Handler):
@@ -101,19 +106,15 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     def run(as_json: bool, **options: Any) -> None:
         try:
             answer = work(**options)
-        except (ValueError, RuntimeError, OSError) as error:
-            typer.echo("error: " + " ".join(str(error).split()), err=True)
+        except (ValueError, RuntimeError, OSError, MemoryError) as error:
+            aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
-        listed = {name: str(file) for name, file in answer.files.items()}
-        if as_json:
-            typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
-        else:
-            for warning in answer.warnings:
-                aside(f"warning: {warning}")
-            for one in answer.shown:
-                show(one)
-            for name, file in listed.items():
-                typer.echo(f"{name}: {file}")
+        try:
+            present(answer, as_json)
+        except OSError as error:
+            error.filename = STANDARD_OUTPUT
+            aside(f"error: {sentence_of(error)}")
+            raise typer.Exit(1) from error
         if answer.failed:
             raise typer.Exit(1)
 
@@ -124,6 +125,20 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     )
     run.__annotations__ = {**work.__annotations__, "as_json": Json}
     return run
+
+
+def present(answer: Answer, as_json: bool) -> None:
+    """Print an answer, for people or as one JSON object."""
+    listed = {name: str(file) for name, file in answer.files.items()}
+    if as_json:
+        typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
+        return
+    for warning in answer.warnings:
+        aside(f"warning: {warning}")
+    for one in answer.shown:
+        show(one)
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")
 
 
 def show(one: Shown) -> None:
@@ -166,7 +181,7 @@ def turning(text: str) -> float:
             f" is {text!r}: {error}"
         ) from None
     if not split_quantity(text)[1]:
-        typer.echo(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}", err=True)
+        aside(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}")
     return omega1
 
 
@@ -720,6 +735,21 @@ def options(
     """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
 
 
+STANDARD_OUTPUT = "the standard output"
+
+
+def replace_closed_streams() -> None:
+    """Put a stream in place of each closed standard stream: otherwise the next file gets its number.
+
+    Writing to the standard output then fails; what is written to the error output vanishes.
+    """
+    readable, writable = os.O_RDONLY, os.O_WRONLY
+    streams = (("stdin", readable, "r"), ("stdout", readable, "w"), ("stderr", writable, "w"))
+    for name, flags, mode in streams:
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8"))
+
+
 def main() -> None:
     """Entry of the console script.
 
@@ -727,12 +757,18 @@ def main() -> None:
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
+    replace_closed_streams()
     code: object = 0
     try:
         app()
     except SystemExit as leave:
         code = leave.code
+    except OSError as error:  # of help, which is printed before any command runs
+        error.filename = STANDARD_OUTPUT
+        aside(f"error: {sentence_of(error)}")
+        code = 1
     atexit._run_exitfuncs()
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):
+            stream.flush()
     os._exit(code if isinstance(code, int) else int(code is not None))

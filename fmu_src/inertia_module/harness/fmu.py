@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FmuError, Refused, did_you_mean
+from ..common.files import read_file
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
 from ..memory import Plant, Run
@@ -27,6 +28,8 @@ RUN = "inertiaModuleRun"
 # the question whether it ends the simulation
 WARNING, DISCARD = 1, 2
 TERMINATED = 3
+# largest FMU file that workers run, bytes
+MAX_FMU_SIZE = 1_000_000_000
 # types of values that are no numbers
 NOT_NUMBERS = ("String", "Binary", "Clock")
 # ctypes cuts off what is more, silently
@@ -90,6 +93,11 @@ def fmu_file(path: Path | str | None) -> Path:
     from ..fmu.builder import current_fmu
 
     return current_fmu()
+
+
+def fmu_content(path: Path | str | None) -> bytes:
+    """The content of an FMU file, or of that of the module: see fmu_file."""
+    return read_file(fmu_file(path), MAX_FMU_SIZE)
 
 
 def read_description(path: Path, validate: bool = True) -> Any:

@@ -27,7 +27,7 @@ from ..common.terminal import Progress
 from ..common.units import number_of
 from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..harness.chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
-from ..harness.fmu import fmu_file
+from ..harness.fmu import fmu_content
 from ..memory import Module
 from ..scene import Scene, SceneError
 from ..scene.keys import Duration, Keys, Strict, quantity, validated
@@ -490,7 +490,7 @@ def design(
     base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
     runs = len(read.named) < len(read.figures)
     settings = {"tables": base.tables, "named": read.named, "runs": runs}
-    task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
+    task = Task(fmu_content(fmu), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 

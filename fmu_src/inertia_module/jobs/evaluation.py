@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.extras import library
-from ..common.files import content_hash, writable_folder, write_atomically
+from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
 from ..harness.results import heading, write_rows
 from ..scene import Scene, load_scene
@@ -149,7 +149,7 @@ class Evaluator(ExitStack):
 
     def keep(self, batch: Batch) -> None:
         """Keep a batch, from now on through kills."""
-        with self.path.open("a", encoding="utf-8") as stream:
+        with naming(self.path), self.path.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(batch._asdict()) + "\n")
         self._take(batch)
 

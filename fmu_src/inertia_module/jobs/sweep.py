@@ -15,7 +15,7 @@ from ..common.errors import Refused, did_you_mean, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
-from ..harness.fmu import fmu_file
+from ..harness.fmu import fmu_content
 from ..harness.results import write_rows
 from ..scene import Scene
 from ..scene.run import time_to
@@ -120,7 +120,7 @@ def sweep(
     elif sample is not None:
         raise Refused("sample and sensitivity must not both be given")
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
-    task = Task(fmu_file(fmu).read_bytes(), tables, summaries)
+    task = Task(fmu_content(fmu), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
     shares = list[Share]()
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
