@@ -102,7 +102,7 @@ def current_fmu(
         return ready
     try:
         targets = [target for target in TARGETS if target.folder == here().folder]
-        path = (folder or cache_folder() / "fmus" / fmu.guid()) / fmu.file_name
+        path = (folder or cache_folder() / "fmus" / fmu.guid().strip("{}")) / fmu.file_name
     except CompilationUnavailable as reason:
         raise RuntimeError(f"{fmu.file_name} cannot be built: {reason}") from None
     if not is_current(path, fmu, targets):
