@@ -272,14 +272,14 @@ class Scene(Strict):
         self._check_choice()
         self._check_vehicle()
         self.run.check_outputs([*variables.COMPUTED, *self.surroundings.output_labels])
+        load, parameters = self.built_load, self.parameters()
         try:
-            self.built_load.check_step(self._carrying[1])
-            turning = self.parameters().get("input_inertia", 0.0)
-            self.drive.check_step(self.run.communication_step, turning)
+            load.check_step(self._carrying[1])
+            self.drive.check_step(self.run.communication_step, parameters.get("input_inertia", 0.0))
         except ValueError as error:
             raise SceneError(f"run.communication_step: {error}") from None
         try:
-            Module("plain").check(**self.parameters())
+            Module("plain").check(**parameters)
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
