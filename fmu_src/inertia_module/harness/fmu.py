@@ -171,10 +171,10 @@ class Ended(FmuError):
 
 
 class Kept:
-    """A state kept by an instance of an FMU, and its time, s; freed with the last reference to it."""
+    """A state kept by an instance of an FMU, and its times, s; freed with the last reference to it."""
 
     def __init__(self, fmu: Fmu, state: c_void_p) -> None:
-        self.fmu, self.state, self.time = fmu, state, fmu.time
+        self.fmu, self.state, self.time, self.epoch = fmu, state, fmu.time, fmu._epoch
 
     def __del__(self) -> None:
         if self.fmu._instance is not None:
@@ -216,6 +216,7 @@ class Fmu(Plant, Closing):
     ) -> None:
         self.path = fmu_file(path)
         self.time = start_time
+        self._epoch = 0.0  # time, s, at which the clock of the instance is at 0
         self._log = Log()
         self.messages, self.warnings = self._log.messages, self._log.warnings
         self._instance: Any = None
@@ -338,7 +339,7 @@ class Fmu(Plant, Closing):
             FmuError: the FMU refused the step; its state is as it was. Ended: it ends the simulation.
         """
         try:
-            self._call("doStep", self.time, step)
+            self._call("doStep", self.time - self._epoch, step)
         except FmuError as error:
             if self._has_ended(error.__cause__):
                 raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
@@ -359,13 +360,13 @@ class Fmu(Plant, Closing):
             super().take_steps(lengths, inputs, given, outputs, rows)
             return
         asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
-        asked.time = self.time
+        asked.time = self.time - self._epoch
         try:
             self._call(RUN, self._instance.component, byref(asked))
         except FmuError as error:
-            raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
+            raise FmuError(f"at time {asked.time + self._epoch:.9g} s: {error}") from error
         finally:
-            self.time = asked.time
+            self.time = asked.time + self._epoch
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""
@@ -403,7 +404,7 @@ class Fmu(Plant, Closing):
         if not isinstance(kept, Kept) or kept.fmu is not self:
             raise FmuError("a state must be one of get_state of this instance")
         self._call("setFMUstate", kept.state)
-        self.time = kept.time
+        self.time, self._epoch = kept.time, kept.epoch
 
     def save(self) -> bytes:
         """Serialise the whole state of the instance."""
@@ -423,7 +424,7 @@ class Fmu(Plant, Closing):
             self._call("setFMUstate", before.state)
             raise
         if time is not None:
-            self.time = time
+            self.time, self._epoch = time, 0.0
 
 
 class RestartedFmu(Fmu):
@@ -439,9 +440,16 @@ class RestartedFmu(Fmu):
         self.read([*outputs][:1])
         self._blank = self.get_state()
 
-    def restart(self, values: Mapping[str, float]) -> None:
-        """Start anew with values by name, parameters and inputs; all others are those of the first start."""
+    def restart(self, values: Mapping[str, float], time: float = 0.0) -> None:
+        """Start the instance again.
+
+        Args:
+            values: parameters and inputs by name; all others are those of the first start.
+            time: time that the restart belongs to, s, for messages; the instance itself begins at 0.
+        """
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.set_state(self._blank)
+        self._epoch = time - self.time
+        self.time = time
         self.set(**values)
         self._call("exitInitializationMode")
