@@ -7,9 +7,11 @@ are imported when a command runs: help needs none of them.
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import inspect
 import json
+import logging
 import math
 import os
 import re
@@ -28,13 +30,13 @@ import typer
 
 import inertia_module
 
+from .common.errors import sentence_of
 from .common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from .common.terminal import progress_bar, terminal
 from .common.units import factor_between, number_of, split_quantity
 
 if TYPE_CHECKING:
     from .fidelity.trials import Choice
-    from .fmu.native_fmu import NativeFmu
     from .scene import Scene, SceneResult, ShaftScene
 
 # what options hold, where one that is not given is None
@@ -56,8 +58,24 @@ Json = Annotated[bool, option("Print one JSON object for machines.", None, "--js
 Scheduler = Annotated[Text, option("Dask scheduler to use: tcp://host:8786.", "ADDRESS")]
 Workers = Annotated[int | None, option("Processes on this machine (one for each core).", "N", min=1)]
 
-# prints a line to the error output: stages of a build, among others
-aside = partial(typer.echo, err=True)
+
+def aside(text: str) -> None:
+    """Print a line to the error output; nothing is printed if the error output is closed or full."""
+    with contextlib.suppress(OSError):
+        typer.echo(text, err=True)
+
+
+class LogOfStages(logging.Handler):
+    """Handler that prints the log of the package: the stages of a build that a command needs."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a message to the error output."""
+        aside(record.getMessage())
+
+
+LOG = logging.getLogger("inertia_module")
+LOG.addHandler(LogOfStages())
+LOG.setLevel(logging.INFO)
 
 
 # a line; headings and values under a title; what prints more than that
@@ -88,19 +106,15 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     def run(as_json: bool, **options: Any) -> None:
         try:
             answer = work(**options)
-        except (ValueError, RuntimeError, OSError) as error:
-            typer.echo("error: " + " ".join(str(error).split()), err=True)
+        except (ValueError, RuntimeError, OSError, MemoryError) as error:
+            aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
-        listed = {name: str(file) for name, file in answer.files.items()}
-        if as_json:
-            typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
-        else:
-            for warning in answer.warnings:
-                aside(f"warning: {warning}")
-            for one in answer.shown:
-                show(one)
-            for name, file in listed.items():
-                typer.echo(f"{name}: {file}")
+        try:
+            present(answer, as_json)
+        except OSError as error:
+            error.filename = STANDARD_OUTPUT
+            aside(f"error: {sentence_of(error)}")
+            raise typer.Exit(1) from error
         if answer.failed:
             raise typer.Exit(1)
 
@@ -111,6 +125,20 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     )
     run.__annotations__ = {**work.__annotations__, "as_json": Json}
     return run
+
+
+def present(answer: Answer, as_json: bool) -> None:
+    """Print an answer, for people or as one JSON object."""
+    listed = {name: str(file) for name, file in answer.files.items()}
+    if as_json:
+        typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
+        return
+    for warning in answer.warnings:
+        aside(f"warning: {warning}")
+    for one in answer.shown:
+        show(one)
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")
 
 
 def show(one: Shown) -> None:
@@ -127,14 +155,6 @@ def show(one: Shown) -> None:
         terminal().print(table)
     else:
         one()
-
-
-def current_fmu(fmu: NativeFmu | None = None) -> Path:
-    """The FMU of the module, or another: see builder.current_fmu."""
-    from .fmu.builder import MODULE_FMU
-    from .fmu.builder import current_fmu as current
-
-    return current(fmu or MODULE_FMU, progress=aside)
 
 
 def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
@@ -161,7 +181,7 @@ def turning(text: str) -> float:
             f" is {text!r}: {error}"
         ) from None
     if not split_quantity(text)[1]:
-        typer.echo(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}", err=True)
+        aside(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}")
     return omega1
 
 
@@ -319,7 +339,7 @@ def run(
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
     """Run a scene of either kind; its result and the FMU. also: to be recorded of a module."""
-    from .fmu.builder import MODULE_FMU, SHAFT_FMU
+    from .fmu.builder import MODULE_FMU, SHAFT_FMU, current_fmu
     from .scene import ShaftScene, run_shaft_scene
 
     path = fmu or current_fmu(SHAFT_FMU if isinstance(read, ShaftScene) else MODULE_FMU)
@@ -546,11 +566,10 @@ def orders(
         library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
-    path = fmu or current_fmu()
     with progress_bar(read.title) as progress:
         found = inertia_module.orders(
             read,
-            path,
+            fmu,
             of=of,
             signals=signals,
             highest=highest,
@@ -602,7 +621,7 @@ def fit(
             starts=starts,
             seed=seed,
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             progress=progress,
         )
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
@@ -647,7 +666,7 @@ def sweep(
             sensitivity=sensitivity,
             seed=seed,
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             scheduler=scheduler,
             workers=workers,
             progress=progress,
@@ -683,7 +702,7 @@ def design(
         found = inertia_module.design(
             read_spec(spec, keys),
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             scheduler=scheduler,
             workers=workers,
             progress=progress,
@@ -724,6 +743,21 @@ def options(
     """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
 
 
+STANDARD_OUTPUT = "the standard output"
+
+
+def replace_closed_streams() -> None:
+    """Put a stream in place of each closed standard stream: otherwise the next file gets its number.
+
+    Writing to the standard output then fails; what is written to the error output vanishes.
+    """
+    readable, writable = os.O_RDONLY, os.O_WRONLY
+    streams = (("stdin", readable, "r"), ("stdout", readable, "w"), ("stderr", writable, "w"))
+    for name, flags, mode in streams:
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8"))
+
+
 def main() -> None:
     """Entry of the console script.
 
@@ -734,12 +768,18 @@ def main() -> None:
         kind = getattr(signal, name, None)  # Windows has no SIGHUP, nohup ignores it
         if kind is not None and signal.getsignal(kind) is not signal.SIG_IGN:
             signal.signal(kind, lambda number, _: sys.exit(128 + number))
+    replace_closed_streams()
     code: object = 0
     try:
         app()
     except SystemExit as leave:
         code = leave.code
+    except OSError as error:  # of help, which is printed before any command runs
+        error.filename = STANDARD_OUTPUT
+        aside(f"error: {sentence_of(error)}")
+        code = 1
     atexit._run_exitfuncs()
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):
+            stream.flush()
     os._exit(code if isinstance(code, int) else int(code is not None))

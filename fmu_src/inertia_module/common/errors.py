@@ -16,6 +16,16 @@ class Refused(ValueError):
     """Refusal: the message names the value and what is allowed. Nothing has changed."""
 
 
+def sentence_of(error: BaseException) -> str:
+    """Return the message of an error in one line; of an error of the system with the name of its file."""
+    text = str(error)
+    if isinstance(error, OSError) and error.strerror:
+        text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    if isinstance(error, MemoryError):
+        text = f"there is not enough memory: {text}" if text else "there is not enough memory"
+    return " ".join(text.split())
+
+
 def must_be(name: str, allowed: str, value: float | str) -> str:
     """The sentence for a bad value, or text that stands for it: "tolerance must be between 0 and 1, is 7"."""
     return f"{name} must be {allowed}, is {value if isinstance(value, str) else format(value, '.16g')}"

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pydantic_core import to_jsonable_python
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
@@ -52,8 +53,8 @@ NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
 }
 
 
-@dataclass(frozen=True)
-class Level:
+@dataclass(frozen=True, eq=False)
+class Level(ByContent):
     """Level of fidelity, by its numbers, at one setting, as it is printed, with what makes it."""
 
     fidelity: int
@@ -111,8 +112,8 @@ PEER = "peer"
 FAILURES = (ValueError, RuntimeError, ArithmeticError, MemoryError)
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, eq=False)
+class Row(ByContent):
     """Measurements of one run.
 
     Attributes:
@@ -213,8 +214,8 @@ def failure_lines(rows: Sequence[Row]) -> list[str]:
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 
 
-@dataclass(frozen=True)
-class Choice:
+@dataclass(frozen=True, eq=False)
+class Choice(ByContent):
     """Chosen level and the reasons.
 
     Attributes:

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from .. import __version__
 from ..common.errors import Refused
-from ..common.files import picture_of
+from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
 from ..contract.variables import LOST_TO, PARAMETER, Group, with_causality
 from ..fmu.archive import filled_xml
@@ -75,7 +75,8 @@ def report_file(
         file: of the scene. keys: given instead of its own, KEY=VALUE each. fmu: the file that was run.
         command: that repeats it. chosen: lines on how the fidelity was chosen.
     """
-    text = file.read_text(encoding="utf-8")
+    content = read_file(file, MAX_TEXT_SIZE)
+    text = content.decode("utf-8-sig")
     remarks = [f"warning: {warning}" for warning in result.warnings]
     remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
     remarks += chosen
@@ -92,7 +93,7 @@ def report_file(
         except Refused as reason:
             sections[title] = Part([f"Not available: {reason}."])
     origin = {
-        "scene file": f"{file.name}, SHA-256 {hashlib.sha256(text.encode()).hexdigest()}",
+        "scene file": f"{file.name}, SHA-256 {hashlib.sha256(content).hexdigest()}",
         "FMU": f"{fmu.name} {read_description(fmu, validate=False).guid}",
         "version": f"inertia-module {__version__}, Python {platform.python_version()}, {platform.platform()}",
         "date": f"{date.today()}",

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, must_be
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME
@@ -230,8 +231,8 @@ MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
-@dataclass(frozen=True)
-class TorqueConverterChart:
+@dataclass(frozen=True, eq=False)
+class TorqueConverterChart(ByContent):
     """Means over the speed ratio as of SteadyPulses, torques over omega1 squared, N m s^2; shapes (n,).
 
     Attributes:

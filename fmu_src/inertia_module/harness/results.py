@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, did_you_mean
 from ..common.extras import library
-from ..common.files import write_atomically, write_figure, write_text
+from ..common.files import read_text, write_atomically, write_figure, write_text
 from ..common.units import factor_between
 
 if TYPE_CHECKING:
@@ -36,8 +37,8 @@ class TableError(Refused):
     """Error of a table: the message names the column and what is allowed."""
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, eq=False)
+class Result(ByContent):
     """Columns of equal length n, the first of them ``time`` (s).
 
     Attributes:
@@ -223,7 +224,7 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
         TableError: the file is missing, empty, names a column twice or not, or a cell is not a number.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
+        text = read_text(Path(path))
         first = text.lstrip().partition("\n")[0]
         reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in first), ","))
         # those that are not empty, each with the number of its line

@@ -5,19 +5,23 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused, did_you_mean, must_be
 from ..common.terminal import Progress, progress_bar
 from ..common.units import split_quantity
 from .fmu import Ended, Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
+
+# steps of one run: each recorded column takes 800 MB
+MAX_STEPS = 100_000_000
 
 
 def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:
@@ -112,6 +116,19 @@ def drive(
     return Result.from_rows((TIME, *columns, *outputs), rows, units)
 
 
+def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> None:
+    """Refuse a communication step with which a run has more than MAX_STEPS steps.
+
+    Args:
+        stop_time: stop time, s.
+        step: communication step, s.
+        name: name of the step in the message.
+    """
+    if stop_time > step * MAX_STEPS:
+        allowed = f"at least {stop_time / MAX_STEPS:g} s, for at most {MAX_STEPS:,} steps"
+        raise Refused(must_be(name, allowed, step))
+
+
 def whole_steps(duration: float, step: float) -> int:
     """Number of steps in a duration, both in s; 0 if it is not a whole number (within 1e-6)."""
     number = duration / step
@@ -122,12 +139,13 @@ def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
     """Times 0, step, 2 step, ... and stop_time, s (a remainder below 1e-9 of a step is dropped).
 
     Raises:
-        Refused: stop_time or step is not positive.
+        Refused: stop_time or step is not positive, or there are more than MAX_STEPS steps.
     """
     for name, value in (("stop_time", stop_time), ("step", step)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise Refused(f"{name} must be a positive number of seconds, is {value}")
-    count = math.ceil(stop_time / step - 1e-9)
+        if not (isinstance(value, Real) and math.isfinite(value) and value > 0.0):
+            raise Refused(f"{name} must be a positive number of seconds, is {value!r}")
+    check_number_of_steps(stop_time, step)
+    count = max(math.ceil(stop_time / step - 1e-9), 1)
     times = np.arange(count + 1, dtype=np.float64) * step
     times[-1] = stop_time
     return times

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, did_you_mean, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
@@ -26,7 +27,7 @@ from ..common.terminal import Progress
 from ..common.units import number_of
 from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..harness.chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
-from ..harness.fmu import fmu_file
+from ..harness.fmu import fmu_content
 from ..memory import Module
 from ..scene import Scene, SceneError
 from ..scene.keys import Duration, Keys, Strict, quantity, validated
@@ -364,8 +365,8 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     return figures
 
 
-@dataclass(frozen=True)
-class Finalist:
+@dataclass(frozen=True, eq=False)
+class Finalist(ByContent):
     """A design that was run at the fidelities of search and check, as a scene in a file."""
 
     searched: Row
@@ -398,8 +399,8 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
     return found
 
 
-@dataclass(frozen=True)
-class DesignResult:
+@dataclass(frozen=True, eq=False)
+class DesignResult(ByContent):
     """Result of a design.
 
     Attributes:
@@ -485,13 +486,13 @@ def design(
         SceneError: the specification is not as it must be, in one sentence.
         Refused: the folder holds results of another one. NotInstalled: the extra jobs is not.
     """
-    for name in ("pymoo", "tomli_w"):
+    for name in ("distributed", "pyarrow", "pymoo", "tomli_w"):
         library(name, "jobs")
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
     runs = len(read.named) < len(read.figures)
     settings = {"tables": base.tables, "named": read.named, "runs": runs}
-    task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
+    task = Task(fmu_content(fmu), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from pydantic_core import to_jsonable_python
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
@@ -80,8 +81,8 @@ class Fitted:
         return f"{value}, from {low:.6g} to {high:.6g}{released}{doubt}"
 
 
-@dataclass(frozen=True)
-class FitResult:
+@dataclass(frozen=True, eq=False)
+class FitResult(ByContent):
     """Result of a fit.
 
     Attributes:
@@ -291,6 +292,8 @@ def fit(
         raise Refused(must_be("the number of measured values", allowed, str(data.number)))
     if starts < 0:
         raise Refused(must_be("starts", "at least 0", str(starts)))
+    if seed < 0:
+        raise Refused(must_be("seed", "at least 0", str(seed)))
     with Rig(base, data, fmu_file(fmu)) as rig:
         doubted = _units_doubted(rig, {key.name: key.start for key in given})
         try:

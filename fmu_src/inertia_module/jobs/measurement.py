@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, did_you_mean, must_be
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME, COMPUTED
@@ -56,8 +57,8 @@ def lag_one(residuals: Array) -> float:
     return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2)) if np.ptp(residuals) else 0.0
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, eq=False)
+class Measurement(ByContent):
     """Measurement of a rig.
 
     Attributes:

@@ -24,6 +24,7 @@ from scipy import signal
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, must_be
 from ..common.extras import library
 from ..common.files import write_atomically, write_text
@@ -97,8 +98,8 @@ class Line(NamedTuple):
     phase: float
 
 
-@dataclass(frozen=True)
-class Orders:
+@dataclass(frozen=True, eq=False)
+class Orders(ByContent):
     """Spectra over orders; n orders, m windows.
 
     Attributes:

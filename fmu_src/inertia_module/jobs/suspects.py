@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.variables import PARAMETER, REAL, VARIABLES, Group
@@ -40,8 +41,8 @@ LONGEST = 1e5
 WORTH, SHARE = 10.0, 0.3
 
 
-@dataclass(frozen=True)
-class Suspect:
+@dataclass(frozen=True, eq=False)
+class Suspect(ByContent):
     """Something that is not free in a fit, if it were.
 
     Attributes:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationIn
 from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
+from ..common.equality import hash_of
 from ..common.errors import Refused, did_you_mean, must_be
 from ..common.units import allowed_number, number_of
 from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
@@ -123,6 +124,9 @@ class Strict(BaseModel):
     """Base of all tables of a scene: unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def __hash__(self) -> int:
+        return hash_of({name: getattr(self, name) for name in type(self).model_fields})
 
 
 class Tabulated(Strict):

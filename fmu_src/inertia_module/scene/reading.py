@@ -10,6 +10,7 @@ from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
+from ..common.files import read_text
 from .keys import Keys, Model, SceneError, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
@@ -45,7 +46,7 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
     """Read and check a scene file of a kind that its tables tell; all else as of load_scene."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", error)
         raise SceneError(f"{path} must be a scene file (TOML): {reason}") from None

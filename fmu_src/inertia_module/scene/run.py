@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
+from ..common.equality import ByContent
 from ..common.errors import Named, Refused
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
@@ -309,8 +310,8 @@ def summarise(
 # --- runs ---
 
 
-@dataclass(frozen=True, kw_only=True)
-class SceneResult:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SceneResult(ByContent):
     """Result of a scene, of a module or of a driven shaft alone.
 
     Attributes:
