@@ -75,7 +75,7 @@ def report_file(
         file: of the scene. keys: given instead of its own, KEY=VALUE each. fmu: the file that was run.
         command: that repeats it. chosen: lines on how the fidelity was chosen.
     """
-    text = file.read_text(encoding="utf-8")
+    text = file.read_text(encoding="utf-8-sig")
     remarks = [f"warning: {warning}" for warning in result.warnings]
     remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
     remarks += chosen

@@ -122,6 +122,9 @@ class FitResult:
     def warnings(self) -> list[str]:
         """Warnings of what the user has to know, in sentences."""
         found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
+        if self.measurement.unused:
+            unused = ", ".join(self.measurement.unused)
+            found.append(f"columns that the scene does not compute are not compared: {unused}")
         for (first, second), number in self.correlations.items():
             if abs(number) > 0.95:
                 found.append(

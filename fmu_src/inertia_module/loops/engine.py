@@ -7,8 +7,9 @@ governor, which sees the speed of link 1 at communication points. docs/coupling.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,13 @@ from ..memory import Module
 from .sources import Table, between
 
 __all__ = ["EngineMap", "Governor", "InterfaceInertia", "interface_inertia", "torque_driven"]
+
+
+def check_rising(speed: Sequence[float]) -> None:
+    """Raise a ValueError if speeds, rad/s, do not increase: a torque over the speed has no steps."""
+    for before, after in pairwise(speed):
+        if not before < after:
+            raise ValueError(f"speed must increase, {after:g} comes after {before:g}")
 
 
 @dataclass(frozen=True)
@@ -38,6 +46,7 @@ class EngineMap:
     drag: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        check_rising(self.speed)
         for name, torques in (("greatest", self.greatest), ("drag", self.drag)):
             try:
                 Table(self.speed, torques)
