@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,8 @@ from .written_numbers import Reading, booleans, readings
 SEPARATORS = ";\t,"
 # the headings are among so many rows
 HEADING_ROWS = 1000
-# rows that are moved to the columns together
-BLOCK = 1000
+# rows that are moved to the columns together: fewer than the garbage collector waits for
+BLOCK = 100
 COMMENTS = ("#", "%", "//")
 # name and, in brackets, unit of a column
 _HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$", re.DOTALL)
@@ -73,12 +74,16 @@ def _is_unit(cell: str) -> bool:
     return True
 
 
-def _rows(text: str, separator: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the rows that are not blank with their file lines; comments are among them."""
-    reader = csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True)
-    for row in reader:
-        if row and (row[0].strip() or any(map(str.strip, row))):
-            yield reader.line_num, row
+def _reader(text: str, separator: str) -> Any:
+    return csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True)
+
+
+def _is_blank(row: list[str]) -> bool:
+    return not any(map(str.strip, row))
+
+
+def _is_comment(row: list[str]) -> bool:
+    return row[0].lstrip().startswith(COMMENTS)
 
 
 class CsvTable:
@@ -128,8 +133,11 @@ class CsvTable:
         stated = _SEPARATOR_LINE.match(text)
         ranked = []
         for separator in stated[1] if stated else SEPARATORS:
-            for line, row in islice(_rows(text, separator), HEADING_ROWS):
-                is_comment = row[0].lstrip().startswith(COMMENTS)
+            reader = _reader(text, separator)
+            for row in islice(reader, HEADING_ROWS):
+                if _is_blank(row):
+                    continue
+                line, is_comment = reader.line_num, _is_comment(row)
                 row[0] = row[0].lstrip("#% ")
                 headings = [_name_and_unit(cell) for cell in row]
                 number = len({name for name, _ in headings}.intersection(keys))
@@ -151,18 +159,22 @@ class CsvTable:
 
     def _body(self, text: str, line: int) -> Iterator[tuple[int, list[str]]]:
         """Yield the rows below a line with their file lines, without comments, as long as the headings."""
-        for number, row in _rows(text, self._separator):
-            if number > line and not row[0].lstrip().startswith(COMMENTS):
-                if len(row) != len(self._headings):
-                    self._fit(number, row)
-                yield number, row
+        reader, width = _reader(text, self._separator), len(self._headings)
+        for row in reader:
+            # most rows have the right length and begin with a digit
+            if len(row) != width or not row[0][:1].isdigit():
+                if _is_blank(row) or _is_comment(row) or reader.line_num <= line:
+                    continue
+                self._fit(reader.line_num, row)
+            if reader.line_num > line:
+                yield reader.line_num, row
 
     def _read_columns(self, text: str, line: int) -> tuple[list[int], list[list[str]]]:
         """Return the file lines of the rows below a line, and their cells by column."""
         lines: list[int] = []
         columns: list[list[str]] = [[] for _ in self._headings]
         body = self._body(text, line)
-        # in blocks: millions of rows at once would slow down the garbage collector
+        # in blocks, because the garbage collector would pass over all rows again and again
         while block := list(islice(body, BLOCK)):
             numbers, rows = zip(*block, strict=True)
             lines += numbers
@@ -265,9 +277,9 @@ class CsvTable:
         """Return the decimal sign of a column; "" if it has none, has two meanings, or is not numbers."""
         if name not in self._decimal_signs:
             cells = self._column(name) if self._headings.count(name) == 1 else [""]
-            signs = [reading.decimal for reading in self._readings(cells) if reading.is_complete]
-            has_sign = len(signs) == 1 and any("." in cell or "," in cell for cell in cells)
-            self._decimal_signs[name] = signs[0] if has_sign else ""
+            every = self._readings(cells) if any("." in cell or "," in cell for cell in cells) else []
+            signs = [reading.decimal for reading in every if reading.is_complete]
+            self._decimal_signs[name] = signs[0] if len(signs) == 1 else ""
         return self._decimal_signs[name]
 
     def _no_number(self, name: str, cells: Sequence[str], row: int) -> TableError:

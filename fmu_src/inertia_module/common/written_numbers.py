@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Callable, Sequence
-from functools import cache
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,20 +23,42 @@ GROUP_SIGNS = " '_"
 _SAME = str.maketrans({"\u00a0": " ", "\u2009": " ", "\u202f": " ", "\u2019": "'", "\u2212": "-"})
 
 
-class Reading(NamedTuple):
+@dataclass(frozen=True)
+class Reading:
     """One way to read a column.
 
     Attributes:
+        cells: text of the column.
         decimal: decimal sign.
         group: sign between groups of three digits, or "".
-        values: shape (cells,), empty if a cell cannot be read in this way.
-        failure: index of the first cell that cannot be read in this way; -1 if all can.
     """
 
+    cells: Sequence[str]
     decimal: str
     group: str
-    values: NDArray[np.float64]
-    failure: int = -1
+
+    @cached_property
+    def values(self) -> NDArray[np.float64]:
+        """Numbers of a complete reading, shape (cells,)."""
+        cells = self.cells
+        for sign, other in ((self.group, ""), (self.decimal, ".")):
+            if sign not in ("", other):
+                cells = [cell.replace(sign, other) for cell in cells]
+        return np.array([*map(float, cells)])
+
+    @cached_property
+    def failure(self) -> int:
+        """Index of the first cell that cannot be read in this way, -1 if all can."""
+        if not self.group:
+            with contextlib.suppress(ValueError):
+                finite = np.isfinite(self.values)
+                return -1 if finite.all() else int(np.argmin(finite))
+        number = _number(self.decimal, self.group)
+        # at once, which is faster than cell by cell; no cell has a character 0
+        if re.compile(f"{number}(?:\0{number})*+", re.ASCII).fullmatch("\0".join(self.cells)):
+            return -1
+        matches = re.compile(number, re.ASCII).fullmatch
+        return next((n for n, cell in enumerate(self.cells) if not matches(cell)), -1)
 
     @property
     def is_complete(self) -> bool:
@@ -44,13 +66,12 @@ class Reading(NamedTuple):
         return self.failure < 0
 
 
-@cache
-def _matcher(decimal: str, group: str) -> Callable[[str], object]:
-    """Return the match of numbers with these signs; without a group sign numbers have no groups."""
-    point, exponent, whole = re.escape(decimal), r"(?:[eE][+-]?\d+)?", r"\d+"
+def _number(decimal: str, group: str) -> str:
+    """Return a regular expression of a number with these signs; without a group sign it has no groups."""
+    point, exponent, whole = re.escape(decimal), r"(?:[eE][+-]?\d++)?", r"\d++"
     if group:
-        whole, exponent = rf"(?:[1-9]\d{{0,2}}(?:{re.escape(group)}\d{{3}})+|\d{{1,3}})", ""
-    return re.compile(rf"[+-]?(?:{whole}(?:{point}\d*)?|{point}\d+){exponent}", re.ASCII).fullmatch
+        whole, exponent = rf"(?:[1-9]\d{{0,2}}(?:{re.escape(group)}\d{{3}})++|\d{{1,3}})", ""
+    return rf"[+-]?(?:{whole}(?:{point}\d*+)?|{point}\d++){exponent}"
 
 
 def _signs(text: str, comma_separated: bool) -> list[tuple[str, str]]:
@@ -66,27 +87,6 @@ def _signs(text: str, comma_separated: bool) -> list[tuple[str, str]]:
     if points and not (commas and comma_separated):
         pairs.append((",", "."))
     return pairs
-
-
-def _read(cells: Sequence[str], decimal: str, group: str) -> Reading:
-    """Read all cells in one way."""
-    if not group:
-        with contextlib.suppress(ValueError):
-            values = np.array([*map(float, cells if decimal == "." else _replaced(cells, decimal, "."))])
-            if np.isfinite(values).all():
-                return Reading(decimal, group, values)
-    matches = _matcher(decimal, group)
-    failure = next((n for n, cell in enumerate(cells) if not matches(cell)), -1)
-    if failure >= 0:
-        return Reading(decimal, group, np.empty(0), failure)
-    values = np.array([*map(float, _replaced(_replaced(cells, group, ""), decimal, "."))])
-    if np.isfinite(values).all():
-        return Reading(decimal, group, values)
-    return Reading(decimal, group, np.empty(0), int(np.argmin(np.isfinite(values))))  # 1e999
-
-
-def _replaced(cells: Sequence[str], sign: str, other: str) -> list[str]:
-    return [cell.replace(sign, other) for cell in cells] if sign else [*cells]
 
 
 def readings(cells: Sequence[str], comma_separated: bool = False) -> list[Reading]:
@@ -105,9 +105,8 @@ def readings(cells: Sequence[str], comma_separated: bool = False) -> list[Readin
     if " " in text or "\t" in text:
         text = "\n".join(cells := [cell.strip() for cell in cells])
     if not text.isascii():  # float accepts the digits of all scripts
-        failure = next(n for n, cell in enumerate(cells) if not cell.isascii())
-        return [Reading(".", "", np.empty(0), failure)]
-    return [_read(cells, *signs) for signs in _signs(text, comma_separated)]
+        cells = [cell if cell.isascii() else "" for cell in cells]
+    return [Reading(cells, *signs) for signs in _signs(text, comma_separated)]
 
 
 def booleans(cells: Sequence[str]) -> NDArray[np.float64] | None:
