@@ -276,7 +276,9 @@ class CsvTable:
     def _decimal_sign(self, name: str) -> str:
         """Return the decimal sign of a column; "" if it has none, has two meanings, or is not numbers."""
         if name not in self._decimal_signs:
-            cells = self._column(name) if self._headings.count(name) == 1 else [""]
+            cells = self._column(name) if self._headings.count(name) == 1 else []
+            # sensors that are read seldom leave cells empty
+            cells = [cell for cell in cells if cell.strip()]
             every = self._readings(cells) if any("." in cell or "," in cell for cell in cells) else []
             signs = [reading.decimal for reading in every if reading.is_complete]
             self._decimal_signs[name] = signs[0] if len(signs) == 1 else ""

@@ -90,9 +90,8 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     if unused and not inputs:
         raise next(iter(unused.values()))
     if unused and origin:
-        warnings.warn(
-            f"{origin.path}: {_listed(unused)} not used: no input or output of {file}", stacklevel=3
-        )
+        text = f"{origin.path}: columns that are no inputs or readable outputs of {file} are not used: "
+        warnings.warn(text + _listed(unused), stacklevel=3)
     table = table.without(unused.keys()).converted({name: unit for name, unit in units.items() if unit})
     names = {name: name if name in (TIME, *inputs) else f"{name}_measured" for name in table.names}
     columns = {names[name]: values for name, values in table.columns.items()}

@@ -130,16 +130,20 @@ class Strict(BaseModel):
 
 
 class Cell(str):
-    """Quantity of a CSV file, and the place where it is written: file and line."""
+    """Quantity of a CSV file: text with its unit, and the row that it is from."""
 
-    place = ""
+    table: CsvTable
+    row: int
 
     @classmethod
-    def at(cls, place: str, text: str) -> Self:
-        """Return the text as a cell at a place."""
-        cell = cls(text)
-        cell.place = place
-        return cell
+    def cells(cls, table: CsvTable, name: str, numbers: Sequence[float]) -> list[Self]:
+        """Return the numbers of a column in the unit of its heading, or in SI."""
+        unit, cells = table.units.get(name, ""), []
+        for row, number in enumerate(numbers):
+            cell = cls(f"{number!r} {unit}")
+            cell.table, cell.row = table, row
+            cells.append(cell)
+        return cells
 
 
 # characters that Python and TOML write with a backslash: they are in no path
@@ -186,14 +190,7 @@ class Tabulated(Strict):
             numbers = {points: table.points(points), values: table.numbers(values)}
         except TableError as error:
             raise ValueError(str(error)) from None
-        # quantities of the scene, in the unit of the heading or in SI
-        return data | {
-            name: [
-                Cell.at(table.place(row), f"{value!r} {table.units.get(name, '')}")
-                for row, value in enumerate(numbers[name].tolist())
-            ]
-            for name in columns
-        }
+        return data | {name: Cell.cells(table, name, numbers[name].tolist()) for name in columns}
 
     @model_validator(mode="after")
     def _check(self) -> Tabulated:
@@ -339,7 +336,7 @@ def _line(scene: type[BaseModel], error: Any) -> str:
         if isinstance(reason, Refused):
             return str(reason)
         if isinstance(value, Cell):
-            return f"{value.place}: {'.'.join(keys[:-1])} {reason}"
+            return f"{value.table.place(value.row)}: {'.'.join(keys[:-1])} {reason}"
         return f"{key}: {reason}" if isinstance(value, dict) else f"{key} {reason}"
     allowed = _ALLOWED.get(kind) or context.get("expected") or error["msg"].removeprefix("Input should be ")
     return must_be(key, allowed, repr(value))
