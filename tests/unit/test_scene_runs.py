@@ -492,3 +492,10 @@ def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided():
     assert (ratio.lines[1].get_ydata() == 1.0).all()
     torques = [axes.lines[0].get_ydata() for axes in (output, taken)]
     assert torques[0] * output.lines[0].get_xdata() == pytest.approx(torques[1])
+
+
+def test_a_table_in_another_unit_is_a_warning_of_the_run(fmu):
+    drive = {"kind": "table", "omega1": [50.0, 100.0], "time": [0.0, 500.0]}
+    result = run_scene(scene(0.5, 0.01, drive=drive), fmu)
+    assert [line for line in result.warnings if line.startswith("drive changes from 0 to 500 s")]
+    assert result.as_dict()["warnings"] == [*result.warnings]
