@@ -111,11 +111,10 @@ class Result:
         return list(self.columns)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        if self.origin is not None and name in self.origin.unread:
-            raise TableError(self.origin.unread[name])
-        if name not in self.columns:
-            raise TableError(f"{name} must be a column {did_you_mean(name, self.columns)}")
-        return self.columns[name]
+        if name in self.columns:
+            return self.columns[name]
+        unread = self.origin.unread if self.origin else {}
+        raise TableError(unread.get(name) or f"{name} must be a column {did_you_mean(name, self.columns)}")
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns

@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import math
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused, did_you_mean, listed
 from ..common.terminal import Progress, progress_bar
 from ..common.time_range import time_warnings
 from ..common.units import split_quantity
@@ -41,17 +41,6 @@ def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result
     n = columns[TIME].size
     constant = {name: np.full(n, values[0]) for name, values in columns.items() if values.size == 1}
     return Result.from_columns(columns | constant, units)
-
-
-# columns that a warning names
-_MAX_NAMES = 12
-
-
-def _listed(names: Iterable[str]) -> str:
-    """Return the first names of columns, and the number of the others."""
-    every = list(names)
-    more = f" and {len(every) - _MAX_NAMES} more" if len(every) > _MAX_NAMES else ""
-    return f"{', '.join(every[:_MAX_NAMES])}{more}"
 
 
 def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Result) -> str:
@@ -91,7 +80,7 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
         raise next(iter(unused.values()))
     if unused and origin:
         text = f"{origin.path}: columns that are no inputs or readable outputs of {file} are not used: "
-        warnings.warn(text + _listed(unused), stacklevel=3)
+        warnings.warn(text + listed(unused), stacklevel=3)
     table = table.without(unused.keys()).converted({name: unit for name, unit in units.items() if unit})
     names = {name: name if name in (TIME, *inputs) else f"{name}_measured" for name in table.names}
     columns = {names[name]: values for name, values in table.columns.items()}

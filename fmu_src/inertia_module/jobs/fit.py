@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from pydantic_core import to_jsonable_python
 
-from ..common.errors import Refused
+from ..common.errors import Refused, listed
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
@@ -123,7 +123,7 @@ class FitResult:
         """Warnings of what the user has to know, in sentences."""
         found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
         if self.measurement.unused:
-            unused = ", ".join(self.measurement.unused)
+            unused = listed(self.measurement.unused)
             found.append(f"columns that the scene does not compute are not compared: {unused}")
         for (first, second), number in self.correlations.items():
             if abs(number) > 0.95:

@@ -137,8 +137,9 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
 
     Args:
         measured: a table, or a CSV file with a heading row, units in brackets where they are not SI.
-        scene: that computes the columns. columns: those that are compared; by default all but the inputs of
-            the module, which the scene gives.
+        scene: scene that computes the columns.
+        columns: names of the columns that are compared; by default all but the inputs of the module, which
+            the scene gives.
 
     Raises:
         TableError: it is no table over time, a column that is compared is not numbers, or a unit is of
