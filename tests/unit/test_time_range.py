@@ -65,6 +65,7 @@ def test_a_table_that_never_meets_the_run_is_rejected_with_both_ranges(times, st
         (np.array([50.0, 51.0]), 60.0, ""),
         (np.array([5.0, 5.0]), 60.0, ""),
         (np.array([7.0]), 1.0, ""),
+        (np.array([0.5, 3.0, 7.0]), 1.0, ""),
     ],
 )
 def test_times_that_are_probably_wrong_are_warned_of(times, stop_time, words):
@@ -73,7 +74,8 @@ def test_times_that_are_probably_wrong_are_warned_of(times, stop_time, words):
     assert re.search(words, "".join(lines)), lines
 
 
-def test_a_table_that_is_constant_and_one_that_ends_far_away_need_no_warning():
+def test_a_table_that_changes_within_the_run_or_just_after_it_needs_no_warning():
+    assert time_warnings("x", np.array([0.0, 3.0, 7.0]), [np.array([0.0, 0.0, 1.0])], 1.0) == []
     assert time_warnings("x", 1e5 * RECORD, [np.ones(RECORD.size)], 1.0) == []
     assert time_warnings("x", np.array([0.0, 1.0, 1e6]), [np.array([0.0, 1.0, 1.0])], 10.0) == []
 

@@ -59,7 +59,9 @@ def time_warnings(name: str, times: Array, columns: Iterable[Array], stop_time: 
     if not steps.size:
         return []
     begin, end = float(times[steps[0]]), float(times[steps[-1] + 1])
-    if min(end, stop_time) - max(begin, 0.0) < MIN_USED_SHARE * (end - begin):
+    used = min(end, stop_time) - max(begin, 0.0)
+    # a shorter run of a table whose changes come later is meant so
+    if used < MIN_USED_SHARE * (end - begin) and stop_time < MIN_USED_SHARE * end:
         return [
             f"{name} changes from {begin:.12g} to {end:.12g} s, and the run, {ranges}, uses less than"
             f" {100.0 * MIN_USED_SHARE:g} % of that: {likely_cause(first)}"
