@@ -31,6 +31,13 @@ def must_be(name: str, allowed: str, value: float | str) -> str:
     return f"{name} must be {allowed}, is {value if isinstance(value, str) else format(value, '.16g')}"
 
 
+def listed(names: Iterable[str]) -> str:
+    """Return the first names, and the number of the others."""
+    every = list(names)
+    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
+    return f"{', '.join(every[:LISTED])}{more}"
+
+
 def did_you_mean(name: Any, known: Iterable[str]) -> str:
     """Suggest, in brackets, names for one that is not known: the nearest ones, or else which there are."""
     names, given = list(dict.fromkeys(known)), str(name).lower()
@@ -39,8 +46,7 @@ def did_you_mean(name: Any, known: Iterable[str]) -> str:
     if near:
         *others, last = near
         return f"(did you mean {' or '.join([', '.join(others), last] if others else [last])}?)"
-    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    return f"(there are {', '.join(names[:LISTED])}{more})" if names else "(there are none)"
+    return f"(there are {listed(names)})" if names else "(there are none)"
 
 
 class UnknownName(Refused, KeyError):

@@ -299,7 +299,8 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         best = (
             f"best: {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "no level was measured"
         )
-        raise Refused(f"error = {error:g} in {', '.join(wanted)} is not reached by any fidelity level; {best}")
+        asked = f"error = {error:g} in {', '.join(wanted)}"
+        raise Refused(f"{asked} is not reached by any fidelity level; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
@@ -353,8 +354,9 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
     console = terminal()
     console.print(title, style="bold")
     console.print(
-        f"Each level at its cheapest setting with an error of at most {allowed:g}, otherwise at its most accurate"
-        f" setting; communication step {rows[0].communication_step:g} s; kernel time in ms per simulated second"
+        f"Each level at its cheapest setting with an error of at most {allowed:g}, otherwise at its most"
+        f" accurate setting; communication step {rows[0].communication_step:g} s;"
+        " kernel time in ms per simulated second"
     )
     console.print(table)
 
@@ -563,7 +565,10 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
 # --- the trade: error over cost, on log-log axes ---
 
 # label of a cost, and factor to the unit in it
-_AXES = {"wall_time": ("kernel time [ms per simulated second]", 1e3), "evaluations": ("right-hand-side evaluations", 1.0)}
+_AXES = {
+    "wall_time": ("kernel time [ms per simulated second]", 1e3),
+    "evaluations": ("right-hand-side evaluations", 1.0),
+}
 
 
 def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Figure:

@@ -18,7 +18,7 @@ import numpy as np
 from pydantic_core import to_jsonable_python
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be
+from ..common.errors import Refused, listed, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
@@ -124,6 +124,9 @@ class FitResult(ByContent):
     def warnings(self) -> list[str]:
         """Warnings of what the user has to know, in sentences."""
         found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
+        if self.measurement.unused:
+            unused = listed(self.measurement.unused)
+            found.append(f"columns that the scene does not compute are not compared: {unused}")
         for (first, second), number in self.correlations.items():
             if abs(number) > 0.95:
                 found.append(

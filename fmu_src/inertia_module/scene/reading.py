@@ -11,7 +11,7 @@ from typing import Any
 from ..common.errors import Refused
 from ..common.extras import library
 from ..common.files import read_text
-from .keys import Keys, Model, SceneError, changed, keys_of, validated
+from .keys import SLASHES, Keys, Model, SceneError, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -26,6 +26,8 @@ def _tables(text: str) -> dict[str, Any]:
         line = text.split("\n")[int(place[1]) - 1] if place else ""
         comma = re.search(r"=\s*[-+]?\d+,\d", line)
         cause = ": a number has a decimal point and no commas" if comma else ""
+        if "\\" in line and re.search("Unescaped|hex", said):
+            cause = f": a backslash in double quotes begins an escape; {SLASHES}"
         raise SceneError(f"the scene is no TOML: {said}{cause}") from None
 
 
@@ -47,9 +49,11 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
     path = Path(path)
     try:
         text = read_text(path)
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", error)
-        raise SceneError(f"{path} must be a scene file (TOML): {reason}") from None
+    except OSError as error:
+        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise SceneError(f"{path} must be a scene file (TOML) in UTF-8: line {line} is not") from None
     try:
         tables = _tables(text)
         for name, value in keys_of(keys).items():

@@ -24,7 +24,7 @@ from ..harness.simulate import Fmu, Result
 from ..kernel.codes import ELASTIC, RIGID
 from ..loops import ClosedLoop, initial_inputs
 from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
-from .keys import SceneError
+from .keys import SceneError, scene_time_warnings
 from .schema import Scene
 
 if TYPE_CHECKING:
@@ -319,7 +319,7 @@ class SceneResult(ByContent):
             loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
         remarks: on numbers missing or doubtful, by name: a speed not reached, a load above stall.
         limits: that the scene gives, by the name of the number, in its unit.
-        warnings: that the FMU logged, and of limits that are passed.
+        warnings: that the FMU logged, of limits that are passed, and of tables beside the times of the run.
     """
 
     scene: Any
@@ -512,5 +512,5 @@ def _run_on(
         quantities=quantities,
         remarks=remarks | unknown,
         limits=limits,
-        warnings=(*fmu.warnings, *above),
+        warnings=(*fmu.warnings, *above, *scene_time_warnings(scene, scene.run.stop_time)),
     )

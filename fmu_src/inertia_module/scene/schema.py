@@ -18,7 +18,18 @@ from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.cycles import Cycle
 from ..loops.sources import Signal, Sources
 from ..memory import Module
-from .keys import AUTO, Duration, SceneError, Strict, changed, fields_of, in_range, quantity, validated
+from .keys import (
+    AUTO,
+    Duration,
+    SceneError,
+    Strict,
+    changed,
+    fields_of,
+    in_range,
+    quantity,
+    scene_time_warnings,
+    validated,
+)
 from .parts import Controller, Drive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
@@ -275,6 +286,7 @@ class Scene(Strict):
         self._check_choice()
         self._check_vehicle()
         self.run.check_outputs([*variables.COMPUTED, *self.surroundings.output_labels])
+        scene_time_warnings(self, self.run.stop_time)
         load, parameters = self.built_load, self.parameters()
         try:
             load.check_step(self._carrying[1])
