@@ -55,7 +55,7 @@ def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[ctypes.CD
         if kernel == "compiled":
             raise
         warnings.warn(
-            f"the kernel runs as plain Python, a hundred times slower: no compiled kernel is available ({error})",
+            f"the kernel runs as plain Python, 100 times slower: no compiled kernel is available ({error})",
             RuntimeWarning,
             stacklevel=4,
         )

@@ -108,7 +108,7 @@ MESSAGES: Mapping[int, str] = {
         " tolerance or max_step."
     ),
     codes.NOT_STEADY: (
-        "fidelity = averaged requires a periodic steady state at constant output speed; none was found with"
+        "fidelity = averaged is rejected: no periodic steady state was found at constant output speed with"
         f" {named('link2_inertia', 'drive_friction', 'link2_friction')}, {named(*_LOSSES)}. Increase"
         " link2_inertia or use fidelity = rigid."
     ),

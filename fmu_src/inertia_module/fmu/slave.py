@@ -208,9 +208,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def _require_settable(self, variable: Variable) -> None:
         call = f"setting {variable.name}"
         if variable.causality not in (INPUT, PARAMETER):
-            raise Told(
-                f"a variable to set must be an input or a parameter ({variable.name} is calculated)"
-            )
+            raise Told(f"a variable to set must be an input or a parameter ({variable.name} is calculated)")
         if self.phase in (INSTANTIATED, INITIALIZING):
             return  # values are checked at the end of initialization
         if variable.causality == PARAMETER and not variable.is_tunable:
