@@ -129,11 +129,11 @@ def test_page_refers_to_files_of_the_fmu_says_what_the_model_computes_and_lists_
     first, *sections = page.xpath("//h1/text() | //h2/text()")
     assert first == model.title
     assert sections[:5] == [
-        "What it computes",
-        "How to couple it",
+        "How it works",
+        "Coupling",
         "Order of calls",
-        "Refusals",
-        "What is not modelled",
+        "Invalid input",
+        "Limits of the model",
     ]
     flanges = [
         name for end in model.terminals for name in (end.name, end.speed, end.torque, end.angle) if name

@@ -241,7 +241,7 @@ def test_a_state_with_a_forged_head_or_from_before_the_start_is_refused_and_noth
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
         *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
-        (fresh.saved(), 0, 2, "is one saved before the start"),  # as if it were initialised
+        (fresh.saved(), 0, 2, "must be saved after the start"),  # as if it were initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])
         assert running.refusal(partial(running.restore, changed)).endswith(words)

@@ -412,10 +412,10 @@ def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_pa
 def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
     content = files_of(built / "InertiaModulePy.fmu")
     (table,) = (name for name in content if name.endswith("contract/variables.py"))
-    assert b'evenly spread", 1,' in content[table]
+    assert b'evenly spaced", 1,' in content[table]
     # a start value that cannot be built, and that is not that of the references carried along
     content = {name: data for name, data in content.items() if not name.startswith("extra/")}
-    content[table] = content[table].replace(b'evenly spread", 1,', b'evenly spread", 6,')
+    content[table] = content[table].replace(b'evenly spaced", 1,', b'evenly spaced", 6,')
     path = with_content(tmp_path / "x.fmu", content)
     # in a process of its own: pythonfmu shares the code of FMUs that were loaded before
     done = process("-m", "inertia_module", "check", path)

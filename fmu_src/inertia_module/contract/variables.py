@@ -275,7 +275,7 @@ VARIABLES: tuple[Variable, ...] = (
     _output(35, "output_slip_peak", Group.FREEWHEELS, "rad/s", "maximum overrunning speed of the output freewheel over the last communication step: omega_hub - omega2", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
     _output(36, "housing_engagements", Group.FREEWHEELS, "1", "number of engagements of the housing freewheel since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(SOLVED, PULSES), at_start=()),
     _output(37, "output_engagements", Group.FREEWHEELS, "1", "number of engagements of the output freewheel since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(SOLVED, PULSES), at_start=()),
-    _local(38, "drive_angle", Group.MOTION, "rad", "pinion-shaft angle without the whole revolutions in drive_turns: q = drive_angle + 2 pi drive_turns", nominal=1.0, minimum=0.0, follows=DRIVE_ANGLE, needs=(PHASE,)),
+    _local(38, "drive_angle", Group.MOTION, "rad", "angle q of the pinion shaft without the whole revolutions in drive_turns: q = drive_angle + 2 pi drive_turns", nominal=1.0, minimum=0.0, follows=DRIVE_ANGLE, needs=(PHASE,)),
     _local(39, "drive_turns", Group.MOTION, "1", "whole revolutions of the pinion shaft that drive_angle does not include (a multiple of the revolutions in one period of the motion)", follows=SINCE_START, needs=(PHASE,)),
     _local(40, "input_angle", Group.MOTION, "rad", "angle theta1 of the input shaft (carrier, link 1) without the whole revolutions in input_turns", nominal=1.0, minimum=0.0, follows=SINCE_START),
     _local(41, "input_turns", Group.MOTION, "1", "whole revolutions of the input shaft that input_angle does not include", follows=SINCE_START),
@@ -362,7 +362,7 @@ VARIABLES: tuple[Variable, ...] = (
     _tunable(122, "kinematic_ratio", Group.SOLVER, "1", "prescribed speed ratio omega2/omega1 of link 2 and the carrier (kinematic)", 0.0, -10.0, 10.0),
     _parameter(123, "omega2_start", Group.START, "rad/s", "initial speed of link 2", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
     _parameter(124, "omega_out_start", Group.START, "rad/s", "initial speed of the output shaft", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
-    _parameter(125, "drive_angle_start", Group.START, "rad", "initial pinion-shaft angle q", 0.0, -1e6, 1e6),
+    _parameter(125, "drive_angle_start", Group.START, "rad", "initial angle q of the pinion shaft", 0.0, -1e6, 1e6),
 )  # fmt: skip
 
 # of FMI 3.0 alone; it was numbered after the 126 rows that the table had then
