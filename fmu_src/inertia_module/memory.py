@@ -18,7 +18,7 @@ from .contract.records import record_type
 from .contract.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER, Variable
 from .kernel import codes
 
-NO_STATE = "the state must be one saved by this build, is damaged or of another build"
+NO_STATE = "the state must be saved by this build (it is damaged or from another build)"
 # maps of fidelity averaged kept for the process: instances alike share the work of the first
 MOST_MAPS = 64
 # what the kernel's build_map writes and is to find again
@@ -48,18 +48,18 @@ def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[ctypes.CD
     if kernel not in ("auto", "compiled", "plain"):
         raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     if kernel == "plain":
-        return None, "plain Python, as asked for"
+        return None, "plain Python, as requested"
     try:
         return compiled.load(model), "compiled"
     except CompilationUnavailable as error:
         if kernel == "compiled":
             raise
         warnings.warn(
-            f"the kernel runs as plain Python, a hundred times slower: there is no compiled one ({error})",
+            f"the kernel runs as plain Python, 100 times slower: no compiled kernel is available ({error})",
             RuntimeWarning,
             stacklevel=4,
         )
-        return None, f"plain Python, for there is no compiled one ({error})"
+        return None, f"plain Python, no compiled kernel is available ({error})"
 
 
 @cache
@@ -183,7 +183,7 @@ class ModelInstance(Plant):
         for name, value in values.items():
             variable = self.settable(name)
             if variable.causality == PARAMETER and self.started and not variable.is_tunable:
-                raise Refused(f"{name} = {value} must be set before the start: it is fixed after it")
+                raise Refused(f"{name} is not tunable and must be set before start() (got {value})")
             numbers[name] = variable.number(value)
         self.assign(numbers)
 
@@ -223,7 +223,7 @@ class ModelInstance(Plant):
     def rates(self) -> dict[str, float]:
         """Rates of the outputs now, per second, inputs going on as they do; a step mean has rate 0."""
         if not self.started:
-            raise Refused("rates must come after the start, the module has not been started")
+            raise Refused("call start() before rates()")
         copy = type(self)("plain" if self._compiled is None else "compiled")
         copy.restore(self.save())
         self._check(copy.call(codes.RATES, 0.0), 0.0)
@@ -249,7 +249,7 @@ class ModelInstance(Plant):
     def advance(self, step_size: float) -> None:
         """Advance by a communication step, s."""
         if not self.started:
-            raise Refused("a step must come after the start, the module has not been started")
+            raise Refused("call start() before advance()")
         self._check(self.call(codes.STEP, step_size), step_size)
         # rates of inputs, and whether they are given, come after the inputs
         rates = len(self.inputs.numbers) // 3
@@ -327,7 +327,7 @@ class ModelInstance(Plant):
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
             raise Refused(
-                f"the state must be one saved by this build, of {size} bytes, is of {len(saved)} bytes"
+                f"the state must be saved by this build, with {size} bytes (got {len(saved)} bytes)"
             )
         started = saved.startswith(self._head(True))
         if not started and not saved.startswith(self._head(False)):
@@ -337,7 +337,7 @@ class ModelInstance(Plant):
             parts[name] = type(record).from_buffer_copy(saved, start)
             start += ctypes.sizeof(record)
         if must_be_started and not started:
-            raise Refused("the state must be one that can step, is one saved before the start")
+            raise Refused("the state must be saved after the start")
         # a number used as an index or a choice must be one
         sound = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
         if not sound or (started and self.model.refused(parts["p"])):

@@ -33,10 +33,10 @@ STEP, STOP = 0.01, 1.0
 TIMES = np.linspace(0.0, STOP, round(STOP / STEP) + 1)
 # tolerance of the experiment, and what a result may deviate, over the largest value
 ASKED, SHARE = 1e-6, 1e-4
-ORIGIN = "Speeds and step means by {}, by SciPy's DOP853 at 1e-13: nothing of this FMU takes part"
+ORIGIN = "Speeds and step means from {}, integrated by DOP853 of SciPy at 1e-13, independently of this FMU"
 SPEEDS = {"input_speed": OMEGA1, "omega2": OMEGA2, "omega_hub": OMEGA3, "omega_out": OMEGA4}
 EQUATIONS = {
-    "InertiaModule": "equations of motion of their own (virtual work on a geometry of rotation matrices)",
+    "InertiaModule": "separate equations of motion (virtual work on a geometry of rotation matrices)",
     "DrivenShaft": "the two equations of motion of spring and mass",
 }
 IMPULSES = {"input_torque_mean": "M1", "output_torque_mean": "Tc"}

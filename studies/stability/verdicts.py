@@ -214,9 +214,9 @@ class Verdict:
 
 
 def cause(message: str) -> str:
-    """Return the reason of a rejection, without values and ranges."""
-    found = re.search(r": ([^;]*)", message)
-    return found.group(1).strip() if found else message.partition(", are ")[0]
+    """Return the reason of a rejection: the sentence after the values, otherwise the message without values."""
+    reason = re.search(r"(?:\)\.|:) (.*?)(?:\. |[.;]?$|;)", message)
+    return reason[1] if reason else message.partition(" (got ")[0]
 
 
 def figures_of(trial: Trial) -> Figures:

@@ -126,11 +126,11 @@ def test_page_refers_to_files_of_the_fmu_says_what_the_model_computes_and_lists_
     first, *sections = page.xpath("//h1/text() | //h2/text()")
     assert first == model.title
     assert sections[:5] == [
-        "What it computes",
-        "How to couple it",
+        "How it works",
+        "Coupling",
         "Order of calls",
-        "Refusals",
-        "What is not modelled",
+        "Invalid input",
+        "Limits of the model",
     ]
     flanges = [
         name for end in model.terminals for name in (end.name, end.speed, end.torque, end.angle) if name
@@ -261,7 +261,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     for reason in skipped.values():
         assert f"{missing} is not installed; it comes with the extra inertia-module[fast]" in reason
     message, _ = drive(path)
-    assert message.startswith("the kernel is plain Python, for there is no compiled one")
+    assert message.startswith("the kernel is plain Python, no compiled kernel is available")
 
 
 def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_others(tmp_path, monkeypatch):

@@ -229,21 +229,21 @@ def test_absurd_rates_are_discarded(instance, name, rate):
 @pytest.mark.parametrize(
     "call, words",
     [
-        (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "must be that of an output, is "),
+        (lambda i: i.directional(("omega1",), ("omega1",), (1.0,)), "must belong to an output (got "),
         (
             lambda i: i.directional(("omega2",), ("omega2",), (1.0,)),
-            "of an input or a tunable parameter, is ",
+            "to an input or a tunable parameter (got ",
         ),
         # a known at the start alone
-        (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "of an input or a tunable parameter, is "),
+        (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "to an input or a tunable parameter (got "),
         (
             lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),
-            "a direction must be finite, is nan",
+            "a direction must be finite (got nan",
         ),
-        (lambda i: i.rates("omega2", order=2), "order of a derivative of omega2 must be 1, is 2"),
-        (lambda i: i.rates("energy_in"), "must be that of an output, is "),
-        (lambda i: i.set_rates(omega2=1.0), "must be that of an input, is "),
-        (lambda i: i.set_rates(order=2, omega1=1.0), "order of a derivative of omega1 must be 1, is 2"),
+        (lambda i: i.rates("omega2", order=2), "order of a derivative of omega2 must be 1 (got 2"),
+        (lambda i: i.rates("energy_in"), "must belong to an output (got "),
+        (lambda i: i.set_rates(omega2=1.0), "must belong to an input (got "),
+        (lambda i: i.set_rates(order=2, omega1=1.0), "order of a derivative of omega1 must be 1 (got 2"),
     ],
 )
 def test_derivatives_that_are_not_there_are_refused(instance, call, words):

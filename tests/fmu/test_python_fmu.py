@@ -52,7 +52,7 @@ def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_
     assert expected[0] == "the kernel is compiled"
     assert [folder.name for folder in cache.iterdir()] == ["unpacked"]
     plain = drive(fmu_path, INERTIA_MODULE_KERNEL="plain")
-    assert plain == ["the kernel is plain Python, as asked for", expected[1]]
+    assert plain == ["the kernel is plain Python, as requested", expected[1]]
     assert float.fromhex(expected[1]) > 0.0
     for name in FOLDERS:
         (tmp_path / name).mkdir()
@@ -61,7 +61,7 @@ def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_
 
 def test_an_unknown_kernel_and_a_folder_that_pythonfmu_cannot_read_are_refused(fmu_path, tmp_path):
     (said,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
-    assert "kernel must be auto, compiled or plain, is 'fast'" in said
+    assert "kernel must be auto, compiled or plain (got 'fast')" in said
     (tmp_path / "50%20off").mkdir()
     (said,) = drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / "50%20off"))
     assert "the resource location must be the URI of this FMU's resources" in said
@@ -200,7 +200,7 @@ def test_an_instance_name_may_be_in_any_encoding_and_comes_back_in_messages(
 def test_an_fmu_of_another_build_is_not_instantiated(description, unpacked, location):
     fmu, log = instantiated(description, unpacked, location, guid="{of-another-build}")
     assert fmu.component is None
-    assert log.messages == ["the GUID must be that of modelDescription.xml, is of another build"]
+    assert log.messages == ["the GUID must match modelDescription.xml: import the FMU again"]
 
 
 def test_the_log_is_what_was_asked_for(fmu_path):
@@ -232,7 +232,7 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
             setattr(attrgetter(record)(memory), name, value)
             forged = good[:HEAD_SIZE] + memory.save()
             said = instance.refusal(lambda state=forged: instance.restore(state))
-            assert "must be one saved by this build, is damaged" in said, f"{name} = {value}"
+            assert "must be saved by this build (it is damaged" in said, f"{name} = {value}"
             assert instance.all_values() == before, f"{name} = {value}"
         assert not instance.is_discarded(0.1), name
 
@@ -241,7 +241,7 @@ def test_a_state_with_a_forged_head_or_from_before_the_start_is_refused_and_noth
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
         *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
-        (fresh.saved(), 0, 2, "is one saved before the start"),  # as if it were initialised
+        (fresh.saved(), 0, 2, "must be saved after the start"),  # as if it were initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])
         assert running.refusal(partial(running.restore, changed)).endswith(words)
@@ -300,7 +300,7 @@ def test_states_that_the_host_does_not_free_go_with_their_instance(description, 
 def test_a_state_of_another_instance_is_an_error(instances):
     one, other = (instances().start(omega1=100.0) for _ in range(2))
     state = other.fmu.getFMUstate()
-    words = "a state must be one that this instance has saved and not freed, is another"
+    words = "a state must be saved by this instance and not yet freed"
     uses = (one.fmu.setFMUstate, one.fmu.serializeFMUstate, one.fmu.freeFMUstate)
     assert [one.refusal(partial(use, state)) for use in uses] == 3 * [words]
     other.fmu.setFMUstate(state)
@@ -331,7 +331,7 @@ def test_null_pointers_are_rejected_and_the_instance_goes_on(instance, call):
     before = instance.all_values()
     function, component = instance.fmu.dll[f"fmi2{call}"], ctypes.c_void_p(instance.fmu.component)
     assert function(component, None, ctypes.c_size_t(1), None) == fmi2Error
-    assert instance.log.errors == [f"the arguments of fmi2{call} must be given, one is NULL"]
+    assert instance.log.errors == [f"fmi2{call} requires arguments that are not NULL"]
     assert instance.all_values() == before
     assert not instance.is_discarded(0.1)
     assert function(component, None, ctypes.c_size_t(0), None) == fmi2OK

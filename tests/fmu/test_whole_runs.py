@@ -102,7 +102,7 @@ def test_what_is_refused_within_a_run_leaves_what_the_loop_leaves(twins, name, b
 def test_unknown_names_and_closed_instances_are_refused(fmu_path):
     with Fmu(fmu_path, inputs=R1) as fmu:
         assert_refused("omega7 must be a variable", run, fmu, outputs=["omega7"])
-        with pytest.raises(FmuError, match="must be an input or a parameter, omega_out is calculated"):
+        with pytest.raises(FmuError, match=r"must be an input or a parameter \(omega_out is calculated\)"):
             run(fmu, {"omega_out": np.zeros(300)})
     assert_refused("is closed", run, fmu)
 
@@ -117,7 +117,7 @@ def test_null_pointers_are_refused(fmu_path, missing):
         for given in (byref(asked), None):
             with pytest.raises(FMICallException):
                 call(fmu._instance.component, given)
-            assert "must be given, one is NULL" in fmu.messages.pop()
+            assert "requires arrays that are not NULL" in fmu.messages.pop()
         with pytest.raises(FMICallException):
             call(None, byref(asked))
         fmu.advance(0.01)

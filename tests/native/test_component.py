@@ -175,7 +175,7 @@ def test_what_is_refused_is_told_in_whole_letters(contents):
     assert it.instantiate(fmu.guid()) is not None
     assert it("set-float64", [10_000], [1.0]) == it("get-float64", [10_000]) == "error"
     assert it("set-float64", references(fmu, "omega1"), [1.0, 2.0]) == "error"
-    assert "a value for each of 1 references, are 2" in it.said[-1][3]
+    assert "the number of values must be 1, one per reference (got 2)" in it.said[-1][3]
     assert it("set-debug-logging", True, ["x" + "é" * 60]) == "error"
     assert it.said[-1][3].endswith("is x" + "é" * 31)
     assert it("set-debug-logging", True, ["logAll", "logSteps"]) == "ok"

@@ -34,10 +34,10 @@ NEEDED = "3 logStatusError: Python must be 3.11 or later"
     "flags, version, said",
     [
         *(
-            (["-DWITH_PYTHON"], version, f"{NEEDED}, is {re.escape(version)}\n")
+            (["-DWITH_PYTHON"], version, f"{NEEDED} \\(got {re.escape(version)}\\)\n")
             for version in ("2.7.18 (default)", "3.9.2 (default)", "3.10.12 (main, Jun 11 2023)")
         ),
-        ([], "", f"{NEEDED} in the process of this FMU, there is none\n"),
+        ([], "", f"{NEEDED} \\(got none in the process of this FMU\\)\n"),
         (["-DWITH_PYTHON"], "3.12.1", ".*pythonfmu cannot be loaded: .*"),
     ],
 )
@@ -103,7 +103,7 @@ def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(run_at, tmp_path
         assert found == "found"
     (resources / "guid.txt").write_text("{of-another-build}")
     assert run_at(resources.as_uri().replace("file://", "file:///Z:")) == (
-        "the GUID must be that of modelDescription.xml, is of another build\n"
+        "the GUID must match modelDescription.xml: import the FMU again\n"
     )
 
 

@@ -124,6 +124,6 @@ def test_messages_write_numbers_alike_in_every_country(one_of_each, comma):
     program = one_of_each.build("locales", "locales.c", "host.c")
     tolerance, begin, speed = run([program], **comma).splitlines()
     variable = one_of_each.fmu.model.variables[0]
-    assert tolerance == "tolerance must be a positive number, is -1.5"
-    assert begin == "start time must be a finite number of seconds, is nan"
-    assert speed == f"{variable.name} must be {variable.allowed}, is 1234567.5"
+    assert tolerance == "tolerance must be a positive number (got -1.5)"
+    assert begin == "start time must be a finite number of seconds (got nan)"
+    assert speed == f"{variable.name} must be {variable.allowed} (got 1234567.5)"

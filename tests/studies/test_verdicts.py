@@ -71,14 +71,14 @@ def test_refusals_are_verdicts_with_their_reason(monkeypatch):
         verdicts.try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0)))
     )
     assert at_the_start.outcome == "rejected"
-    assert "link2_inertia must be above 0 by more than rounding, is 0" in at_the_start.reason
-    assert verdicts.cause(at_the_start.reason).startswith("the inertia behind link 2 vanishes")
+    assert "link2_inertia must be significantly greater than 0 " in at_the_start.reason
+    assert verdicts.cause(at_the_start.reason).startswith("The inertia at link 2 vanishes")
     # a step that is given up leaves a module that goes on: in plain Python with a limit that is soon met
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     too_long = Motion(LEVEL.values, (Segment(1e4, 1e6, 1e12),))
     given_up = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
     assert given_up.outcome == "rejected"
-    assert "abandoned" in given_up.reason
+    assert "requires more than 5e7 right-hand-side evaluations" in given_up.reason
 
 
 def test_bounds_follow_the_tolerance_and_none_is_so_wide_that_a_run_cannot_miss_it():

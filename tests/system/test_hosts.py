@@ -87,5 +87,5 @@ def test_refusal_ends_the_run_and_says_why(host, built):
     if host == "ecospy":
         printed(bad, built)  # goes on without results, and survives that
         return
-    with pytest.raises(AssertionError, match=r"omega1 must be between .*, is 10*"):
+    with pytest.raises(AssertionError, match=r"omega1 must be between .* .got 10*"):
         printed(bad, built)

@@ -201,8 +201,8 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
     good = page.shown("omega_out")
     page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
     for name, text, sentence in (
-        ("imbalance_mass", "-3", "imbalance_mass must be between 0 and 1000000000 kg, is -3"),
-        ("tolerance", "7", "tolerance must be between 1e-13 and 0.1, is 7"),
+        ("imbalance_mass", "-3", "imbalance_mass must be between 0 and 1000000000 kg (got -3)"),
+        ("tolerance", "7", "tolerance must be between 1e-13 and 0.1 (got 7)"),
         ("duration", "-1", "a run must have between 1 and 60000 steps (got duration -1 s, step 0.0005 s)"),
     ):
         set_field(page, name, text)
@@ -557,10 +557,10 @@ def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run
     for template, arguments, place, sentence in (
         (TEMPLATE, ("run", shaft, "--view"), "", "--view must come with a scene of the module"),
         (TEMPLATE, ("view", shaft), "page.html", "must be a scene of the module, is one of a driven shaft"),
-        (TEMPLATE, ("view", ENGINE), "folder.html", "the page must be a file, is the folder "),
-        (TEMPLATE, ("view", ENGINE), "page.txt", "the page must be a file with the ending .html, is "),
+        (TEMPLATE, ("view", ENGINE), "folder.html", "the page must be a file (got the folder "),
+        (TEMPLATE, ("view", ENGINE), "page.txt", "the page must be a file with the ending .html (got "),
         (TEMPLATE, ("view", ENGINE), "file/page.html", "file must be a folder that can be written to"),
-        (TEMPLATE, ("report", ENGINE), "report.pdf", "the report must be a file with the ending .html, is "),
+        (TEMPLATE, ("report", ENGINE), "report.pdf", "the report must be a file with the ending .html (got "),
         (TEMPLATE, ("report", ENGINE), "file/report.html", "file must be a folder that can be written to"),
         (missing, ("view", REFERENCE), "page.html", told),
         (missing, ("run", REFERENCE, "--view"), "page.html", told),

@@ -13,7 +13,7 @@ REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="
 
 def sentence(variable, value):
     """The whole refusal of a value, from the table of variables."""
-    return f"{variable.name} must be {variable.allowed}, is {value:.16g}"
+    return f"{variable.name} must be {variable.allowed} (got {value:.16g})"
 
 
 def records(action):

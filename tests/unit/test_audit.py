@@ -61,7 +61,7 @@ def test_step_that_does_not_balance_is_made_once_more_with_care_and_then_refused
     # what comes after has the tolerance asked for
     assert advanced(module, 0.1)["rhs_evaluations"] < advanced(careful, 0.1)["rhs_evaluations"]
     spoil(2)
-    assert_refused("energies do not balance with tolerance = 1e-06", module.advance, 0.01)
+    assert_refused("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}, {"method": 1}], ids=str)

@@ -13,7 +13,7 @@ from studies.papers.karetin import Geometry
 
 PLANAR = {"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}
 INTERNAL = {"z17": 20, "z6": 60, "shaft_angle": 2.5, "a": 1.2}
-OVERLAP, OUTSIDE = "satellites of a module overlap", "the imbalance is outside"
+OVERLAP, OUTSIDE = "satellites of a module overlap", "the unbalanced mass is outside"
 
 
 def warned(words, **values):
@@ -61,7 +61,7 @@ def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, acro
     along = across - 0.5 * own
     assume(abs(along) > 1e-9)
     values = {"satellite_inertia": own, "satellite_transverse_inertia": across}
-    assert warned("no body has such inertias", layout=layout, **values) == (layout == 0 and along < 0.0)
+    assert warned("physically impossible inertia", layout=layout, **values) == (layout == 0 and along < 0.0)
 
 
 @pytest.mark.parametrize("values", REFUSED["buildable"])

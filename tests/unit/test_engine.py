@@ -86,7 +86,10 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
         (lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)), "increase, 0 comes after 0"),
         (lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)), "speed and greatest: a table must have one value"),
         (lambda: EngineMap((0.0,), (1.0,), (math.nan,)), "drag: numbers of a table must be finite, one is"),
-        (lambda: EngineMap((0.0,), (1.0,), (-1.0,)), "drag must be at least 0 N.m, is -1: drag is the size"),
+        (
+            lambda: EngineMap((0.0,), (1.0,), (-1.0,)),
+            "drag must be at least 0 N.m (got -1): drag is the size",
+        ),
     ],
 )
 def test_bad_values_are_refused_by_name(make, sentence):

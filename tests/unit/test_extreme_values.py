@@ -137,7 +137,7 @@ def test_work_of_a_step_is_bounded_and_a_step_given_up_leaves_no_trace(monkeypat
     assert engine.MAX_EVALUATIONS == 5e7
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     module = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e9), 1e-3)
-    assert_refused("abandoned: it takes more than 5e7 evaluations", module.advance, 1e6)
+    assert_refused("rejected: it requires more than 5e7 right-hand-side evaluations", module.advance, 1e6)
     before = module["rhs_evaluations"]
     advanced(module, 1e-3)
     twin = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e9), 1e-3, 1e-3)

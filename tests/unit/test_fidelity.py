@@ -63,7 +63,7 @@ def test_names_that_a_level_lacks_are_those_of_the_module_and_have_a_reason():
         assert set(lacking) <= set(COMPUTED) <= set(BY_NAME)
     averaged = trials.NOT_MODELLED[1]
     assert "no pulses" in averaged["output_torque"]
-    assert "no drive angle" in averaged["imbalance_acceleration"]
+    assert "no pinion-shaft angle" in averaged["imbalance_acceleration"]
     assert not {"output_torque_mean", "omega_out"} & averaged.keys()
 
 

@@ -136,7 +136,7 @@ def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
         "zeros": bytes(len(saved)),
     }
     for name, state in damaged.items():
-        assert_refused("the state must be one saved by this build, ", module.restore, state)
+        assert_refused("the state must be saved by this build", module.restore, state)
         assert module.save() == saved, name
 
 

@@ -70,7 +70,7 @@ def test_kernel_itself_refuses_inputs_that_come_past_the_checks(compiled, name):
 def test_bad_step_is_refused_and_the_next_good_one_works(compiled):
     module = advanced(started(compiled, omega1=100.0), 0.01)
     for step in (0.0, -0.0, -1e-3, *NO_NUMBERS, 1.001e6, 1e300):
-        expected = f"communication step must be above 0 and at most 1e+06 s, is {step:.16g}"
+        expected = f"communication step must be above 0 and at most 1e+06 s (got {step:.16g})"
         assert refusal(module.advance, step) == expected
     assert advanced(module, 5e-324, 1e-3)["energy_in"] > 0.0
 
@@ -81,8 +81,8 @@ def test_rate_that_makes_an_input_absurd_is_refused_with_its_unit(name):
     module = started("plain", ENGINE, drive=int(name == "drive_torque"), **{name: 100.0})
     for rate in (1e16, math.nan, math.inf):
         module.set_rates(**{name: rate})
-        said = f"the rate of {name} must keep it {variable.allowed} over 0.01 s, is {rate:.16g}"
-        assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100"
+        said = f"the rate of {name} must keep it {variable.allowed} over 0.01 s (got {rate:.16g}"
+        assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100)"
 
 
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
@@ -90,16 +90,15 @@ def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
     for variable in with_causality(PARAMETER):
         if not variable.is_tunable:
             said = refusal(module.set, **{variable.name: variable.start})
-            value = f"{variable.name} = {variable.start}"
-            assert said == f"{value} must be set before the start: it is fixed after it"
+            reason = f"is not tunable and must be set before start() (got {variable.start})"
+            assert said == f"{variable.name} {reason}"
 
 
 def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing():
     module = Module("plain")
     before = module.save()
-    started_first = "must come after the start, the module has not been started"
-    assert refusal(module.advance, 0.01) == f"a step {started_first}"
-    assert refusal(module.rates) == f"rates {started_first}"
+    assert refusal(module.advance, 0.01) == "call start() before advance()"
+    assert refusal(module.rates) == "call start() before rates()"
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
         said = refusal(module.set, **{name: 1.0})
         assert said.startswith(f"{name} must be a parameter or an input ("), name
@@ -107,7 +106,7 @@ def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing
     said = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
     assert said == sentence(BY_NAME["tolerance"], 7.0)
     assert module.save() == before
-    assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain, is 'fast'"
+    assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain (got 'fast')"
 
 
 def test_combination_that_cannot_be_is_refused_by_name_value_and_what_is_allowed(compiled):

@@ -66,7 +66,7 @@ def test_at_most_three_figures_have_a_goal(read):
     more = "".join(
         f'torque_{name} = {{ speed = 9, ratio = 0, goal = "least" }}\n' for name in ("ripple", "peak")
     )
-    assert_refused("1 to 3, is 4", read, SPEC.replace("[search]", f"{more}[search]"))
+    assert_refused(r"1 to 3 \(got 4\)", read, SPEC.replace("[search]", f"{more}[search]"))
 
 
 def row(torque, speed, mass):

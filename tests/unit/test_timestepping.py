@@ -158,4 +158,4 @@ def test_contact_switches_are_those_of_the_event_method_at_any_communication_ste
 
 def test_a_step_of_too_many_fixed_steps_is_refused(compiled):
     module = started(compiled, scenes.SCENES["bevel"], method=1, max_step=1e-7)
-    assert_refused("communication step = 100 s is abandoned", module.advance, 100.0)
+    assert_refused("communication step = 100 s is rejected", module.advance, 100.0)

@@ -27,8 +27,8 @@ def sentence_of(error: BaseException) -> str:
 
 
 def must_be(name: str, allowed: str, value: float | str) -> str:
-    """The sentence for a bad value, or text that stands for it: "tolerance must be between 0 and 1, is 7"."""
-    return f"{name} must be {allowed}, is {value if isinstance(value, str) else format(value, '.16g')}"
+    """Return the message for a bad value or its text: "tolerance must be between 0 and 1 (got 7)"."""
+    return f"{name} must be {allowed} (got {value if isinstance(value, str) else format(value, '.16g')})"
 
 
 def listed(names: Iterable[str]) -> str:

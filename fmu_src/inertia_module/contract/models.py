@@ -147,8 +147,8 @@ INERTIA_MODULE = Model(
     name="InertiaModule",
     title="Inertia module",
     description=(
-        "Inertia module: inertial torque transformer, unbalanced satellites on a bevel or planar"
-        " differential, rectified by freewheels"
+        "Inertia module: inertial torque transformer with unbalanced satellites on a bevel or planar"
+        " differential and two freewheels (one-way clutches) that rectify the torque pulses"
     ),
     variables=variables.VARIABLES,
     time=variables.TIME,
@@ -172,8 +172,8 @@ DRIVEN_SHAFT = Model(
     name="DrivenShaft",
     title="Driven shaft",
     description=(
-        "Driven shaft: hub of given speed, elastic shaft with damping, driven mass with friction and"
-        " balancer; the elastic output of the inertia module alone"
+        "Driven shaft: hub with prescribed speed, elastic shaft with damping, driven mass with friction and"
+        " balancer; the elastic output of the inertia module as a separate model"
     ),
     variables=variables.OF_SHAFT,
     time=variables.TIME_OF_SHAFT,

@@ -34,30 +34,30 @@ FIXED = "fixed"
 TUNABLE = "tunable"
 
 # what a value depends on besides the speeds: the start, whence it is a sum, or an angle
-SINCE_START = "a sum since the start"
-LINK1_ANGLE = "the angle of link 1"
-DRIVE_ANGLE = "the angle of the drive"
+SINCE_START = "a cumulative value since the start"
+LINK1_ANGLE = "the carrier angle"
+DRIVE_ANGLE = "the pinion-shaft angle"
 
 
 class Group(StrEnum):
     """Groups that variables are listed in, in this order: no host can make a tree of their flat names."""
 
-    FLANGES = "Given at the flanges"
+    FLANGES = "Inputs at the flanges"
     MOTION = "Speeds, angles, accelerations"
-    MEANS = "Torques, mean over the step"
-    INSTANT = "Torques at this instant"
-    RIPPLE = "Ripple"
-    IMBALANCE = "Imbalance, bearing and mount"
+    MEANS = "Step-averaged torques"
+    INSTANT = "Instantaneous torques"
+    RIPPLE = "Torque ripple and peaks"
+    IMBALANCE = "Unbalanced mass, bearing and mounting forces"
     ENERGY = "Energy"
-    FREEWHEELS = "Freewheels and cost"
+    FREEWHEELS = "Freewheels and computational cost"
     LAYOUT = "Layout"
     BEVEL = "Bevel layout"
     PLANAR = "Planar layout"
-    MASSES = "Masses and gravity"
+    MASSES = "Masses, inertias and gravity"
     ELASTIC = "Elastic output"
     LOSSES = "Losses"
     SOLVER = "Model and solver"
-    START = "Start"
+    START = "Initial values"
 
 
 class Need(NamedTuple):
@@ -73,7 +73,7 @@ class Need(NamedTuple):
 
 SOLVED = Need((KINEMATIC,), "prescribes the motion instead of solving it")
 PULSES = Need((AVERAGED,), "has no pulses, only their mean")
-PHASE = Need((AVERAGED,), "has no drive angle, so it does not know where the imbalance is")
+PHASE = Need((AVERAGED,), "has no pinion-shaft angle, so the position of the unbalanced mass is undefined")
 TWIST = Need((AVERAGED, RIGID), "has no elastic shaft")
 
 # what the kernel takes for absurd
@@ -98,32 +98,32 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
 
 ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
     "Layout": (
-        ("bevel", 0, "bevel differential, satellites on a bevel wheel (Karetin)"),
-        ("planar", 1, "planar differential, satellites rolling on a sun wheel (Lysenko)"),
+        ("bevel", 0, "bevel differential, satellites roll on bevel gear 17 (Karetin)"),
+        ("planar", 1, "planar differential, satellites roll on a sun gear (Lysenko)"),
     ),
     "Fidelity": (
-        ("kinematic", 0, "speed ratio prescribed, torques by inverse dynamics"),
-        ("averaged", 1, "mean torques and speeds"),
-        ("rigid", 2, "pulses and freewheels, rigid shafts"),
-        ("elastic", 3, "rigid, with an elastic output shaft and a driven mass behind it"),
+        ("kinematic", 0, "prescribed speed ratio, torques by inverse dynamics"),
+        ("averaged", 1, "mean torques and speeds, without torque pulses"),
+        ("rigid", 2, "torque pulses and freewheels, rigid shafts"),
+        ("elastic", 3, "as rigid, with an elastic output shaft that drives a mass"),
     ),
     "Method": (
-        ("event", 0, "high order between located events"),
-        ("timestepping", 1, "fixed steps of max_step, complementarity on impulses"),
+        ("event", 0, "high-order integration between located freewheel switching events"),
+        ("timestepping", 1, "fixed steps of max_step, freewheels by a complementarity problem of impulses"),
     ),
     "Drive": (
-        ("speed", 0, "omega1 is given, the input torque follows"),
-        ("torque", 1, "drive_torque is given, the speed of link 1 follows"),
+        ("speed", 0, "omega1 is the input, the input torque is computed"),
+        ("torque", 1, "drive_torque is the input, the input speed is computed"),
     ),
     "InputHold": (
         ("zero_order", 0, "speed constant between communication points (zero-order hold)"),
         ("linear", 1, "speed extrapolated linearly from the last two values (first-order hold)"),
     ),
     "ContactMode": (
-        ("held", 0, "link 2 held by the housing freewheel, output shaft coasting"),
-        ("free", 1, "both freewheels open"),
-        ("driving", 2, "link 2 drives the output shaft"),
-        ("held_driving", 3, "link 2 and the output shaft both at rest"),
+        ("held", 0, "housing freewheel locked: link 2 at rest, output shaft coasting"),
+        ("free", 1, "both freewheels unlocked"),
+        ("driving", 2, "output freewheel locked: link 2 drives the output shaft"),
+        ("held_driving", 3, "both freewheels locked: link 2 and output shaft at rest"),
     ),
 }
 
@@ -237,136 +237,136 @@ _INERTIA_LIMIT = 1e12
 _SPEED_START_LIMIT = 1e6
 
 VARIABLES: tuple[Variable, ...] = (
-    _input(0, "omega1", Group.FLANGES, "rad/s", "speed of the input shaft, link 1 (with drive = torque only that at the start)", 100.0, -LARGEST_SPEED, LARGEST_SPEED, nominal=100.0),
+    _input(0, "omega1", Group.FLANGES, "rad/s", "speed of the input shaft (carrier, link 1); with drive = torque only its initial value", 100.0, -LARGEST_SPEED, LARGEST_SPEED, nominal=100.0),
     _input(1, "load_torque", Group.FLANGES, "N.m", "torque of the load on the output shaft, positive against positive speed", 10.0, -LARGEST_TORQUE, LARGEST_TORQUE, nominal=10.0),
-    _input(2, "drive_torque", Group.FLANGES, "N.m", "torque on the input shaft, link 1 (with drive = torque, else without effect)", 0.0, -LARGEST_TORQUE, LARGEST_TORQUE, nominal=10.0),
-    _output(3, "omega2", Group.MOTION, "rad/s", "speed of link 2, the output link of the differential", nominal=100.0, needs=(SOLVED, PULSES)),
-    _output(4, "omega_out", Group.MOTION, "rad/s", "speed of the output shaft (driven mass if elastic)", nominal=100.0, needs=(SOLVED,), at_start=("omega1", "fidelity", "kinematic_ratio", "omega_out_start")),
-    _output(5, "input_torque", Group.INSTANT, "N.m", "torque that drives the input shaft at this instant: M1 on link 1", nominal=100.0, late=True, needs=(PULSES,)),
-    _output(6, "mesh_torque", Group.INSTANT, "N.m", "torque of the gear mesh on link 2 at this instant: M2", nominal=100.0, late=True, needs=(PULSES,)),
-    _output(7, "output_torque", Group.INSTANT, "N.m", "torque in the output freewheel at this instant: Tc, drives the output shaft", nominal=100.0, late=True, needs=(PULSES,)),
-    _output(8, "housing_torque", Group.INSTANT, "N.m", "torque in the housing freewheel at this instant: Th, holds link 2", nominal=100.0, late=True, needs=(PULSES,)),
-    _output(9, "input_torque_mean", Group.MEANS, "N.m", "mean torque that drives the input shaft over the last communication step: M1, impulses included", nominal=100.0, of_step=True, at_start=()),
-    _output(10, "output_torque_mean", Group.MEANS, "N.m", "mean torque in the output freewheel over the last communication step: Tc, impulses included", nominal=100.0, of_step=True, at_start=()),
-    _output(11, "imbalance_acceleration", Group.IMBALANCE, "m/s2", "magnitude of the absolute acceleration of imbalance 0 of module 0", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(12, "imbalance_acceleration_x", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(13, "imbalance_acceleration_y", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along Oy (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _output(14, "imbalance_acceleration_z", Group.IMBALANCE, "m/s2", "absolute acceleration of imbalance 0 of module 0 along Oz (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _output(15, "input_speed", Group.MOTION, "rad/s", "speed of the input shaft at this instant: what omega1 has come to, or drive_torque has made of it", nominal=100.0, at_start=("omega1",)),
-    _output(16, "mesh_torque_mean", Group.MEANS, "N.m", "mean torque of the gear mesh on link 2 over the last communication step: M2, impulses included", nominal=100.0, of_step=True, late=True, at_start=()),
-    _output(17, "housing_torque_mean", Group.MEANS, "N.m", "mean torque in the housing freewheel over the last communication step: Th, impulses included", nominal=100.0, of_step=True, late=True, at_start=()),
-    _output(18, "input_acceleration", Group.MOTION, "rad/s2", "acceleration of the input shaft at this instant, jumps of omega1 apart", nominal=1e3, late=True, needs=(PULSES,)),
-    _output(19, "output_acceleration", Group.MOTION, "rad/s2", "acceleration of the output shaft (driven mass if elastic) at this instant", nominal=1e3, late=True, needs=(SOLVED, PULSES)),
-    _output(20, "output_angle", Group.MOTION, "rad", "angle of the output shaft (driven mass if elastic) since the start without output_turns whole turns", nominal=1.0, minimum=0.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
-    _output(21, "output_turns", Group.MOTION, "1", "whole turns of the output shaft taken off output_angle", follows=SINCE_START, needs=(SOLVED,), at_start=()),
-    _output(22, "input_flange_angle", Group.MOTION, "rad", "angle of the input flange, phi1 of link 1, since the start, whole turns included", nominal=1.0, follows=SINCE_START, at_start=()),
-    _output(23, "output_flange_angle", Group.MOTION, "rad", "angle of the output flange, phi2 of the output shaft (driven mass if elastic), since the start, whole turns included", nominal=1.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
-    _output(24, "loss_power_mean", Group.ENERGY, "W", "mean power lost over the last communication step: energy_lost gained over its length", nominal=1e3, of_step=True, late=True, at_start=()),
-    _output(25, "satellite_force", Group.IMBALANCE, "N", "force of imbalance 0 on the bearing of its satellite, m |a|, at this instant", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(26, "satellite_force_peak", Group.IMBALANCE, "N", "largest satellite_force seen over the last communication step", nominal=1e3, minimum=0.0, of_step=True, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(27, "shaking_force_x", Group.IMBALANCE, "N", "force of all imbalances on the mount along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(28, "shaking_force_y", Group.IMBALANCE, "N", "force of all imbalances on the mount along Oy", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _output(29, "shaking_force_z", Group.IMBALANCE, "N", "force of all imbalances on the mount along Oz", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _output(30, "shaking_moment_x", Group.IMBALANCE, "N.m", "moment of all imbalances, satellites and drives on the mount about Ox", nominal=100.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(31, "shaking_moment_y", Group.IMBALANCE, "N.m", "moment of all imbalances, satellites and drives on the mount about Oy", nominal=100.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _output(32, "shaking_moment_z", Group.IMBALANCE, "N.m", "moment of all imbalances, satellites and drives on the mount about Oz", nominal=100.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _output(33, "housing_torque_peak", Group.RIPPLE, "N.m", "largest magnitude of the housing torque Th over the last communication step, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
-    _output(34, "housing_slip_peak", Group.FREEWHEELS, "rad/s", "largest overrunning speed of the housing freewheel over the last communication step: omega2", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
-    _output(35, "output_slip_peak", Group.FREEWHEELS, "rad/s", "largest overrunning speed of the output freewheel over the last communication step: omega_hub - omega2", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
-    _output(36, "housing_engagements", Group.FREEWHEELS, "1", "engagements of the housing freewheel since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(SOLVED, PULSES), at_start=()),
-    _output(37, "output_engagements", Group.FREEWHEELS, "1", "engagements of the output freewheel since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(SOLVED, PULSES), at_start=()),
-    _local(38, "drive_angle", Group.MOTION, "rad", "angle q of the drive without drive_turns whole turns: q = drive_angle + 2 pi drive_turns", nominal=1.0, minimum=0.0, follows=DRIVE_ANGLE, needs=(PHASE,)),
-    _local(39, "drive_turns", Group.MOTION, "1", "whole turns of the drive taken off drive_angle (a multiple of the turns in one period of the motion)", follows=SINCE_START, needs=(PHASE,)),
-    _local(40, "input_angle", Group.MOTION, "rad", "angle of the input shaft, theta1 of link 1, without input_turns whole turns", nominal=1.0, minimum=0.0, follows=SINCE_START),
-    _local(41, "input_turns", Group.MOTION, "1", "whole turns of the input shaft taken off input_angle", follows=SINCE_START),
-    _local(42, "contact_mode", Group.FREEWHEELS, "", "which freewheels are engaged", minimum=0, maximum=3, kind=ENUMERATION, variability="discrete", enumeration="ContactMode", needs=(PULSES,)),
-    _local(43, "omega_hub", Group.MOTION, "rad/s", "speed omega3 of the output shaft behind the freewheel", nominal=100.0, needs=(SOLVED,)),
+    _input(2, "drive_torque", Group.FLANGES, "N.m", "torque on the input shaft (carrier, link 1); used only with drive = torque", 0.0, -LARGEST_TORQUE, LARGEST_TORQUE, nominal=10.0),
+    _output(3, "omega2", Group.MOTION, "rad/s", "speed of link 2, the output gear of the differential", nominal=100.0, needs=(SOLVED, PULSES)),
+    _output(4, "omega_out", Group.MOTION, "rad/s", "speed of the output shaft (of the driven mass if elastic)", nominal=100.0, needs=(SOLVED,), at_start=("omega1", "fidelity", "kinematic_ratio", "omega_out_start")),
+    _output(5, "input_torque", Group.INSTANT, "N.m", "instantaneous torque M1 that drives the input shaft", nominal=100.0, late=True, needs=(PULSES,)),
+    _output(6, "mesh_torque", Group.INSTANT, "N.m", "instantaneous torque M2 of the gear mesh on link 2", nominal=100.0, late=True, needs=(PULSES,)),
+    _output(7, "output_torque", Group.INSTANT, "N.m", "instantaneous torque Tc of the output freewheel, which drives the output shaft", nominal=100.0, late=True, needs=(PULSES,)),
+    _output(8, "housing_torque", Group.INSTANT, "N.m", "instantaneous torque Th of the housing freewheel, which supports link 2", nominal=100.0, late=True, needs=(PULSES,)),
+    _output(9, "input_torque_mean", Group.MEANS, "N.m", "mean torque M1 that drives the input shaft over the last communication step, including impulses", nominal=100.0, of_step=True, at_start=()),
+    _output(10, "output_torque_mean", Group.MEANS, "N.m", "mean torque Tc of the output freewheel over the last communication step, including impulses", nominal=100.0, of_step=True, at_start=()),
+    _output(11, "imbalance_acceleration", Group.IMBALANCE, "m/s2", "magnitude of the absolute acceleration of the reference mass (unbalanced mass of satellite 0, module 0)", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(12, "imbalance_acceleration_x", Group.IMBALANCE, "m/s2", "absolute acceleration of the reference mass (satellite 0, module 0) along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(13, "imbalance_acceleration_y", Group.IMBALANCE, "m/s2", "absolute acceleration of the reference mass (satellite 0, module 0) along Oy (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output(14, "imbalance_acceleration_z", Group.IMBALANCE, "m/s2", "absolute acceleration of the reference mass (satellite 0, module 0) along Oz (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output(15, "input_speed", Group.MOTION, "rad/s", "instantaneous speed of the input shaft, prescribed by omega1 or computed from drive_torque", nominal=100.0, at_start=("omega1",)),
+    _output(16, "mesh_torque_mean", Group.MEANS, "N.m", "mean torque M2 of the gear mesh on link 2 over the last communication step, including impulses", nominal=100.0, of_step=True, late=True, at_start=()),
+    _output(17, "housing_torque_mean", Group.MEANS, "N.m", "mean torque Th of the housing freewheel over the last communication step, including impulses", nominal=100.0, of_step=True, late=True, at_start=()),
+    _output(18, "input_acceleration", Group.MOTION, "rad/s2", "instantaneous acceleration of the input shaft, without jumps of omega1", nominal=1e3, late=True, needs=(PULSES,)),
+    _output(19, "output_acceleration", Group.MOTION, "rad/s2", "instantaneous acceleration of the output shaft (of the driven mass if elastic)", nominal=1e3, late=True, needs=(SOLVED, PULSES)),
+    _output(20, "output_angle", Group.MOTION, "rad", "angle of the output shaft (of the driven mass if elastic) since the start, without the whole revolutions in output_turns", nominal=1.0, minimum=0.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
+    _output(21, "output_turns", Group.MOTION, "1", "whole revolutions of the output shaft that output_angle does not include", follows=SINCE_START, needs=(SOLVED,), at_start=()),
+    _output(22, "input_flange_angle", Group.MOTION, "rad", "angle phi1 of the input flange (carrier, link 1) since the start, including whole revolutions", nominal=1.0, follows=SINCE_START, at_start=()),
+    _output(23, "output_flange_angle", Group.MOTION, "rad", "angle phi2 of the output flange (output shaft, driven mass if elastic) since the start, including whole revolutions", nominal=1.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
+    _output(24, "loss_power_mean", Group.ENERGY, "W", "mean power loss over the last communication step: increase of energy_lost divided by the step length", nominal=1e3, of_step=True, late=True, at_start=()),
+    _output(25, "satellite_force", Group.IMBALANCE, "N", "instantaneous force m |a| of the reference mass (satellite 0, module 0) on the bearing of its satellite", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(26, "satellite_force_peak", Group.IMBALANCE, "N", "maximum sampled satellite_force over the last communication step", nominal=1e3, minimum=0.0, of_step=True, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(27, "shaking_force_x", Group.IMBALANCE, "N", "force of all unbalanced masses on the mounting along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(28, "shaking_force_y", Group.IMBALANCE, "N", "force of all unbalanced masses on the mounting along Oy (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output(29, "shaking_force_z", Group.IMBALANCE, "N", "force of all unbalanced masses on the mounting along Oz (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output(30, "shaking_moment_x", Group.IMBALANCE, "N.m", "moment of all unbalanced masses, satellites and pinion shafts on the mounting about Ox", nominal=100.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(31, "shaking_moment_y", Group.IMBALANCE, "N.m", "moment of all unbalanced masses, satellites and pinion shafts on the mounting about Oy", nominal=100.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output(32, "shaking_moment_z", Group.IMBALANCE, "N.m", "moment of all unbalanced masses, satellites and pinion shafts on the mounting about Oz", nominal=100.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _output(33, "housing_torque_peak", Group.RIPPLE, "N.m", "maximum magnitude of the housing freewheel torque Th over the last communication step, without impulses", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
+    _output(34, "housing_slip_peak", Group.FREEWHEELS, "rad/s", "maximum overrunning speed of the housing freewheel over the last communication step: omega2", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
+    _output(35, "output_slip_peak", Group.FREEWHEELS, "rad/s", "maximum overrunning speed of the output freewheel over the last communication step: omega_hub - omega2", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(SOLVED, PULSES)),
+    _output(36, "housing_engagements", Group.FREEWHEELS, "1", "number of engagements of the housing freewheel since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(SOLVED, PULSES), at_start=()),
+    _output(37, "output_engagements", Group.FREEWHEELS, "1", "number of engagements of the output freewheel since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(SOLVED, PULSES), at_start=()),
+    _local(38, "drive_angle", Group.MOTION, "rad", "angle q of the pinion shaft without the whole revolutions in drive_turns: q = drive_angle + 2 pi drive_turns", nominal=1.0, minimum=0.0, follows=DRIVE_ANGLE, needs=(PHASE,)),
+    _local(39, "drive_turns", Group.MOTION, "1", "whole revolutions of the pinion shaft that drive_angle does not include (a multiple of the revolutions in one period of the motion)", follows=SINCE_START, needs=(PHASE,)),
+    _local(40, "input_angle", Group.MOTION, "rad", "angle theta1 of the input shaft (carrier, link 1) without the whole revolutions in input_turns", nominal=1.0, minimum=0.0, follows=SINCE_START),
+    _local(41, "input_turns", Group.MOTION, "1", "whole revolutions of the input shaft that input_angle does not include", follows=SINCE_START),
+    _local(42, "contact_mode", Group.FREEWHEELS, "", "state of the two freewheels", minimum=0, maximum=3, kind=ENUMERATION, variability="discrete", enumeration="ContactMode", needs=(PULSES,)),
+    _local(43, "omega_hub", Group.MOTION, "rad/s", "speed omega3 of the output shaft at the output freewheel (of the hub if elastic)", nominal=100.0, needs=(SOLVED,)),
     _local(44, "shaft_twist", Group.MOTION, "rad", "twist of the elastic output shaft (0 if rigid)", nominal=1e-2, needs=(TWIST,)),
-    _local(45, "imbalance_x", Group.IMBALANCE, "m", "position of imbalance 0 of module 0 along the central axis Ox (fixed frame)", nominal=0.1, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _local(46, "imbalance_y", Group.IMBALANCE, "m", "position of imbalance 0 of module 0 along Oy", nominal=0.1, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _local(47, "imbalance_z", Group.IMBALANCE, "m", "position of imbalance 0 of module 0 along Oz", nominal=0.1, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _local(48, "imbalance_velocity_x", Group.IMBALANCE, "m/s", "absolute velocity of imbalance 0 of module 0 along Ox", nominal=10.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _local(49, "imbalance_velocity_y", Group.IMBALANCE, "m/s", "absolute velocity of imbalance 0 of module 0 along Oy", nominal=10.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
-    _local(50, "imbalance_velocity_z", Group.IMBALANCE, "m/s", "absolute velocity of imbalance 0 of module 0 along Oz", nominal=10.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local(45, "imbalance_x", Group.IMBALANCE, "m", "position of the reference mass (satellite 0, module 0) along the central axis Ox (fixed frame)", nominal=0.1, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _local(46, "imbalance_y", Group.IMBALANCE, "m", "position of the reference mass (satellite 0, module 0) along Oy (fixed frame)", nominal=0.1, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local(47, "imbalance_z", Group.IMBALANCE, "m", "position of the reference mass (satellite 0, module 0) along Oz (fixed frame)", nominal=0.1, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local(48, "imbalance_velocity_x", Group.IMBALANCE, "m/s", "absolute velocity of the reference mass (satellite 0, module 0) along Ox (fixed frame)", nominal=10.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _local(49, "imbalance_velocity_y", Group.IMBALANCE, "m/s", "absolute velocity of the reference mass (satellite 0, module 0) along Oy (fixed frame)", nominal=10.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
+    _local(50, "imbalance_velocity_z", Group.IMBALANCE, "m/s", "absolute velocity of the reference mass (satellite 0, module 0) along Oz (fixed frame)", nominal=10.0, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
     _local(51, "energy_in", Group.ENERGY, "J", "work of the input torque since the start", nominal=1e3, follows=SINCE_START),
     _local(52, "energy_out", Group.ENERGY, "J", "work done on the load since the start", nominal=1e3, follows=SINCE_START),
-    _local(53, "energy_stored", Group.ENERGY, "J", "kinetic energy of the mechanism now, and the energy of a twisted shaft", nominal=1e3, late=True),
-    _local(54, "energy_lost", Group.ENERGY, "J", "energy lost since the start to damping and friction, less the work of the balancer (ideal freewheels and rigid shafts lose none)", nominal=1e3, follows=SINCE_START),
-    _local(55, "energy_lost_viscous", Group.ENERGY, "J", "part of energy_lost that viscous friction of links, drives and output shaft took", nominal=1e3, follows=SINCE_START),
-    _local(56, "energy_lost_shaft", Group.ENERGY, "J", "part of energy_lost that the elastic shaft and the friction of the driven mass took, less the work of the balancer", nominal=1e3, follows=SINCE_START),
-    _local(57, "energy_lost_mesh", Group.ENERGY, "J", "part of energy_lost that the meshes took", nominal=1e3, follows=SINCE_START),
-    _local(58, "energy_lost_journal", Group.ENERGY, "J", "part of energy_lost that the bearings of the satellites took", nominal=1e3, follows=SINCE_START),
-    _local(59, "energy_lost_freewheel", Group.ENERGY, "J", "part of energy_lost that drag, wind-up and impacts of the freewheels took", nominal=1e3, follows=SINCE_START),
-    _local(60, "energy_lost_windage", Group.ENERGY, "J", "part of energy_lost that the air about the satellites took", nominal=1e3, follows=SINCE_START),
-    _local(61, "energy_residual", Group.ENERGY, "J", "energy audit: in - out - lost - gain of stored, the error of the integration", nominal=1.0, follows=SINCE_START, late=True),
-    _local(62, "torque_ripple", Group.RIPPLE, "N.m", "ripple of the output torque over the last communication step: RMS of Tc about its mean, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
-    _local(63, "torque_peak", Group.RIPPLE, "N.m", "largest magnitude of the output torque Tc over the last communication step, impulses apart", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
-    _local(64, "contact_switches", Group.FREEWHEELS, "1", "changes of the contact mode since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(PULSES,)),
-    _local(65, "rhs_evaluations", Group.FREEWHEELS, "1", "evaluations of the mechanism since the start: the cost", minimum=0.0, follows=SINCE_START),
+    _local(53, "energy_stored", Group.ENERGY, "J", "energy stored in the mechanism: kinetic, elastic (output shaft, freewheels) and potential (gravity)", nominal=1e3, late=True),
+    _local(54, "energy_lost", Group.ENERGY, "J", "energy lost to friction, drag, damping and impacts since the start, minus the work of the balancer", nominal=1e3, follows=SINCE_START),
+    _local(55, "energy_lost_viscous", Group.ENERGY, "J", "part of energy_lost due to viscous friction of links, pinion shafts and output shaft", nominal=1e3, follows=SINCE_START),
+    _local(56, "energy_lost_shaft", Group.ENERGY, "J", "part of energy_lost due to damping of the elastic shaft and friction of the driven mass, minus the work of the balancer", nominal=1e3, follows=SINCE_START),
+    _local(57, "energy_lost_mesh", Group.ENERGY, "J", "part of energy_lost due to friction in the gear meshes", nominal=1e3, follows=SINCE_START),
+    _local(58, "energy_lost_journal", Group.ENERGY, "J", "part of energy_lost due to friction in the satellite bearings", nominal=1e3, follows=SINCE_START),
+    _local(59, "energy_lost_freewheel", Group.ENERGY, "J", "part of energy_lost due to drag, wind-up and impacts of the freewheels", nominal=1e3, follows=SINCE_START),
+    _local(60, "energy_lost_windage", Group.ENERGY, "J", "part of energy_lost due to windage of the satellites", nominal=1e3, follows=SINCE_START),
+    _local(61, "energy_residual", Group.ENERGY, "J", "energy balance error (integration error): energy_in - energy_out - energy_lost - change in stored energy", nominal=1.0, follows=SINCE_START, late=True),
+    _local(62, "torque_ripple", Group.RIPPLE, "N.m", "torque ripple over the last communication step: RMS of Tc about its mean, without impulses", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
+    _local(63, "torque_peak", Group.RIPPLE, "N.m", "maximum magnitude of the output torque Tc over the last communication step, without impulses", nominal=100.0, minimum=0.0, of_step=True, late=True, needs=(PULSES,)),
+    _local(64, "contact_switches", Group.FREEWHEELS, "1", "number of changes of contact_mode since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(PULSES,)),
+    _local(65, "rhs_evaluations", Group.FREEWHEELS, "1", "number of right-hand-side evaluations since the start (computational cost)", minimum=0.0, follows=SINCE_START),
     _parameter(66, "layout", Group.LAYOUT, "", "layout of the differential", 0, 0, 1, kind=ENUMERATION, enumeration="Layout", in_map=True),
-    _parameter(67, "z2", Group.BEVEL, "", "teeth of wheel 2, fixed to link 2 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(68, "z16", Group.BEVEL, "", "teeth of the wheel of drive 16 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(69, "z17", Group.BEVEL, "", "teeth of the reactive wheel 17 (bevel)", 34, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(70, "z6", Group.BEVEL, "", "teeth of satellite 6 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(71, "shaft_angle", Group.BEVEL, "rad", "angle between the axes of satellite 6 and drive 16: Sigma (bevel)", math.pi / 2, 1e-6, 3.141591, in_map=True),
-    _parameter(72, "wheel_radius", Group.BEVEL, "m", "pitch radius r17 of wheel 17 (bevel)", 0.08, 1e-6, 1e3, in_map=True),
-    _parameter(73, "a", Group.BEVEL, "1", "distance of the imbalance from the axis of its satellite, AD, over the pitch radius of the satellite (bevel)", 1.0, 0.0, 100.0, in_map=True),
-    _parameter(74, "b", Group.BEVEL, "1", "distance of the imbalance from the apex of the pitch cones along the axis of its satellite, QA, over the height of the satellite's cone (bevel)", 1.0, 0.0, 100.0, in_map=True),
-    _parameter(75, "c", Group.BEVEL, "1", "distance of the apex of the pitch cones from the central axis, OQ, over the height of the cone of wheel 17 (bevel)", 1.0, 0.0, 100.0, in_map=True),
-    _parameter(76, "epsilon", Group.BEVEL, "rad", "angle of the imbalance about the axis of its satellite at drive angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
-    _parameter(77, "gamma", Group.BEVEL, "rad", "angle of the satellite about the axis of the drive at drive angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
-    _parameter(78, "sun_radius", Group.PLANAR, "m", "radius R0 of the sun wheel, link 2 (planar)", 0.05, 1e-6, 1e3, in_map=True),
+    _parameter(67, "z2", Group.BEVEL, "", "teeth of gear 2, which is fixed to link 2 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter(68, "z16", Group.BEVEL, "", "teeth of pinion 16 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter(69, "z17", Group.BEVEL, "", "teeth of gear 17, on which the satellites roll (bevel)", 34, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter(70, "z6", Group.BEVEL, "", "teeth of satellite gear 6 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter(71, "shaft_angle", Group.BEVEL, "rad", "angle Sigma between the axes of satellite gear 6 and the pinion shaft (bevel)", math.pi / 2, 1e-6, 3.141591, in_map=True),
+    _parameter(72, "wheel_radius", Group.BEVEL, "m", "pitch radius r17 of gear 17 (bevel)", 0.08, 1e-6, 1e3, in_map=True),
+    _parameter(73, "a", Group.BEVEL, "1", "distance AD of the unbalanced mass from the satellite axis, relative to the pitch radius of the satellite (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter(74, "b", Group.BEVEL, "1", "distance QA of the unbalanced mass from the apex of the pitch cones along the satellite axis, relative to the height of the satellite's pitch cone (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter(75, "c", Group.BEVEL, "1", "distance OQ of the apex of the pitch cones from the central axis, relative to the height of the pitch cone of gear 17 (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter(76, "epsilon", Group.BEVEL, "rad", "angle of the unbalanced mass about the satellite axis at pinion-shaft angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
+    _parameter(77, "gamma", Group.BEVEL, "rad", "angle of the satellite about the pinion-shaft axis at pinion-shaft angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
+    _parameter(78, "sun_radius", Group.PLANAR, "m", "radius R0 of the sun gear, link 2 (planar)", 0.05, 1e-6, 1e3, in_map=True),
     _parameter(79, "satellite_radius", Group.PLANAR, "m", "radius r of a satellite (planar)", 0.03, 1e-6, 1e3, in_map=True),
-    _parameter(80, "eccentricity", Group.PLANAR, "m", "distance l of the imbalance from the axis of its satellite (planar)", 0.02, 0.0, 1e3, in_map=True),
-    _parameter(81, "imbalance_mass", Group.MASSES, "kg", "mass m of one imbalance", 1.0, 0.0, 1e9, in_map=True),
-    _parameter(82, "modules", Group.LAYOUT, "", "number of modules, alike, about the central axis", 1, 1, 1000, kind=INTEGER, in_map=True),
-    _parameter(83, "satellites", Group.LAYOUT, "", "number of satellites (imbalances) in one module, evenly spread", 1, 1, 1000, kind=INTEGER, in_map=True),
-    _parameter(84, "drive_inertia", Group.MASSES, "kg.m2", "inertia J16 of all drives about their axes", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
-    _parameter(85, "input_inertia", Group.MASSES, "kg.m2", "inertia J1 of link 1 (with drive = torque that of the engine or motor too)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter(80, "eccentricity", Group.PLANAR, "m", "distance l of the unbalanced mass from the satellite axis (planar)", 0.02, 0.0, 1e3, in_map=True),
+    _parameter(81, "imbalance_mass", Group.MASSES, "kg", "mass m of each unbalanced mass", 1.0, 0.0, 1e9, in_map=True),
+    _parameter(82, "modules", Group.LAYOUT, "", "number of identical modules, evenly spaced about the central axis", 1, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(83, "satellites", Group.LAYOUT, "", "number of satellites (and unbalanced masses) per module, evenly spaced", 1, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(84, "drive_inertia", Group.MASSES, "kg.m2", "total inertia J16 of all pinion shafts about their own axes", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter(85, "input_inertia", Group.MASSES, "kg.m2", "inertia J1 of the carrier, link 1 (with drive = torque including the engine or motor)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(86, "link2_inertia", Group.MASSES, "kg.m2", "inertia J2 of link 2", 0.005, 0.0, _INERTIA_LIMIT, in_map=True),
-    _parameter(87, "output_inertia", Group.MASSES, "kg.m2", "inertia J3 of the output shaft (hub if elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
+    _parameter(87, "output_inertia", Group.MASSES, "kg.m2", "inertia J3 of the output shaft (of the hub if elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
     _parameter(88, "driven_inertia", Group.ELASTIC, "kg.m2", "inertia J4 of the driven mass (elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
     _parameter(89, "shaft_stiffness", Group.ELASTIC, "N.m/rad", "stiffness c of the output shaft (elastic)", 400.0, 1e-6, 1e15, idle=True),
     _tunable(90, "shaft_damping", Group.ELASTIC, "N.m.s/rad", "damping d of the output shaft (elastic)", 0.05, 0.0, 1e12, idle=True),
     _tunable(91, "driven_friction", Group.ELASTIC, "N.m.s/rad", "viscous friction f of the driven mass (elastic)", 0.0, 0.0, 1e12),
-    _tunable(92, "balancer", Group.ELASTIC, "1", "gain beta of the balancer (elastic)", 0.0, -10.0, 10.0),
-    _tunable(93, "input_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b1 of link 1", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(94, "drive_friction", Group.LOSSES, "N.m.s/rad", "viscous friction bq of all drives and satellites, as a torque against q", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(92, "balancer", Group.ELASTIC, "1", "gain beta of the balancer, a feed-forward inertia compensation (elastic)", 0.0, -10.0, 10.0),
+    _tunable(93, "input_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b1 of the carrier, link 1", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(94, "drive_friction", Group.LOSSES, "N.m.s/rad", "viscous friction bq of all pinion shafts and satellites, relative to the pinion-shaft speed", 0.0, 0.0, 1e3, in_map=True),
     _tunable(95, "link2_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b2 of link 2", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(96, "output_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b3 of the output shaft (hub if elastic)", 0.0, 0.0, 1e3, in_map=True),
-    _parameter(97, "mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh of link 2 with the drives, gears turning, link 1 at rest", 1.0, 0.1, 1.0, in_map=True),
-    _parameter(98, "satellite_mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh of the satellites with wheel 17 (bevel)", 1.0, 0.1, 1.0, in_map=True),
-    _tunable(99, "journal_friction", Group.LOSSES, "m", "coefficient of friction of a satellite's bearing times the radius of its journal", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(100, "windage", Group.LOSSES, "kg.m2", "drag of the air on one satellite, as a torque over the square of its absolute angular speed", 0.0, 0.0, 1e3, nominal=1e-4),
-    _tunable(101, "housing_drag", Group.LOSSES, "N.m", "drag of the overrunning housing freewheel", 0.0, 0.0, 1e9, in_map=True),
-    _tunable(102, "housing_drag_viscous", Group.LOSSES, "N.m.s/rad", "drag of the overrunning housing freewheel that grows with the speed of link 2, over that speed", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(103, "output_drag", Group.LOSSES, "N.m", "drag of the overrunning output freewheel", 0.0, 0.0, 1e9, in_map=True),
-    _tunable(104, "output_drag_viscous", Group.LOSSES, "N.m.s/rad", "drag of the overrunning output freewheel that grows with the speed of the output shaft over link 2, over that speed", 0.0, 0.0, 1e3, in_map=True),
-    _parameter(105, "housing_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked housing freewheel, 0: rigid (elastic)", 0.0, 0.0, 1e15),
+    _tunable(96, "output_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b3 of the output shaft (of the hub if elastic)", 0.0, 0.0, 1e3, in_map=True),
+    _parameter(97, "mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between link 2 and the pinions, with the carrier at rest", 1.0, 0.1, 1.0, in_map=True),
+    _parameter(98, "satellite_mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between the satellites and gear 17 (bevel)", 1.0, 0.1, 1.0, in_map=True),
+    _tunable(99, "journal_friction", Group.LOSSES, "m", "friction coefficient of a satellite bearing times its journal radius", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(100, "windage", Group.LOSSES, "kg.m2", "windage torque on one satellite divided by the square of its absolute angular speed", 0.0, 0.0, 1e3, nominal=1e-4),
+    _tunable(101, "housing_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning housing freewheel", 0.0, 0.0, 1e9, in_map=True),
+    _tunable(102, "housing_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning housing freewheel: torque per speed of link 2", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(103, "output_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning output freewheel", 0.0, 0.0, 1e9, in_map=True),
+    _tunable(104, "output_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning output freewheel: torque per speed of the output shaft relative to link 2", 0.0, 0.0, 1e3, in_map=True),
+    _parameter(105, "housing_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked housing freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e15),
     _tunable(106, "housing_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked housing freewheel (elastic)", 0.0, 0.0, 1e12),
-    _parameter(107, "freewheel_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked output freewheel, 0: rigid (elastic)", 0.0, 0.0, 1e15),
+    _parameter(107, "freewheel_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked output freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e15),
     _tunable(108, "freewheel_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked output freewheel (elastic)", 0.0, 0.0, 1e12),
-    _parameter(109, "housing_engagement_angle", Group.LOSSES, "rad", "angle by which the housing freewheel turns back, once it has overrun, before it carries; 0: at once", 0.0, 0.0, 1.0, in_map=True),
-    _parameter(110, "output_engagement_angle", Group.LOSSES, "rad", "angle by which the output freewheel turns back, once it has overrun, before it carries; 0: at once", 0.0, 0.0, 1.0, in_map=True),
-    _parameter(111, "satellite_inertia", Group.MASSES, "kg.m2", "inertia Ja of one satellite gear, imbalance apart, about its own axis", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
-    _parameter(112, "satellite_transverse_inertia", Group.MASSES, "kg.m2", "inertia Jt of one satellite gear, imbalance apart, about any axis across its own (bevel)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
-    _parameter(113, "gravity", Group.MASSES, "m/s2", "gravity on the imbalances, along -Oz (the central axis Ox is level)", 0.0, 0.0, 1e3),
-    _parameter(114, "housing_freewheel", Group.LAYOUT, "", "whether link 2 has a freewheel to the housing", 1.0, kind=BOOLEAN),
-    _parameter(115, "output_freewheel", Group.LAYOUT, "", "whether link 2 has a freewheel to the output shaft, else it is rigid with it", 1.0, kind=BOOLEAN),
-    _parameter(116, "fidelity", Group.SOLVER, "", "what is modelled", 2, 0, 3, kind=ENUMERATION, enumeration="Fidelity"),
-    _parameter(117, "method", Group.SOLVER, "", "how it is integrated", 0, 0, 1, kind=ENUMERATION, enumeration="Method", idle=True),
-    _parameter(118, "drive", Group.FLANGES, "", "what is given at the input shaft, link 1: its speed or its torque", 0, 0, 1, kind=ENUMERATION, enumeration="Drive", in_map=True),
-    _parameter(119, "input_hold", Group.SOLVER, "", "speed omega1 between communication points", 0, 0, 1, kind=ENUMERATION, enumeration="InputHold", idle=True),
-    _parameter(120, "tolerance", Group.SOLVER, "1", "relative tolerance; that of the host's experiment wins", 1e-6, 1e-13, 0.1, nominal=1e-6, idle=True),
-    _parameter(121, "max_step", Group.SOLVER, "s", "longest internal step, 0 for no limit (timestepping: the communication step)", 0.0, 0.0, LARGEST_STEP, idle=True),
-    _tunable(122, "kinematic_ratio", Group.SOLVER, "1", "ratio of the speeds of link 2 and link 1, prescribed: omega2/omega1 (kinematic)", 0.0, -10.0, 10.0),
-    _parameter(123, "omega2_start", Group.START, "rad/s", "speed of link 2 at the start", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
-    _parameter(124, "omega_out_start", Group.START, "rad/s", "speed of the output shaft at the start", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
-    _parameter(125, "drive_angle_start", Group.START, "rad", "angle q of the drive at the start", 0.0, -1e6, 1e6),
+    _parameter(109, "housing_engagement_angle", Group.LOSSES, "rad", "angle by which the housing freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 1.0, in_map=True),
+    _parameter(110, "output_engagement_angle", Group.LOSSES, "rad", "angle by which the output freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 1.0, in_map=True),
+    _parameter(111, "satellite_inertia", Group.MASSES, "kg.m2", "inertia Ja of one satellite gear about its own axis, without the unbalanced mass", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter(112, "satellite_transverse_inertia", Group.MASSES, "kg.m2", "inertia Jt of one satellite gear about any transverse axis, without the unbalanced mass (bevel)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter(113, "gravity", Group.MASSES, "m/s2", "gravitational acceleration of the unbalanced masses along -Oz (the central axis Ox is horizontal)", 0.0, 0.0, 1e3),
+    _parameter(114, "housing_freewheel", Group.LAYOUT, "", "true if link 2 has a freewheel (one-way clutch) to the housing", 1.0, kind=BOOLEAN),
+    _parameter(115, "output_freewheel", Group.LAYOUT, "", "true if link 2 drives the output shaft through a freewheel, false if it is rigidly connected to the shaft", 1.0, kind=BOOLEAN),
+    _parameter(116, "fidelity", Group.SOLVER, "", "fidelity level of the model", 2, 0, 3, kind=ENUMERATION, enumeration="Fidelity"),
+    _parameter(117, "method", Group.SOLVER, "", "integration method", 0, 0, 1, kind=ENUMERATION, enumeration="Method", idle=True),
+    _parameter(118, "drive", Group.FLANGES, "", "input quantity at the input shaft (carrier, link 1): its speed or its torque", 0, 0, 1, kind=ENUMERATION, enumeration="Drive", in_map=True),
+    _parameter(119, "input_hold", Group.SOLVER, "", "extrapolation of omega1 between communication points", 0, 0, 1, kind=ENUMERATION, enumeration="InputHold", idle=True),
+    _parameter(120, "tolerance", Group.SOLVER, "1", "relative tolerance; a tolerance set by the importer overrides it", 1e-6, 1e-13, 0.1, nominal=1e-6, idle=True),
+    _parameter(121, "max_step", Group.SOLVER, "s", "maximum internal step, 0 = no limit (with method = timestepping 0 = the communication step)", 0.0, 0.0, LARGEST_STEP, idle=True),
+    _tunable(122, "kinematic_ratio", Group.SOLVER, "1", "prescribed speed ratio omega2/omega1 of link 2 and the carrier (kinematic)", 0.0, -10.0, 10.0),
+    _parameter(123, "omega2_start", Group.START, "rad/s", "initial speed of link 2", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
+    _parameter(124, "omega_out_start", Group.START, "rad/s", "initial speed of the output shaft", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
+    _parameter(125, "drive_angle_start", Group.START, "rad", "initial angle q of the pinion shaft", 0.0, -1e6, 1e6),
 )  # fmt: skip
 
 # of FMI 3.0 alone; it was numbered after the 126 rows that the table had then
-TIME = Variable(126, "time", "", "s", "time since the start of the run", causality="independent")
+TIME = Variable(126, "time", "", "s", "simulation time", causality="independent")
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
@@ -404,26 +404,26 @@ def _as_in_module(reference: int, of_module: str, text: str = "", **columns: Any
 
 # the driven shaft alone; inputs are at rest unless they are set, as the driven mass is: a hub that jumps is a shock
 OF_SHAFT: tuple[Variable, ...] = (
-    _as_in_module(0, "omega1", "speed of the hub, where the shaft is driven", name="hub_speed", start=0.0),
+    _as_in_module(0, "omega1", "speed of the hub, the driven end of the shaft", name="hub_speed", start=0.0),
     _as_in_module(1, "load_torque", "torque of the load on the driven mass, positive against positive speed", start=0.0),
-    _output(2, "shaft_torque", Group.INSTANT, "N.m", "torque of spring and damper at this instant: Ts, drives the driven mass, brakes the hub", nominal=100.0, at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
-    _output(3, "shaft_torque_mean", Group.MEANS, "N.m", "mean torque of spring and damper over the last communication step: Ts", nominal=100.0, of_step=True, at_start=()),
+    _output(2, "shaft_torque", Group.INSTANT, "N.m", "instantaneous torque Ts of spring and damper, which drives the driven mass and brakes the hub", nominal=100.0, at_start=("hub_speed", "shaft_stiffness", "shaft_damping", "omega_out_start", "twist_start")),
+    _output(3, "shaft_torque_mean", Group.MEANS, "N.m", "mean torque Ts of spring and damper over the last communication step", nominal=100.0, of_step=True, at_start=()),
     _as_in_module(4, "omega_out", "speed omega4 of the driven mass", at_start=("omega_out_start",)),
-    _output(5, "driven_acceleration", Group.MOTION, "rad/s2", "angular acceleration of the driven mass at this instant", nominal=100.0),
-    _output(6, "twist", Group.MOTION, "rad", "twist of the shaft: angle of the hub less that of the driven mass", nominal=1e-2, at_start=("twist_start",)),
+    _output(5, "driven_acceleration", Group.MOTION, "rad/s2", "instantaneous acceleration of the driven mass", nominal=100.0),
+    _output(6, "twist", Group.MOTION, "rad", "twist of the shaft: hub angle minus angle of the driven mass", nominal=1e-2, at_start=("twist_start",)),
     _as_in_module(7, "energy_in", "work of the hub on the shaft since the start"),
     _as_in_module(8, "energy_out", "work done on the load since the start"),
-    _as_in_module(9, "energy_stored", "kinetic energy of the driven mass and energy of the twist now"),
-    _as_in_module(10, "energy_lost", "energy turned to heat by damping and friction since the start, less the work of the balancer"),
-    _as_in_module(11, "energy_residual", "energy audit: in - out - lost - gain of stored, rounding only"),
+    _as_in_module(9, "energy_stored", "energy stored in the model: kinetic (driven mass) and elastic (shaft)"),
+    _as_in_module(10, "energy_lost", "energy lost to damping and friction since the start, minus the work of the balancer"),
+    _as_in_module(11, "energy_residual", "energy balance error (round-off only): energy_in - energy_out - energy_lost - change in stored energy"),
     _as_in_module(12, "driven_inertia"),
     _as_in_module(13, "shaft_stiffness", "stiffness c of the shaft"),
     _as_in_module(14, "shaft_damping", "damping d of the shaft"),
     _as_in_module(15, "driven_friction"),
-    _as_in_module(16, "balancer", "gain beta of the balancer: the driven mass is pushed by beta J4 times the hub's acceleration", idle=True),
-    _as_in_module(17, "input_hold", "speed of the hub between communication points", idle=True),
-    _as_in_module(18, "omega_out_start", "speed of the driven mass at the start"),
-    _parameter(19, "twist_start", Group.START, "rad", "twist of the shaft at the start", 0.0, -1e6, 1e6),
+    _as_in_module(16, "balancer", "gain beta of the balancer, which applies beta J4 times the hub acceleration to the driven mass", idle=True),
+    _as_in_module(17, "input_hold", "extrapolation of hub_speed between communication points", idle=True),
+    _as_in_module(18, "omega_out_start", "initial speed of the driven mass"),
+    _parameter(19, "twist_start", Group.START, "rad", "initial twist of the shaft", 0.0, -1e6, 1e6),
 )  # fmt: skip
 
 TIME_OF_SHAFT = replace(TIME, reference=20)
@@ -451,13 +451,13 @@ class Terminal(NamedTuple):
 
 
 TERMINALS: tuple[Terminal, ...] = (
-    Terminal("input_flange", "input shaft, its speed given (drive = speed): the torque it takes from the shaft in front", "omega1", "input_torque_mean", INFLOW, "input_flange_angle"),
-    Terminal("input_flange_by_torque", "input shaft, its torque given (drive = torque)", "input_speed", "drive_torque", INFLOW, "input_flange_angle"),
-    Terminal("output_flange", "output shaft (driven mass if elastic): the torque that the shaft behind takes from it is given", "omega_out", "load_torque", OUTFLOW, "output_flange_angle"),
-    Terminal("load", "the output flange for a load that needs no angle, as the driven shaft has it", "omega_out", "load_torque", OUTFLOW),
+    Terminal("input_flange", "input shaft with prescribed speed (drive = speed), returns the torque it takes from the upstream shaft", "omega1", "input_torque_mean", INFLOW, "input_flange_angle"),
+    Terminal("input_flange_by_torque", "input shaft with prescribed torque (drive = torque)", "input_speed", "drive_torque", INFLOW, "input_flange_angle"),
+    Terminal("output_flange", "output shaft (driven mass if elastic) with the load torque of the downstream shaft as input", "omega_out", "load_torque", OUTFLOW, "output_flange_angle"),
+    Terminal("load", "output flange without its angle, as on the driven shaft", "omega_out", "load_torque", OUTFLOW),
 )  # fmt: skip
 
 TERMINALS_OF_SHAFT: tuple[Terminal, ...] = (
-    Terminal("hub", "hub of the shaft, its speed given: the torque it takes from the shaft in front", "hub_speed", "shaft_torque_mean", INFLOW),
-    Terminal("load", "driven mass: the torque that the load takes from it is given", "omega_out", "load_torque", OUTFLOW),
+    Terminal("hub", "hub of the shaft with prescribed speed, returns the torque it takes from the upstream shaft", "hub_speed", "shaft_torque_mean", INFLOW),
+    Terminal("load", "driven mass with the load torque as input", "omega_out", "load_torque", OUTFLOW),
 )  # fmt: skip

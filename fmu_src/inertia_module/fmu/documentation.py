@@ -1,6 +1,6 @@
-"""Documentation for people: guides (guides/*.md) and tables of variables; documentation/index.html of an FMU.
+"""Documentation of an FMU (documentation/index.html): guides (guides/*.md) and tables of variables.
 
-The tables are docs/variables.md too.
+docs/variables.md contains the same tables.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .archive import TEMPLATES, filled
 
 # sections of the guides
-PICTURE, COMPUTES, COUPLING = "Picture", "What it computes", "How to couple it"
-ORDER, REFUSALS, LIMITS = "Order of calls", "Refusals", "What is not modelled"
+PICTURE, WORKING, COUPLING = "Picture", "How it works", "Coupling"
+ORDER, INVALID_INPUT, LIMITS = "Order of calls", "Invalid input", "Limits of the model"
 _ITEM = re.compile(r"^(?:-|\d+\.) ", re.M)
 # name of the picture beside the page
 MECHANISM = "mechanism.png"
 GUIDES = Path(__file__).parent / "guides"
-COLUMNS = ("name", "unit", "start", "allowed", "meaning")
+COLUMNS = ("name", "unit", "start", "allowed", "description")
 HEADINGS = {
     table.INPUT: "Inputs",
     table.OUTPUT: "Outputs",
-    table.LOCAL: "Locals",
+    table.LOCAL: "Local variables",
     table.PARAMETER: "Parameters",
 }
-# what goes without saying
+# variabilities that the tables do not print
 USUAL = (table.FIXED, "continuous")
 
 
 class Table(NamedTuple):
-    """Variables of one group, or flanges: heading, names of the columns, rows that begin with a name."""
+    """Variables of one group, or flanges: heading, column names, and rows that begin with a name."""
 
     heading: str
     columns: list[str]
@@ -43,20 +43,20 @@ class Table(NamedTuple):
 
 
 def guide(name: str) -> dict[str, str]:
-    """Markdown of the sections of a guide by heading; name: of a model, or "all" for what holds for each."""
+    """Return the Markdown sections of a guide by heading; name is a model, or "all" for common sections."""
     text = (GUIDES / f"{name}.md").read_text(encoding="utf-8")
     parts = re.split(r"^## (.*)\n", text, flags=re.M)
     return {heading: section.strip() for heading, section in zip(parts[1::2], parts[2::2], strict=True)}
 
 
 def inline(text: str) -> str:
-    """HTML of a sentence with names in `backticks` and what it is about in **stars**."""
+    """Return HTML of a text with names in `backticks` and bold text in **stars**."""
     code = re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text, quote=False))
     return re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", code)
 
 
 def blocks(section: str) -> str:
-    """HTML of the paragraphs and lists of a section: as much of Markdown as the guides use."""
+    """Return HTML of the paragraphs and lists of a section: the part of Markdown that the guides use."""
     lines = []
     for block in section.split("\n\n"):
         kind = "ul" if block.startswith("-") else "ol"
@@ -81,14 +81,14 @@ def _cells(variable: table.Variable) -> tuple[str, ...]:
 
 
 def _table(heading: str, variables: Iterable[table.Variable]) -> Table:
-    """The table of a group, without columns in which there is nothing."""
+    """Return the table of a group without its empty columns."""
     rows = [_cells(variable) for variable in variables]
     columns = [n for n in range(len(COLUMNS)) if any(row[n] for row in rows)]
     return Table(heading, [COLUMNS[n] for n in columns], [[row[n] for n in columns] for row in rows])
 
 
 def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
-    """Tables of the groups of a model by the heading of their causality."""
+    """Yield the heading of each causality and the tables of its groups."""
     for causality, heading in HEADINGS.items():
         of_causality = list(model.with_causality(causality))
         by_group = {group: [one for one in of_causality if one.group == group] for group in table.Group}
@@ -96,30 +96,30 @@ def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
 
 
 def flanges(model: Model) -> Table:
-    """The flanges of a model, names of variables in backticks."""
+    """Return the table of the flanges of a model, with variable names in backticks."""
     rows = []
     for end in model.terminals:
         names = [f"`{name}`" if name else "" for name in (end.speed, end.torque, end.angle)]
         rows.append([end.name, *names, end.description])
-    return Table("Flanges", ["flange", "speed", "torque", "angle", "meaning"], rows)
+    return Table("Flanges", ["flange", "speed", "torque", "angle", "description"], rows)
 
 
 def variables_page() -> str:
-    """docs/variables.md: the tables of variables of all models in Markdown."""
+    """Return docs/variables.md: the tables of variables of all models in Markdown."""
 
     def chapters(model: Model) -> list[tuple[str, list[Table]]]:
         return [*tables(model), ("Flanges", [flanges(model)])]
 
     values = {"models": (INERTIA_MODULE, DRIVEN_SHAFT), "chapters": chapters, "guide": guide}
-    values |= {"refusals": guide("all")[REFUSALS], "COMPUTES": COMPUTES}
+    values |= {"invalid_input": guide("all")[INVALID_INPUT], "WORKING": WORKING}
     return filled(TEMPLATES / "variables.md", values).rstrip("\n") + "\n"
 
 
 def index_page(model: Model, licences: Iterable[str]) -> str:
-    """The page, whole in itself but for the picture and the licences beside it; licences: their names."""
+    """Return the HTML page, which needs only the picture and the licences next to it; licences: their names."""
     own, common = guide(model.name), guide("all")
-    sections = [(heading, own[heading]) for heading in (COMPUTES, COUPLING)]
-    sections += [(heading, common[heading]) for heading in (ORDER, REFUSALS)]
+    sections = [(heading, own[heading]) for heading in (WORKING, COUPLING)]
+    sections += [(heading, common[heading]) for heading in (ORDER, INVALID_INPUT)]
     values = {
         **{"model": model, "caption": own[PICTURE], "picture": MECHANISM, "version": __version__},
         **{"blocks": blocks, "inline": inline, "licences": list(licences)},

@@ -92,7 +92,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _require(self, phase: str, call: str, allowed: str) -> None:
         if self.phase != phase:
-            raise Told(f"{call} must come {allowed}, the instance is {self.phase}")
+            raise Told(f"{call} is allowed only {allowed} (the instance is {self.phase})")
 
     # -- initialisation ------------------------------------------------------------------------------
 
@@ -112,7 +112,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     @guarded
     def enter_initialization_mode(self) -> None:
         """Load the kernel, and say which."""
-        self._require(INSTANTIATED, "enterInitializationMode", "right after instantiation or reset")
+        self._require(INSTANTIATED, "enterInitializationMode", "directly after instantiation or reset")
         self.phase = INITIALIZING
         self._apply_tolerance()
         self._instance.load_kernel()
@@ -150,7 +150,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             raise Told(message, Fmi2Status.discard)
         if current_time + step_size > stop + NEAR_STOP * max(1.0, abs(stop)):
             step = f"{step_size:.16g} s from {current_time:.16g} s"
-            raise Told(f"a step must end at the stop time {stop:.16g} s at the latest, is one of {step}")
+            raise Told(f"a step must end at or before the stop time {stop:.16g} s (got a step of {step})")
         status = self._instance.call(codes.STEP, step_size)
         if status != codes.OK:
             raise Told(self._instance.explain(status, step_size), Fmi2Status.discard)
@@ -168,8 +168,8 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             # pythonfmu passes references on as signed numbers
             number = reference % 2**32
             raise Told(
-                "a value reference must be that of a variable of type"
-                f" {kinds[0]} in modelDescription.xml, is {number}"
+                "a value reference must belong to a variable of type"
+                f" {kinds[0]} in modelDescription.xml (got {number})"
             )
         return variable
 
@@ -208,9 +208,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def _require_settable(self, variable: Variable) -> None:
         call = f"setting {variable.name}"
         if variable.causality not in (INPUT, PARAMETER):
-            raise Told(
-                f"a variable that is set must be an input or a parameter, {variable.name} is calculated"
-            )
+            raise Told(f"a variable to set must be an input or a parameter ({variable.name} is calculated)")
         if self.phase in (INSTANTIATED, INITIALIZING):
             return  # values are checked at the end of initialization
         if variable.causality == PARAMETER and not variable.is_tunable:

@@ -30,8 +30,8 @@ TIME = "time"
 ENDS = 5
 
 
-@dataclass(frozen=True)
-class Origin:
+@dataclass(frozen=True, eq=False)
+class Origin(ByContent):
     """File of a table.
 
     Attributes:

@@ -12,7 +12,7 @@ export interface Group {
   readonly counts?: (value: Value) => boolean;
 }
 
-const OPEN = ["Given at the flanges", "Layout", "Planar layout", "Masses and gravity", "Elastic output", "Model and solver"];
+const OPEN = ["Inputs at the flanges", "Layout", "Planar layout", "Masses, inertias and gravity", "Elastic output", "Model and solver"];
 
 const COUNTS: Readonly<Record<string, (value: Value) => boolean>> = {
   "Planar layout": (value) => value("layout") === 1,

@@ -24,9 +24,9 @@ function withoutZeros(text: string): string {
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
-/** The sentence for a bad value: "tolerance must be between 0 and 1, is 7". */
+/** The message for a bad value: "tolerance must be between 0 and 1 (got 7)". */
 export function mustBe(name: string, allowed: string, value: string): string {
-  return `${name} must be ${allowed}, is ${value}`;
+  return `${name} must be ${allowed} (got ${value})`;
 }
 
 /** A sentence of the tables with values in the places of their names. */
@@ -37,7 +37,7 @@ function filled(sentence: string, valueOf: (name: string) => number): string {
 /** The sentence for a status of the kernel, not OK. */
 export function explained(status: number, valueOf: (name: string) => number): string {
   const sentence = tables.messages[status];
-  if (sentence === undefined) throw new Error(`internal error: the kernel answers ${status}`);
+  if (sentence === undefined) throw new Error(`internal error: the kernel returned status ${status}`);
   return filled(sentence, valueOf);
 }
 

@@ -187,30 +187,30 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     const char *reason = "", *version;
     void *library;
     if (!name || !*name)
-        return refuse(callbacks, name, "the instance name must not be empty, is empty%s", "");
+        return refuse(callbacks, name, "the instance name must not be empty%s", "");
     if (type != fmi2CoSimulation)
-        return refuse(callbacks, name, "the type of the instance must be fmi2CoSimulation, is another%s", "");
+        return refuse(callbacks, name, "the FMU type must be fmi2CoSimulation%s", "");
     if (!callbacks)
         return NULL;
     if (!resources)
-        return refuse(callbacks, name, "the resource location must be the URI of a folder, is NULL%s", "");
+        return refuse(callbacks, name, "the resource location must be the URI of a folder (got NULL)%s", "");
     if (!(version = python_version()))
-        return refuse(callbacks, name, "Python must be 3.11 or later in the process of this FMU, there is none%s", "");
+        return refuse(callbacks, name, "Python must be 3.11 or later (got none in the process of this FMU)%s", "");
     if (strtol(version, NULL, 10) != 3 || strtol(version + 2, NULL, 10) < OLDEST_PYTHON)
-        return refuse(callbacks, name, "Python must be 3.11 or later, is %s", version);
+        return refuse(callbacks, name, "Python must be 3.11 or later (got %s)", version);
     if (!(library = load_library(&reason)))
         return refuse(callbacks, name, "pythonfmu cannot be loaded: %s", reason);
     if ((reason = find_functions(library)))
-        return refuse(callbacks, name, "pythonfmu has no %s", reason);
+        return refuse(callbacks, name, "pythonfmu does not export %s", reason);
     char path[LONGEST_PATH], own_guid[LONGEST_TEXT];
     if (!find_resources(path, resources, own_guid))
         return refuse(callbacks, name, "the resource location must be the URI of this FMU's resources, in a folder"
-                      " whose name pythonfmu can read, is %s", resources);
+                      " whose name pythonfmu can read (got %s)", resources);
     if (!guid || strcmp(guid, own_guid) != 0)
-        return refuse(callbacks, name, "the GUID must be that of modelDescription.xml, is of another build%s", "");
+        return refuse(callbacks, name, "the GUID must match modelDescription.xml: import the FMU again%s", "");
     struct front *front = calloc(1, sizeof *front + strlen(name) + 1);
     if (!front)
-        return refuse(callbacks, name, "there is not enough memory%s", "");
+        return refuse(callbacks, name, "not enough memory for an instance%s", "");
     strcpy(front->name, name);
     front->host = *callbacks;
     front->own = (fmi2CallbackFunctions){take_message, callbacks->allocateMemory, callbacks->freeMemory, NULL, front};
@@ -246,7 +246,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
             found++;
         if (found == CATEGORIES)
             return report(front, fmi2Error, "a log category must be logStatusWarning, logStatusDiscard, logStatusError"
-                          " or logAll, is %.64s", categories && categories[n] ? categories[n] : "NULL");
+                          " or logAll (got %.64s)", categories && categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
@@ -258,7 +258,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
 /* pythonfmu follows null pointers. */
 static fmi2Status without(const struct front *front, const char *call)
 {
-    return report(front, fmi2Error, "the arguments of %s must be given, one is NULL", call);
+    return report(front, fmi2Error, "%s requires arguments that are not NULL", call);
 }
 
 /* A call of the library is answered by its own status or by the worst status that is logged in it. */
@@ -314,7 +314,7 @@ PASS(GetDirectionalDerivative, 1,
 
 static fmi2Status without_state(const struct front *front)
 {
-    return report(front, fmi2Error, "a state must be one that this instance has saved and not freed, is another");
+    return report(front, fmi2Error, "a state must be saved by this instance and not yet freed");
 }
 
 /* Keep a new object of Python as a state, in place of the previous one if the host gives that. */
@@ -328,7 +328,7 @@ static fmi2Status keep_state(struct front *front, fmi2FMUstate inner, fmi2FMUsta
         front->states = saved;
     } else {
         theirs.FreeFMUstate(front->inner, &inner);
-        return report(front, fmi2Error, "there is not enough memory for a state");
+        return report(front, fmi2Error, "not enough memory for a state");
     }
     saved->inner = inner;
     *state = saved;
@@ -398,7 +398,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
     if (status != fmi2OK)
         return status;
     if (size < length)
-        return report(front, fmi2Error, "the bytes of a serialized state must be at least %lu, are %lu",
+        return report(front, fmi2Error, "the size of a serialized state must be at least %lu bytes (got %lu)",
                       (unsigned long)length, (unsigned long)size);
     return worst_of(front, theirs.SerializeFMUstate(front->inner, ((struct saved *)state)->inner, bytes, length));
 }
@@ -424,7 +424,7 @@ fmi2Status fmi2SetString(fmi2Component component, REFERENCES, const fmi2String v
     (void)values;
     if (!component)
         return fmi2Error;
-    return count == 0 ? fmi2OK : report(component, fmi2Error, "a String cannot be set: there is none");
+    return count == 0 ? fmi2OK : report(component, fmi2Error, "cannot set a String: the model has no String variables");
 }
 
 fmi2Status fmi2GetString(fmi2Component component, REFERENCES, fmi2String values[])
@@ -433,17 +433,17 @@ fmi2Status fmi2GetString(fmi2Component component, REFERENCES, fmi2String values[
     (void)values;
     if (!component)
         return fmi2Error;
-    return count == 0 ? fmi2OK : report(component, fmi2Error, "a String cannot be read: there is none");
+    return count == 0 ? fmi2OK : report(component, fmi2Error, "cannot read a String: the model has no String variables");
 }
 
 fmi2Status fmi2CancelStep(fmi2Component component)
 {
-    return component ? report(component, fmi2Error, "cancelStep needs a pending step, there never is one") : fmi2Error;
+    return component ? report(component, fmi2Error, "cancelStep requires a pending step, but doStep always completes") : fmi2Error;
 }
 
 static fmi2Status not_pending(const struct front *front, const char *call)
 {
-    return front ? report(front, fmi2Discard, "%s needs a pending step, there never is one", call) : fmi2Error;
+    return front ? report(front, fmi2Discard, "%s requires a pending step, but doStep always completes", call) : fmi2Error;
 }
 
 fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value)

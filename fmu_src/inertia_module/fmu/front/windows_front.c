@@ -20,7 +20,7 @@ void *load_library(const char **reason)
     static const wchar_t name[] = L"" PYTHONFMU;
     wchar_t path[LONGEST_PATH];
     HMODULE own;
-    *reason = "it must lie beside the library of this FMU, with python3.dll where Windows looks for it";
+    *reason = "it must be in the same folder as the library of this FMU, and python3.dll must be on the DLL search path";
     if (!GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS, (LPCWSTR)(const void *)name, &own))
         return NULL;
     DWORD length = GetModuleFileNameW(own, path, LONGEST_PATH);

@@ -25,15 +25,15 @@ static enum status check_references(struct instance *c, const uint32_t reference
                                    const int32_t orders[], enum role role)
 {
     static const char *const names[] = {"output", "input", "input or a tunable parameter",
-                                        "input or a parameter that is no whole number"};
+                                        "input or a Real parameter"};
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable =
             references[n] < model.variable_count ? &model.variables[references[n]] : NULL;
         if (!variable || !has_role(variable, role))
-            return report(c, ERROR, "a value reference must be that of an %s, is %u", names[role],
+            return report(c, ERROR, "a value reference must belong to an %s (got %u)", names[role],
                           (unsigned)references[n]);
         if (orders && orders[n] != 1)
-            return report(c, ERROR, "the order of a derivative of %s must be 1, is %d", variable->name,
+            return report(c, ERROR, "the order of a derivative of %s must be 1 (got %d)", variable->name,
                           (int)orders[n]);
     }
     return OK;
@@ -133,7 +133,7 @@ static enum status check_call(struct instance *c, const uint32_t unknowns[], siz
                               const double of_knowns[])
 {
     if ((unknown_count > 0 && (!unknowns || !of_unknowns)) || (known_count > 0 && (!knowns || !of_knowns)))
-        return without_array(c, "a derivative");
+        return without_array(c, "computing derivatives");
     const int at_start = phase_of(c) == INITIALIZING;
     if (check_references(c, unknowns, unknown_count, NULL, OUTPUT) != OK ||
         check_references(c, knowns, known_count, NULL, at_start ? AT_START : KNOWN) != OK)
@@ -141,7 +141,7 @@ static enum status check_call(struct instance *c, const uint32_t unknowns[], siz
     if (at_start)
         return prepare(c, DISCARD);
     if (!is_differentiable(c))
-        return out_of_order(c, "a derivative", "after enterInitializationMode");
+        return out_of_order(c, "computing derivatives", "after enterInitializationMode");
     return OK;
 }
 
@@ -149,7 +149,7 @@ static enum status check_numbers(struct instance *c, const double numbers[], siz
 {
     for (size_t n = 0; n < count; n++)
         if (!isfinite(numbers[n]))
-            return report(c, ERROR, "a direction must be finite, is %s", SHOWN(numbers[n]));
+            return report(c, ERROR, "a direction must be finite (got %s)", SHOWN(numbers[n]));
     return OK;
 }
 
@@ -174,8 +174,8 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
     if (inputs < count) /* a parameter is among them: the constants as they were */
         KERNEL(OPERATION_TUNE, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer == STATUS_OK && forward == backward)
-        return report(c, DISCARD, "inputs and parameters must be able to change one way, both ways they leave what is"
-                      " allowed");
+        return report(c, DISCARD, "the perturbed inputs and parameters must be valid for at least one sign of the"
+                      " direction");
     if (answer != STATUS_OK)
         return explain(c, DISCARD, answer, c->u_trial, c->head[LAST_STEP]);
     *change = forward - backward;

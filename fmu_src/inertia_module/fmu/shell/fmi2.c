@@ -52,11 +52,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!callbacks)
         return NULL;
     if (!name || !*name)
-        return refuse(callbacks, name, "the instance name must not be empty, is empty");
+        return refuse(callbacks, name, "the instance name must not be empty");
     if (type != fmi2CoSimulation)
-        return refuse(callbacks, name, "the type of the instance must be fmi2CoSimulation, is another");
+        return refuse(callbacks, name, "the FMU type must be fmi2CoSimulation");
     if (!guid || strcmp(guid, model.guid) != 0)
-        return refuse(callbacks, name, "the GUID must be that of modelDescription.xml, is of another build");
+        return refuse(callbacks, name, "the GUID must match modelDescription.xml: import the FMU again");
     if (!callbacks->logger)
         host.log = NULL;
     if (callbacks->allocateMemory && callbacks->freeMemory) {
@@ -65,7 +65,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     }
     struct component *const c = (struct component *)create(&host, sizeof *c, name, logging);
     if (!c)
-        return refuse(callbacks, name, "there is not enough memory for an instance");
+        return refuse(callbacks, name, "not enough memory for an instance");
     c->callbacks = *callbacks;
     return c;
 }

@@ -59,7 +59,7 @@ fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference refer
     (void)values;
     if (!c)
         return fmi2Error;
-    return count == 0 ? fmi2OK : (fmi2Status)report(c, ERROR, "a String cannot be set: there is none");
+    return count == 0 ? fmi2OK : (fmi2Status)report(c, ERROR, "cannot set a String: the model has no String variables");
 }
 
 fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference references[], size_t count,
@@ -70,18 +70,18 @@ fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference refer
     (void)values;
     if (!c)
         return fmi2Error;
-    return count == 0 ? fmi2OK : (fmi2Status)report(c, ERROR, "a String cannot be read: there is none");
+    return count == 0 ? fmi2OK : (fmi2Status)report(c, ERROR, "cannot read a String: the model has no String variables");
 }
 
 fmi2Status fmi2CancelStep(fmi2Component component)
 {
     struct instance *c = component;
-    return c ? (fmi2Status)report(c, ERROR, "cancelStep needs a pending step, there never is one") : fmi2Error;
+    return c ? (fmi2Status)report(c, ERROR, "cancelStep requires a pending step, but doStep always completes") : fmi2Error;
 }
 
 static fmi2Status not_pending(struct instance *c, const char *call)
 {
-    return c ? (fmi2Status)report(c, DISCARD, "%s needs a pending step, there never is one", call) : fmi2Error;
+    return c ? (fmi2Status)report(c, DISCARD, "%s requires a pending step, but doStep always completes", call) : fmi2Error;
 }
 
 fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value)

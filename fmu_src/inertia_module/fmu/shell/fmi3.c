@@ -34,13 +34,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     (void)intermediate; /* all variables can be read in an intermediate update */
     (void)intermediate_count;
     if (!name || !*name)
-        return refuse(environment, log, "the instance name must not be empty, is empty");
+        return refuse(environment, log, "the instance name must not be empty");
     if (!token || strcmp(token, model.guid) != 0)
         return refuse(environment, log,
-                      "the instantiation token must be that of modelDescription.xml, is of another build");
+                      "the instantiation token must match modelDescription.xml: import the FMU again");
     struct component *const c = (struct component *)create(&host, sizeof *c, name, logging);
     if (!c)
-        return refuse(environment, log, "there is not enough memory for an instance");
+        return refuse(environment, log, "not enough memory for an instance");
     c->core.holds = 1;
     c->environment = environment;
     c->log = log;

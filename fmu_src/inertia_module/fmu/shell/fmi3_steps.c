@@ -54,7 +54,7 @@ fmi3Status inertiaModuleRun(fmi3Instance instance, struct run *run)
 {
     struct component *const c = instance;
     if (c && (c->event_mode || c->early_return))
-        return (fmi3Status)out_of_order(&c->core, "a run", "without event mode and early return");
+        return (fmi3Status)out_of_order(&c->core, "inertiaModuleRun", "without event mode and early return");
     return (fmi3Status)take_steps(instance, run, do_step);
 }
 
@@ -65,7 +65,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance)
         return fmi3Error;
     if (!c->event_mode || phase_of(&c->core) != STEPPING)
         return (fmi3Status)out_of_order(&c->core, "enterEventMode",
-                                        "in step mode of an instance that was made for event mode");
+                                        "in step mode of an instance with eventModeUsed = true");
     c->core.head[PHASE] = AT_EVENT;
     return fmi3OK;
 }

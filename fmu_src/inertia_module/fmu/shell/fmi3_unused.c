@@ -10,7 +10,7 @@ static fmi3Status none_of(struct instance *c, const char *type, size_t count)
 {
     if (!c)
         return fmi3Error;
-    return count == 0 ? fmi3OK : (fmi3Status)report(c, ERROR, "a variable of type %s is asked for: there is none", type);
+    return count == 0 ? fmi3OK : (fmi3Status)report(c, ERROR, "the model has no variables of type %s", type);
 }
 
 #define NO_VARIABLES(Type)                                                                                           \
@@ -60,7 +60,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
                                           fmi3Boolean visible, fmi3Boolean logging,
                                           fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
 {
-    return refuse(environment, log, "the interface type must be co-simulation, is model exchange");
+    return refuse(environment, log, "the interface type must be co-simulation (got model exchange)");
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
@@ -69,12 +69,12 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
                                                fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
                                                fmi3UnlockPreemptionCallback unlock)
 {
-    return refuse(environment, log, "the interface type must be co-simulation, is scheduled execution");
+    return refuse(environment, log, "the interface type must be co-simulation (got scheduled execution)");
 }
 
 static fmi3Status not_offered(struct instance *c, const char *call)
 {
-    return c ? (fmi3Status)report(c, ERROR, "%s is not offered, see the capabilities in modelDescription.xml", call)
+    return c ? (fmi3Status)report(c, ERROR, "%s is not supported (see the capabilities in modelDescription.xml)", call)
              : fmi3Error;
 }
 

@@ -34,7 +34,7 @@ fmi3Status check_count(struct instance *c, size_t count, size_t value_count)
     if (!c)
         return fmi3Error;
     return count == value_count ? fmi3OK
-                                : (fmi3Status)report(c, ERROR, "there must be a value for each of %lu references, are %lu",
+                                : (fmi3Status)report(c, ERROR, "the number of values must be %lu, one per reference (got %lu)",
                                                      (unsigned long)count, (unsigned long)value_count);
 }
 

@@ -106,12 +106,12 @@ enum status set_up(struct instance *c, int tolerance_defined, double tolerance, 
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "setupExperiment", "before enterInitializationMode");
     if (!isfinite(start_time))
-        return report(c, ERROR, "start time must be a finite number of seconds, is %s", SHOWN(start_time));
+        return report(c, ERROR, "start time must be a finite number of seconds (got %s)", SHOWN(start_time));
     if (stop_time_defined && !(stop_time >= start_time))
-        return report(c, ERROR, "stop time must be at least the start time %s s, is %s", SHOWN(start_time),
+        return report(c, ERROR, "stop time must be at least the start time %s s (got %s)", SHOWN(start_time),
                       SHOWN(stop_time));
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance)))
-        return report(c, ERROR, "tolerance must be a positive number, is %s", SHOWN(tolerance));
+        return report(c, ERROR, "tolerance must be a positive number (got %s)", SHOWN(tolerance));
     c->head[TOLERANCE] = tolerance_defined ? tolerance : NAN;
     c->head[STOP_TIME] = stop_time_defined ? stop_time : INFINITY;
     c->head[TIME] = start_time;
@@ -123,7 +123,7 @@ enum status enter_initialization(struct instance *c)
     if (!c)
         return ERROR;
     if (phase_of(c) != INSTANTIATED)
-        return out_of_order(c, "enterInitializationMode", "right after instantiation or reset");
+        return out_of_order(c, "enterInitializationMode", "directly after instantiation or reset");
     if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
         c->p[model.tolerance_slot] = c->head[TOLERANCE];
     c->head[PHASE] = INITIALIZING;
@@ -146,7 +146,7 @@ enum status prepare(struct instance *c, enum status refused)
         const struct variable *variable = &model.variables[n];
         if (variable->array != PARAMETERS || is_allowed(variable, c->p[variable->slot]))
             continue;
-        status = report(c, refused, "%s must be %s, is %s", variable->name, variable->allowed,
+        status = report(c, refused, "%s must be %s (got %s)", variable->name, variable->allowed,
                         SHOWN(c->p[variable->slot]));
     }
     if (status != OK)

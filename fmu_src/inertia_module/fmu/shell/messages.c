@@ -22,7 +22,7 @@ enum status choose_logging(struct instance *c, int on, size_t count, const char 
             found++;
         if (found == CATEGORIES)
             return report(c, ERROR, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
-                          " logSteps or logAll, is %.64s", categories[n] ? categories[n] : "NULL");
+                          " logSteps or logAll (got %.64s)", categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
@@ -48,12 +48,12 @@ enum status report(struct instance *c, enum status status, const char *format, .
 
 enum status out_of_order(struct instance *c, const char *call, const char *allowed)
 {
-    return report(c, ERROR, "%s must come %s, the instance is %s", call, allowed, phase_names[phase_of(c)]);
+    return report(c, ERROR, "%s is allowed only %s (the instance is %s)", call, allowed, phase_names[phase_of(c)]);
 }
 
 enum status without_array(struct instance *c, const char *call)
 {
-    return report(c, ERROR, "the arrays of %s must be given, one is NULL", call);
+    return report(c, ERROR, "%s requires arrays that are not NULL", call);
 }
 
 const char *show(char *text, double value)
@@ -111,7 +111,7 @@ enum status explain(struct instance *c, enum status status, int64_t answer, cons
         compose(text, c, model.messages[n].pieces, u, step);
         return report(c, status, "%s", text);
     }
-    return report(c, status, "internal error: the kernel answers %d", (int)answer);
+    return report(c, status, "internal error: the kernel returned status %d", (int)answer);
 }
 
 void warn(struct instance *c)
@@ -134,9 +134,9 @@ void trace(struct instance *c, double step)
     size_t length = 0;
     if (!c->logged[LOG_STEPS] || !c->host.log)
         return;
-    length = add_text(text, length, "step to ");
+    length = add_text(text, length, "step to t = ");
     length = add_number(text, length, c->head[TIME]);
-    length = add_text(text, length, " s by ");
+    length = add_text(text, length, " s, length ");
     length = add_number(text, length, step);
     length = add_text(text, length, " s");
     for (size_t n = 0; n < model.traced_count; n++) {

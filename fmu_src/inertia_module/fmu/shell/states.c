@@ -25,14 +25,14 @@ static int is_saved(const struct instance *c, const void *state)
 
 static enum status refuse(struct instance *c)
 {
-    return report(c, ERROR, "a state must be one that this instance has saved and not freed, is another");
+    return report(c, ERROR, "a state must be saved by this instance and not yet freed");
 }
 
 static struct saved *add_state(struct instance *c)
 {
     struct saved *saved = c->host.allocate(1, sizeof *saved + block_size() * sizeof(double));
     if (!saved) {
-        report(c, ERROR, "there is not enough memory for a state");
+        report(c, ERROR, "not enough memory for a state");
         return NULL;
     }
     saved->previous = NULL;
@@ -181,7 +181,7 @@ enum status serialize_state(struct instance *c, void *state, void *bytes, size_t
     if (!bytes || !is_saved(c, state))
         return refuse(c);
     if (size < sizeof(struct wrapper) + length)
-        return report(c, ERROR, "the bytes of a serialized state must be at least %lu, are %lu",
+        return report(c, ERROR, "the size of a serialized state must be at least %lu bytes (got %lu)",
                       (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
     const double *block = ((struct saved *)state)->block;
     const struct wrapper wrapper = wrapper_of(block, length);
@@ -199,11 +199,11 @@ enum status deserialize_state(struct instance *c, const void *bytes, size_t size
     if (!bytes || !state)
         return refuse(c);
     if (size != sizeof(struct wrapper) + length)
-        return report(c, ERROR, "the state must be one saved by this build, of %lu bytes, is of %lu bytes",
+        return report(c, ERROR, "the state must be saved by this build, with %lu bytes (got %lu bytes)",
                       (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
     const struct wrapper wrapper = wrapper_of(block, length);
     if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(block))
-        return report(c, ERROR, "the state must be one saved by this build, is damaged or of another build");
+        return report(c, ERROR, "the state must be saved by this build (it is damaged or from another build)");
     if (*state && !is_saved(c, *state))
         return refuse(c);
     struct saved *saved = *state ? *state : add_state(c);

@@ -16,8 +16,8 @@ static void check_time(struct instance *c, double time, double step)
     if (c->warned || fabs(time - c->head[TIME]) <= NEAR_STEP * step + NEAR_TIME * fabs(time))
         return;
     c->warned = 1;
-    report(c, WARNING, "communication point must be the time reached, %s s, or that of a saved state, is %s s;"
-           " the motion goes on from the state it is in", SHOWN(c->head[TIME]), SHOWN(time));
+    report(c, WARNING, "communication point must be the time reached, %s s, or the time of a saved state (got %s s)."
+           " The motion continues from the present state.", SHOWN(c->head[TIME]), SHOWN(time));
 }
 
 static int leads_past_stop(const struct instance *c, double time, double step)
@@ -70,9 +70,9 @@ enum status take_step(struct instance *c, enum operation operation, double time,
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
     if (!isfinite(time))
-        return report(c, DISCARD, "communication point must be a finite number of seconds, is %s", SHOWN(time));
+        return report(c, DISCARD, "communication point must be a finite number of seconds (got %s)", SHOWN(time));
     if (leads_past_stop(c, time, step))
-        return report(c, ERROR, "a step must end at the stop time %s s at the latest, is one of %s s from %s s",
+        return report(c, ERROR, "a step must end at or before the stop time %s s (got a step of %s s from %s s)",
                       SHOWN(c->head[STOP_TIME]), SHOWN(step), SHOWN(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
     const int64_t answer = KERNEL(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
@@ -102,7 +102,7 @@ enum status take_steps(struct instance *c, struct run *run,
     if (!c)
         return ERROR;
     if (!run || (run->steps > 0 && !run->lengths))
-        return without_array(c, "a run");
+        return without_array(c, "inertiaModuleRun");
     const size_t wanted = run->steps;
     const double *set = run->set;
     double *read = run->read;

@@ -10,7 +10,7 @@ static const struct variable *find(struct instance *c, uint32_t reference, const
     const enum kind kind = reference < model.variable_count ? model.variables[reference].kind : UNUSED;
     if (kind != UNUSED && type->kinds >> kind & 1)
         return &model.variables[reference];
-    report(c, ERROR, "a value reference must be that of a variable of type %s in modelDescription.xml, is %u",
+    report(c, ERROR, "a value reference must belong to a variable of type %s in modelDescription.xml (got %u)",
            type->name, (unsigned)reference);
     return NULL;
 }
@@ -21,7 +21,7 @@ static enum status check_read(struct instance *c, const uint32_t references[], s
 {
     int calculated = 0, late = 0;
     if (count > 0 && (!references || !values))
-        return without_array(c, "a call that reads values");
+        return without_array(c, "reading values");
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = find(c, references[n], type);
         if (!variable)
@@ -87,21 +87,21 @@ static enum status check_write(struct instance *c, const struct variable *variab
 {
     const enum phase phase = phase_of(c);
     if (variable->array != INPUTS && variable->array != PARAMETERS)
-        return report(c, ERROR, "a variable that is set must be an input or a parameter, %s is calculated",
+        return report(c, ERROR, "a variable to set must be an input or a parameter (%s is calculated)",
                       variable->name);
     if (phase == INSTANTIATED || phase == INITIALIZING)
         return OK; /* values are checked at the end of initialization */
     if (variable->array == PARAMETERS && !variable->tunable)
-        return report(c, ERROR, "setting %s must come before the end of initialization, the instance is %s",
+        return report(c, ERROR, "setting %s is allowed only before the end of initialization (the instance is %s)",
                       variable->name, phase_names[phase]);
     if (phase == UPDATING)
-        return report(c, ERROR, "setting %s must come between steps, the instance is %s", variable->name,
+        return report(c, ERROR, "setting %s is allowed only between steps (the instance is %s)", variable->name,
                       phase_names[phase]);
     if (!is_running(c))
-        return report(c, ERROR, "setting %s must come before terminate, the instance is %s", variable->name,
+        return report(c, ERROR, "setting %s is allowed only before terminate (the instance is %s)", variable->name,
                       phase_names[phase]);
     if (variable->array == PARAMETERS && !is_allowed(variable, value))
-        return report(c, DISCARD, "%s must be %s, is %s", variable->name, variable->allowed, SHOWN(value));
+        return report(c, DISCARD, "%s must be %s (got %s)", variable->name, variable->allowed, SHOWN(value));
     return OK;
 }
 
@@ -136,7 +136,7 @@ enum status set_values(struct instance *c, const uint32_t references[], size_t c
     if (!c)
         return ERROR;
     if (count > 0 && (!references || !values))
-        return without_array(c, "a call that sets values");
+        return without_array(c, "setting values");
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = find(c, references[n], type);
         const double value = variable ? type->read(values, n) : 0.0;
