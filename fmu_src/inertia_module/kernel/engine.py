@@ -88,7 +88,7 @@ def run_events(d, x, w, h):
             passed = advance_kinematic(d, x, w, remaining)
         else:
             passed, event = advance_general(d, x, w, remaining)
-        if passed < 0.0:
+        if not (passed > 0.0 or event):
             return STEP_TOO_SMALL
         if passed >= remaining:
             time = h

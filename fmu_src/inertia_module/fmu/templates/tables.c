@@ -52,7 +52,7 @@ static const struct bound bounds[] = {
 {% endfor %}
 };
 
-const struct model model = {
+INTERNAL_OBJECT const struct model model = {
     {{ quoted(model.name) }}, {{ quoted(guid) }}, variables, {{ model.variables | length + fmi - 2 }},
     {{ tolerance }}, {{ switch | join(", ") }},
     {{ model.sizes | join(", ") }},
