@@ -72,11 +72,7 @@ def check_native(folder, fmu, targets):
     assert files >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
     files |= PAPERS[fmu.fmi] | {fmu.library_path(target) for target in targets}
     if targets == TARGETS:
-        generated = {"kernel.c", "tables.c", "codes.h"} | (
-            {"buildDescription.xml"} if fmu.fmi == 3 else set()
-        )
-        shell = {path.name for path in (*shell_sources(fmu.fmi), *SHELL_FOLDER.glob("*.h"))}
-        files |= {f"sources/{name}" for name in shell | generated}
+        files |= {"sources/all.c"} | ({"sources/buildDescription.xml"} if fmu.fmi == 3 else set())
         if fmu.fmi == 3:
             files |= {MANIFEST, f"binaries/{PLATFORM}/{fmu.identifier}.wasm", f"{LICENCES}/fmi-ls-wasm.txt"}
     assert content.keys() == files

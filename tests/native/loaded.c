@@ -3,7 +3,7 @@
  * Arguments: for each instance the library, the GUID, the version of FMI, the value references of the Reals to read
  * separated by commas, and settings type:reference:value (r Real, i Integer, b Boolean, e enumeration); then "--".
  * GLOBAL: whether the libraries are loaded with RTLD_GLOBAL. TRAPS: whether floating-point exceptions interrupt.
- * FLUSH: whether results are rounded down, and on x86-64 subnormal numbers are zero.
+ * FLUSH: whether subnormal numbers are zero (on x86-64), as in programs of -ffast-math.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -198,7 +198,7 @@ static void serialize(struct loaded *loaded)
 
 static void differentiate(struct loaded *loaded)
 {
-    static const double directions[] = {1.0, 1e99, 1e-99, 0.0, 1e308, 5e-324, INFINITY, NAN};
+    static const double directions[] = {1.0, 1e99, 1e-99, 0.0, 1e308, 1e-300, INFINITY, NAN};
     const unsigned input = 0, output = loaded->outputs[0];
     const int32_t order = 1;
     double value = 0.0;
@@ -345,12 +345,10 @@ static void set_environment(void)
 {
     if (getenv("TRAPS"))
         feenableexcept(TRAPPED);
-    if (getenv("FLUSH")) {
-        fesetround(FE_DOWNWARD);
 #ifdef __x86_64__
+    if (getenv("FLUSH"))
         __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | FLUSH_TO_ZERO);
 #endif
-    }
 }
 
 /* Whether the environment is that of set_environment, and no exception has set its flag. */
@@ -360,8 +358,7 @@ static int is_as_it_was(void)
     if (getenv("FLUSH") && (__builtin_ia32_stmxcsr() & FLUSH_TO_ZERO) != FLUSH_TO_ZERO)
         return 0;
 #endif
-    return fegetexcept() == (getenv("TRAPS") ? TRAPPED : 0) && !fetestexcept(TRAPPED) &&
-           fegetround() == (getenv("FLUSH") ? FE_DOWNWARD : FE_TONEAREST);
+    return fegetexcept() == (getenv("TRAPS") ? TRAPPED : 0) && !fetestexcept(TRAPPED);
 }
 
 int main(int count, char **words)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,8 +27,8 @@ from .linking import Progress, header_folder, join_for_mac, shell_files, version
 from .tables import generated
 
 Content = TypeVar("Content")
-# the file to compile among the sources
-ONE_FILE = "all.c"
+# name of the source file
+SOURCE = "all.c"
 # where SSP Traceability looks for it
 METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
 
@@ -111,7 +112,7 @@ class NativeFmu(NamedTuple):
         of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
         files |= accompanying_files(self.model, self.picture, self.fmi, **of_standard)
         description = self.identifier, made_for, generation_date(), self.fmi
-        sources = [ONE_FILE] if f"sources/{ONE_FILE}" in files else []
+        sources = [SOURCE] if f"sources/{SOURCE}" in files else []
         described = model_description(self.model, *description, sources=sources)
         return archive(files | {DESCRIPTION: described})
 
@@ -147,10 +148,27 @@ def _picture(name: str) -> bytes:
     return (Path(__file__).parent / "pictures" / name).read_bytes()
 
 
+def expanded(name: str, files: Mapping[str, bytes], seen: set[str]) -> Iterator[str]:
+    """Lines of a C file with the files that it includes in it, each once.
+
+    Args:
+        name: name of the file.
+        files: contents by name; other includes stay as they are.
+        seen: names of the files that are in it already.
+    """
+    seen.add(name)
+    for line in files[name].decode().splitlines():
+        include = re.fullmatch(r'#include "(.*)"', line)
+        if include is None or include[1] not in files:
+            yield line
+        elif include[1] not in seen:
+            yield from expanded(include[1], files, seen)
+
+
 def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
     """The FMU in C99, by path in it, for processors that it has no library for.
 
-    One file includes all the others: so nothing of it but the functions of FMI is visible to the host.
+    It is one file, so that a compiler makes all but the functions of FMI invisible to the host.
 
     Args:
         fmu: the FMU.
@@ -160,11 +178,12 @@ def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str,
     progress(f"translating {fmu.identifier} to C")
     files = {"kernel.c": c_source(fmu.model).encode()} | shell_files(fmu.model, made_for, fmu.fmi)
     included = [name for name in files if name.endswith(".c")]
-    files[ONE_FILE] = filled(TEMPLATES / ONE_FILE, {"model": fmu.model, "files": included}).encode()
+    files[SOURCE] = filled(TEMPLATES / SOURCE, {"model": fmu.model, "files": included}).encode()
+    made = {SOURCE: "\n".join([*expanded(SOURCE, files, set()), ""]).encode()}
     if fmu.fmi == 3:
-        values = {"identifier": fmu.identifier, "sources": [ONE_FILE]}
-        files["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
-    return {f"sources/{name}": content for name, content in files.items()}
+        values = {"identifier": fmu.identifier, "source": SOURCE}
+        made["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
+    return {f"sources/{name}": content for name, content in made.items()}
 
 
 def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:

@@ -1,7 +1,7 @@
-/* {{ model.title }} in one file, which includes the others: compile this one alone. */
+/* {{ model.title }}: kernel, tables and shell in one file. */
 #define ALL_IN_ONE
 
-/* each file is free of these by itself */
+/* of several files, each of which is free of them */
 #if defined __GNUC__
 #pragma GCC diagnostic ignored "-Wshadow"
 #pragma GCC diagnostic ignored "-Wunused-function"
