@@ -25,7 +25,6 @@ from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.component import MANIFEST, PLATFORM
-from inertia_module.fmu.linking import SHELL_FOLDER, shell_sources
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu, FmuError
@@ -389,7 +388,8 @@ build("old")
 for file, change in json.loads(sys.argv[1]):
     path = files.PACKAGE_FOLDER / file
     before = path.read_bytes()
-    path.write_bytes(before + (b"/* changed */" if file.endswith(".c") else b"# changed") * (change == ""))
+    added = b"/* changed */" if file.endswith((".c", ".h")) else b"# changed"
+    path.write_bytes(before + added * (change == ""))
     if not os.fork():
         exec(change)
         build("new")
@@ -417,6 +417,7 @@ FILES = {
     "fmu/native_fmu.py": LINKED,
     "compiling/targets.py": LINKED,
     "fmu/shell/values.c": LINKED,
+    "compiling/kernel.h": LINKED,
     # the table of variables: by the fields that the records have of it, not by its words
     "contract/variables.py": set(),
 }

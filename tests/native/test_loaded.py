@@ -1,4 +1,4 @@
-"""The libraries of the FMUs, shipped and compiled from their own sources, in hosts of another kind than Python."""
+"""The libraries of the FMUs, shipped and compiled from their own sources, in a host in C."""
 
 import itertools
 
@@ -26,7 +26,9 @@ def levels():
         scenes.LEVELS, scenes.SCENES, scenes.DRIVES, ("ideal", "losses", "worn", "play")
     ):
         has_springs, is_prescribed = level == "elastic", level == "kinematic"
-        if (added == "worn" and not has_springs) or (is_prescribed and (added == "play" or drive == "torque")):
+        if (added == "worn" and not has_springs) or (
+            is_prescribed and (added == "play" or drive == "torque")
+        ):
             continue
         more = dict(scenes.ADDED[added])
         if level in EVENTS_ONLY:
@@ -107,7 +109,10 @@ def instance(identifier, path, settings):
     variables = fmu.model.variables
     places = {variable.name: n for n, variable in enumerate(variables)}
     outputs = [n for n, one in enumerate(variables) if one.causality in (OUTPUT, LOCAL) and one.kind == REAL]
-    words = [f"{LETTERS[variables[places[name]].kind]}:{places[name]}:{value!r}" for name, value in settings.items()]
+    words = [
+        f"{LETTERS[variables[places[name]].kind]}:{places[name]}:{value!r}"
+        for name, value in settings.items()
+    ]
     return [path, fmu.guid(), fmu.fmi, ",".join(map(str, outputs)), *words, "--"]
 
 

@@ -74,11 +74,15 @@ def test_a_folder_in_the_place_of_a_file_is_an_error_that_names_it(cache, made):
         kept(made)
 
 
-def test_a_cache_folder_that_cannot_be_written_is_an_error_before_anything_is_made(tmp_path, monkeypatch, made):
+def test_a_cache_folder_that_cannot_be_written_is_an_error_before_anything_is_made(
+    tmp_path, monkeypatch, made
+):
     place = tmp_path / "file"
     place.write_text("no folder")
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(place / "cache"))
-    expected = r"must be a folder that can be written to: .*file is not a folder; INERTIA_MODULE_CACHE names another"
+    expected = (
+        r"must be a folder that can be written to: .*file is not a folder; INERTIA_MODULE_CACHE names another"
+    )
     with pytest.raises(OSError, match=expected):
         kept(made)
     assert not made

@@ -1,4 +1,4 @@
-"""Steps and rates that would take work without a bound are rejected at once; so are forged numbers of a state."""
+"""Steps, rates and states that would take work without a bound are rejected at once."""
 
 import math
 import time
@@ -52,7 +52,9 @@ def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene
     module.set(omega1=module["omega1"] + 1.0)
     before = module.save()
     sentence = rejected_at_once(module.advance, 1e-3)
-    assert sentence.startswith("with input_hold = 1 (linear) omega1 must stay between -1000000 and 1000000 rad/s")
+    assert sentence.startswith(
+        "with input_hold = 1 (linear) omega1 must stay between -1000000 and 1000000 rad/s"
+    )
     assert module.save() == before
     advanced(module, SMALLEST_STEP, 1e-3)
 
@@ -78,7 +80,10 @@ NUMBERS = (math.inf, -math.inf, math.nan, 1e308, -1.0, 0.5)
 
 @pytest.mark.parametrize("number", NUMBERS)
 def test_constants_of_a_state_are_calculated_anew(compiled, number):
-    for model, fields in ((DrivenShaft, ("fast", "slow", "rate", "step")), (Module, ("satellites", "harmonic", "k"))):
+    for model, fields in (
+        (DrivenShaft, ("fast", "slow", "rate", "step")),
+        (Module, ("satellites", "harmonic", "k")),
+    ):
         good, other = (advanced(model(compiled).start(), 1e-3) for _ in range(2))
         for field in fields:
             setattr(good.derived, field, number)

@@ -36,8 +36,8 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
         )
     speed = inputs[0]
     sentences[codes.BAD_HOLD] = (
-        f"with {named('input_hold')} (linear) {speed.name} must stay {speed.allowed} over {{step}} s, does not:"
-        f" it has changed to {{{speed.name}}} over a far shorter step"
+        f"with {named('input_hold')} (linear) {speed.name} must stay {speed.allowed} over {{step}} s, does"
+        f" not: it has changed to {{{speed.name}}} over a far shorter step"
     )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     sentences[codes.NOT_FINITE] = (
