@@ -343,9 +343,20 @@ class ModelInstance(Plant):
         if not sound or (started and self.model.refused(parts["p"])):
             raise Refused(NO_STATE)
         self.load_kernel()
+        if started:
+            parts["d"] = self._derived_anew(parts["p"], parts["d"])
         self.started = started
         for record, part in zip(self._records, parts.values(), strict=False):
             record.numbers[:] = part.numbers
+
+    def _derived_anew(self, parameters: Any, derived: Any) -> Any:
+        """The constants of a saved state, calculated from its parameters: the kernel counts by them."""
+        trial = type(self)("plain" if self._compiled is None else "compiled")
+        trial.load_kernel()
+        trial.parameters.numbers[:], trial.derived.numbers[:] = parameters.numbers, derived.numbers
+        if trial.call(codes.CHECK, 0.0) != codes.OK:
+            raise Refused(NO_STATE)
+        return trial.derived
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""
