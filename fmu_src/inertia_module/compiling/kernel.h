@@ -24,21 +24,18 @@ INTERNAL int64_t KERNEL(int64_t operation, double *p, double *d, double *u, doub
 #if defined __x86_64__ || defined _M_X64
 #include <xmmintrin.h>
 #define DEFAULT_MXCSR 0x1f80u
-#define MXCSR_MODES 0xffc0u /* the rest are flags */
 typedef unsigned environment;
 
 static inline environment enter_default_environment(void)
 {
     const environment of_host = _mm_getcsr();
-    if ((of_host & MXCSR_MODES) != DEFAULT_MXCSR)
-        _mm_setcsr(DEFAULT_MXCSR);
+    _mm_setcsr(DEFAULT_MXCSR);
     return of_host;
 }
 
 static inline void leave_default_environment(environment of_host)
 {
-    if (_mm_getcsr() != of_host)
-        _mm_setcsr(of_host);
+    _mm_setcsr(of_host);
 }
 #elif defined __wasm__ || (defined _WIN32 && (defined __aarch64__ || defined _M_ARM64))
 /* There is no other environment. */
