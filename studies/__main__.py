@@ -15,7 +15,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from inertia_module.cli import Answer, OutputFolder, Shown, aside, command, current_fmu
+from inertia_module.cli import Answer, OutputFolder, Shown, aside, command
 from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.contract.models import MODELS
@@ -127,6 +127,8 @@ def coupling(output: OutputFolder = None) -> Answer:
 
     In out/coupling without -o.
     """
+    from inertia_module import current_fmu
+
     from .coupling import MAP, URBAN, coupling_map, urban_runs, write_part
 
     folder = writable_folder(output or OUTPUT_FOLDER / "coupling")

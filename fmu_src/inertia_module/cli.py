@@ -7,9 +7,11 @@ are imported when a command runs: help needs none of them.
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import inspect
 import json
+import logging
 import math
 import os
 import re
@@ -28,13 +30,13 @@ import typer
 
 import inertia_module
 
+from .common.errors import sentence_of
 from .common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from .common.terminal import progress_bar, terminal
 from .common.units import factor_between, number_of, split_quantity
 
 if TYPE_CHECKING:
     from .fidelity.trials import Choice
-    from .fmu.native_fmu import NativeFmu
     from .scene import Scene, SceneResult, ShaftScene
 
 # what options hold, where one that is not given is None
@@ -56,8 +58,24 @@ Json = Annotated[bool, option("Print one JSON object for machines.", None, "--js
 Scheduler = Annotated[Text, option("Dask scheduler to use: tcp://host:8786.", "ADDRESS")]
 Workers = Annotated[int | None, option("Processes on this machine (one for each core).", "N", min=1)]
 
-# prints a line to the error output: stages of a build, among others
-aside = partial(typer.echo, err=True)
+
+def aside(text: str) -> None:
+    """Print a line to the error output; nothing is printed if the error output is closed or full."""
+    with contextlib.suppress(OSError):
+        typer.echo(text, err=True)
+
+
+class LogOfStages(logging.Handler):
+    """Handler that prints the log of the package: the stages of a build that a command needs."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a message to the error output."""
+        aside(record.getMessage())
+
+
+LOG = logging.getLogger("inertia_module")
+LOG.addHandler(LogOfStages())
+LOG.setLevel(logging.INFO)
 
 
 # a line; headings and values under a title; what prints more than that
@@ -88,19 +106,15 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     def run(as_json: bool, **options: Any) -> None:
         try:
             answer = work(**options)
-        except (ValueError, RuntimeError, OSError) as error:
-            typer.echo("error: " + " ".join(str(error).split()), err=True)
+        except (ValueError, RuntimeError, OSError, MemoryError) as error:
+            aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
-        listed = {name: str(file) for name, file in answer.files.items()}
-        if as_json:
-            typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
-        else:
-            for warning in answer.warnings:
-                aside(f"warning: {warning}")
-            for one in answer.shown:
-                show(one)
-            for name, file in listed.items():
-                typer.echo(f"{name}: {file}")
+        try:
+            present(answer, as_json)
+        except OSError as error:
+            error.filename = STANDARD_OUTPUT
+            aside(f"error: {sentence_of(error)}")
+            raise typer.Exit(1) from error
         if answer.failed:
             raise typer.Exit(1)
 
@@ -111,6 +125,20 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     )
     run.__annotations__ = {**work.__annotations__, "as_json": Json}
     return run
+
+
+def present(answer: Answer, as_json: bool) -> None:
+    """Print an answer, for people or as one JSON object."""
+    listed = {name: str(file) for name, file in answer.files.items()}
+    if as_json:
+        typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
+        return
+    for warning in answer.warnings:
+        aside(f"warning: {warning}")
+    for one in answer.shown:
+        show(one)
+    for name, file in listed.items():
+        typer.echo(f"{name}: {file}")
 
 
 def show(one: Shown) -> None:
@@ -127,14 +155,6 @@ def show(one: Shown) -> None:
         terminal().print(table)
     else:
         one()
-
-
-def current_fmu(fmu: NativeFmu | None = None) -> Path:
-    """The FMU of the module, or another: see builder.current_fmu."""
-    from .fmu.builder import MODULE_FMU
-    from .fmu.builder import current_fmu as current
-
-    return current(fmu or MODULE_FMU, progress=aside)
 
 
 def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
@@ -161,7 +181,7 @@ def turning(text: str) -> float:
             f" is {text!r}: {error}"
         ) from None
     if not split_quantity(text)[1]:
-        typer.echo(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}", err=True)
+        aside(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}")
     return omega1
 
 
@@ -193,14 +213,22 @@ def build(output: OutputFolder = None) -> Answer:
 
 
 @command
-def check(fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")]) -> Answer:
+def check(
+    fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
+    timeout: Annotated[
+        str, option("Time limit of the process that runs the FMU, s, or with a unit: '5 min'.", "TIME")
+    ] = "60 s",
+) -> Answer:
     """Validate any FMU file, step it, replay the references in it.
 
     It is stepped with event mode too where it has one; references are those of FMI-LS-REF, with tolerances.
+    The FMU runs in a process of its own, with limits of time and memory. This is no sandbox.
     """
     from .harness.check import check_fmu
 
-    report = check_fmu(fmu)
+    limit = quantity_of("--timeout", timeout, "s", above=0.0)
+    with progress_bar(f"check of {fmu.name}") as progress:
+        report = check_fmu(fmu, limit or 0.0, progress)
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
     shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviations from its references", rows)] if rows else []
@@ -311,7 +339,7 @@ def run(
 
 def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
     """Run a scene of either kind; its result and the FMU. also: to be recorded of a module."""
-    from .fmu.builder import MODULE_FMU, SHAFT_FMU
+    from .fmu.builder import MODULE_FMU, SHAFT_FMU, current_fmu
     from .scene import ShaftScene, run_shaft_scene
 
     path = fmu or current_fmu(SHAFT_FMU if isinstance(read, ShaftScene) else MODULE_FMU)
@@ -538,11 +566,10 @@ def orders(
         library("pyuff", "jobs")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
-    path = fmu or current_fmu()
     with progress_bar(read.title) as progress:
         found = inertia_module.orders(
             read,
-            path,
+            fmu,
             of=of,
             signals=signals,
             highest=highest,
@@ -556,9 +583,9 @@ def orders(
     files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
     files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
 
-    shown: list[Shown] = [f"{read.title}: largest orders, cycles a {BASES[of]}"]
+    shown: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
     for name, lines in found.lines(hz=hz).items():
-        still = {"no order": f"0 {found.units[name]}, it does not swing"}
+        still = {"no order": f"0 {found.units[name]}, constant"}
         shown.append((name.replace("_", " "), lines or still))
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
 
@@ -594,14 +621,14 @@ def fit(
             starts=starts,
             seed=seed,
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             progress=progress,
         )
     files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
 
     shown: list[Shown] = [
-        (f"{found.scene.title}: fitted, intervals of 95 %", found.lines()),
-        ("what is not free, freed in turn", found.suspicions()),
+        (f"{found.scene.title}: fitted values with 95 % intervals", found.lines()),
+        ("fixed parameters, released one at a time", found.suspicions()),
     ]
     shown += [f"warning: {warning}" for warning in found.warnings]
     return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
@@ -639,7 +666,7 @@ def sweep(
             sensitivity=sensitivity,
             seed=seed,
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             scheduler=scheduler,
             workers=workers,
             progress=progress,
@@ -675,7 +702,7 @@ def design(
         found = inertia_module.design(
             read_spec(spec, keys),
             output=folder,
-            fmu=fmu or current_fmu(),
+            fmu=fmu,
             scheduler=scheduler,
             workers=workers,
             progress=progress,
@@ -716,19 +743,43 @@ def options(
     """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
 
 
+STANDARD_OUTPUT = "the standard output"
+
+
+def replace_closed_streams() -> None:
+    """Put a stream in place of each closed standard stream: otherwise the next file gets its number.
+
+    Writing to the standard output then fails; what is written to the error output vanishes.
+    """
+    readable, writable = os.O_RDONLY, os.O_WRONLY
+    streams = (("stdin", readable, "r"), ("stdout", readable, "w"), ("stderr", writable, "w"))
+    for name, flags, mode in streams:
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8"))
+
+
 def main() -> None:
     """Entry of the console script.
 
     A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
     pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
     """
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # nothing is left behind
+    for name in ("SIGTERM", "SIGHUP"):  # nothing is left behind
+        kind = getattr(signal, name, None)  # Windows has no SIGHUP, nohup ignores it
+        if kind is not None and signal.getsignal(kind) is not signal.SIG_IGN:
+            signal.signal(kind, lambda number, _: sys.exit(128 + number))
+    replace_closed_streams()
     code: object = 0
     try:
         app()
     except SystemExit as leave:
         code = leave.code
+    except OSError as error:  # of help, which is printed before any command runs
+        error.filename = STANDARD_OUTPUT
+        aside(f"error: {sentence_of(error)}")
+        code = 1
     atexit._run_exitfuncs()
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):
+            stream.flush()
     os._exit(code if isinstance(code, int) else int(code is not None))

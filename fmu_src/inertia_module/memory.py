@@ -15,7 +15,7 @@ from .compiling import CompilationUnavailable
 from .compiling import load as compiled
 from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from .contract.records import record_type
-from .contract.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER
+from .contract.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER, Variable
 from .kernel import codes
 
 NO_STATE = "the state must be saved by this build (it is damaged or from another build)"
@@ -164,6 +164,15 @@ class ModelInstance(Plant):
             return int(self._compiled.inertia_module_kernel(operation, *self._addresses, step_size))
         return self.model.call(operation, *self._records, step_size)
 
+    @classmethod
+    def settable(cls, name: str) -> Variable:
+        """Return the parameter or input of this name; raise Refused if there is none."""
+        variable = cls.model.by_name.get(name)
+        if variable is None or variable.causality not in (INPUT, PARAMETER):
+            names = (one.name for one in cls.model.with_causality(INPUT, PARAMETER))
+            raise Refused(f"{name} must be a parameter or an input {did_you_mean(name, names)}")
+        return variable
+
     def set(self, **values: float | str) -> None:
         """Set parameters (after start only tunable ones) and inputs by name; all or, on an error, none.
 
@@ -171,12 +180,8 @@ class ModelInstance(Plant):
             values: numbers, strings with a unit, names of items of enumerations.
         """
         numbers = {}
-        known = self.model.by_name
         for name, value in values.items():
-            variable = known.get(name)
-            if variable is None or variable.causality not in (INPUT, PARAMETER):
-                settable = (v.name for v in known.values() if v.causality in (INPUT, PARAMETER))
-                raise Refused(f"{name} must be a parameter or an input {did_you_mean(name, settable)}")
+            variable = self.settable(name)
             if variable.causality == PARAMETER and self.started and not variable.is_tunable:
                 raise Refused(f"{name} is not tunable and must be set before start() (got {value})")
             numbers[name] = variable.number(value)

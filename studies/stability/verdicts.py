@@ -214,7 +214,7 @@ class Verdict:
 
 
 def cause(message: str) -> str:
-    """Return the reason of a rejection: the sentence after the values, otherwise the message without values."""
+    """Return the reason of a rejection: the sentence after the values, else the message without values."""
     reason = re.search(r"(?:\)\.|:) (.*?)(?:\. |[.;]?$|;)", message)
     return reason[1] if reason else message.partition(" (got ")[0]
 

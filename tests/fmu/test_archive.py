@@ -4,8 +4,6 @@ import json
 import os
 import re
 import shutil
-import signal
-import subprocess
 import sys
 import zipfile
 from importlib import metadata
@@ -28,8 +26,7 @@ from inertia_module.fmu.component import MANIFEST, PLATFORM
 from inertia_module.fmu.linking import SHELL_FOLDER, shell_sources
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.fmu.python_fmu import bundled_files
-from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.harness.loading import unpacked
+from inertia_module.harness.fmu import Fmu
 from tests.packed import files_of, with_content, with_words
 from tests.ready import HERE
 from tests.system.programs import command, process
@@ -154,57 +151,7 @@ def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
         assert min(picture.size) > 2 * ICON[0]
 
 
-# --- what an FMU is unpacked to: one folder for all instances in a process, none when that has ended ---
-
-
-FORGOTTEN = "from inertia_module.harness.fmu import Fmu; fmus = [Fmu({path!r}) for _ in range(3)]; "
-FORK = (
-    "import multiprocessing; child = multiprocessing.get_context('fork').Process(target={}); child.start(); "
-)
-# how a process with instances that nobody closes may end, and what it then returns
-ENDS = {
-    "at its end": ("", 0),
-    "by an error": ("1 / 0", 1),
-    "by sys.exit": ("import sys; sys.exit(3)", 3),
-    "as the command does": ("import inertia_module.cli as cli; cli.app = lambda: None; cli.main()", 0),
-    "with a process forked from it": (FORK.format("fmus[0].advance, args=(0.01,)") + "child.join()", 0),
-    "a forked one": (FORK.format("Fmu, args=(other,)") + "child.join()", 0),
-}
-# it waits where it would otherwise end, until it is told to
-WAITS = (
-    "import sys, time, inertia_module.cli as cli;"
-    "cli.app = lambda: (print('ready', flush=True), time.sleep(60)); cli.main()"
-)
-
-
-@pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    """The temporary folder, here and of processes started; nothing is unpacked yet."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(folder))
-    monkeypatch.setenv("TMPDIR", str(folder))
-    unpacked.cache_clear()
-    yield folder
-    unpacked.cache_clear()
-
-
-def test_instances_of_a_process_share_one_folder(fmu, temporary):
-    folders = set()
-    for _ in range(2):
-        with Fmu(fmu) as first, Fmu(fmu) as second:
-            second.advance(0.01)
-            first.advance(0.01)
-            folders |= set(temporary.iterdir())
-    assert len(folders) == 1
-
-
-def test_what_is_no_fmu_leaves_nothing(fmu, temporary, tmp_path):
-    broken = tmp_path / "broken.fmu"
-    broken.write_bytes(fmu.read_bytes()[:-100])
-    with pytest.raises(FmuError):
-        Fmu(broken)
-    assert not list(temporary.iterdir())
+# --- another content is another FMU ---
 
 
 def test_an_fmu_built_anew_is_seen(built, tmp_path):
@@ -217,25 +164,6 @@ def test_an_fmu_built_anew_is_seen(built, tmp_path):
             assert "hub_speed" in after.variables
             assert "hub_speed" not in before.variables
         before.advance(0.01)
-
-
-@pytest.mark.parametrize("end", ENDS)
-def test_instances_that_nobody_closes_leave_nothing_when_their_process_ends(end, fmu, temporary, built):
-    code, status = ENDS[end]
-    other = f"other = {str(built / 'DrivenShaft.fmu')!r}; "
-    process("-c", FORGOTTEN.format(path=str(fmu)) + other + code, statuses=(status,))
-    assert not list(temporary.iterdir())
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows ends processes without telling them")
-def test_the_command_leaves_nothing_when_it_is_told_to_end(fmu, temporary):
-    command = [sys.executable, "-c", FORGOTTEN.format(path=str(fmu)) + WAITS]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
-        assert running.stdout.readline() == "ready\n"
-        assert len(list(temporary.iterdir())) == 1
-        running.terminate()
-    assert running.returncode == 128 + signal.SIGTERM
-    assert not list(temporary.iterdir())
 
 
 # --- built: as before, as of now, what is made anew after a change ---
@@ -361,7 +289,6 @@ BUILDS = """
 import json
 import lzma
 import os
-import subprocess
 import sys
 from pathlib import Path
 

@@ -111,7 +111,27 @@ def test_one_name_may_stand_for_names(fmu, fmu_path):
     assert table.names == ["time", "omega1", "load_torque", "omega_out"]
 
 
+@pytest.mark.parametrize(
+    "changes, words", [({"type": "String"}, "a String"), ({"dimensions": [3]}, "an array of Real")]
+)
+def test_a_text_or_an_array_is_no_number_and_is_named(fmu, changes, words):
+    for name, value in changes.items():
+        setattr(fmu.variables["omega1"], name, value)
+    for use in (lambda: fmu["omega1"], lambda: fmu.set(omega1="x"), lambda: fmu.jacobian("omega2", "omega1")):
+        assert refusal(use) == f"omega1 must be a number, is {words} in {fmu.path.name}"
+
+
 # --- a whole run from a table ---
+
+
+@pytest.mark.parametrize("stop_time", [1e-3, 5e-324])
+def test_stop_time_far_below_the_step_is_one_step(fmu_path, stop_time):
+    assert drive(fmu_path, R1, stop_time, 1e7).time.tolist() == [0.0, stop_time]
+
+
+def test_run_of_too_many_steps_is_refused_before_it_takes_the_memory(fmu_path):
+    words = "step must be at least 1 s, for at most 100,000,000 steps, is 1e-12"
+    assert_refused(words, drive, fmu_path, R1, 1e8, 1e-12)
 
 
 def run(fmu_path, inputs, **more):
@@ -152,6 +172,47 @@ def test_what_a_rig_has_measured_comes_along_beside_what_is_computed(fmu_path, t
     assert table.units["omega_out_measured"] == "rad/s"
     assert table["energy_in_measured"][-1] == pytest.approx(1000.0)
     assert table["contact_mode_measured"][-1] == 2.0
+
+
+WIDE = (
+    "Rig 3\nsep=;\ntime;omega1;load_torque;note;valve;oil [°C];omega_out;energy_in [blink];\n"
+    "ms;1/min;Ncm;;;;;;\n0;955;400;start;true;n/a;;1;\n50;1.910;400;;false;;1,5;2;\n"
+)
+
+
+def test_columns_that_the_fmu_does_not_know_are_left_out_with_a_warning(fmu_path, tmp_path):
+    (tmp_path / "rig.csv").write_text(WIDE)
+    with pytest.warns(UserWarning, match="no inputs or readable outputs of .* are not used: ") as caught:
+        table = run(fmu_path, tmp_path / "rig.csv")
+    names = str(caught[0].message).rpartition(": ")[2].split(", ")
+    assert sorted(names) == ["energy_in", "note", "oil", "omega_out", "valve"]
+    expected = run(fmu_path, {"time": [0.0, 0.05], "omega1": [100.0, 200.0], "load_torque": 4.0})
+    assert table["omega1"] == pytest.approx(expected["omega1"], rel=1e-3)
+    assert table["load_torque"] == pytest.approx(4.0)
+    (tmp_path / "rig.csv").write_text("# rig\ntime,omega1,load_torque\n0,100,4\n0.05,,4\n")
+    assert_refused(
+        r"rig\.csv line 4: omega1 must be a finite number, is ''", run, fmu_path, tmp_path / "rig.csv"
+    )
+    # not of a file
+    assert_refused("column note must be an input or an output", run, fmu_path, {"omega1": 100.0, "note": 1.0})
+
+
+def test_times_that_are_not_of_the_run_are_rejected_or_warned_of(fmu_path, tmp_path):
+    (tmp_path / "rig.csv").write_text("time,omega1\n1700000000,100\n1700000001,101\n")
+    words = (
+        r"times of .*rig\.csv must be within the run, 0 to 0\.05 s, are 1700000000 to .* seconds since 1970"
+    )
+    assert_refused(words, run, fmu_path, tmp_path / "rig.csv")
+    assert_refused("times of inputs must be", run, fmu_path, {"time": [7.0, 8.0], "omega1": [100.0, 101.0]})
+    with pytest.warns(UserWarning, match="uses less than 1 % of that: name their unit, such as ms"):
+        run(fmu_path, {"time": [0.0, 50.0], "omega1": [100.0, 101.0]})
+
+
+def test_two_rows_of_the_same_time_are_a_step(fmu_path, tmp_path):
+    (tmp_path / "rig.csv").write_text(
+        "time,omega1,load_torque\n0,100,4\n0.02,100,4\n0.02,100,8\n0.05,100,8\n"
+    )
+    assert run(fmu_path, tmp_path / "rig.csv")["load_torque"].tolist() == [4.0, 4.0, 8.0, 8.0, 8.0, 8.0]
 
 
 @pytest.mark.parametrize("name, value", [("stop_time", 0.0), ("step", -0.1), ("step", float("nan"))])

@@ -47,23 +47,23 @@ def drive(path, blocked=(), **environment):
 
 def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_to(fmu_path, tmp_path):
     """On a host with no compiler, in a folder of any name, with the same bits."""
-    none = str(tmp_path / "no")
-    expected = drive(fmu_path, ("numba", "llvmlite", "ziglang"), INERTIA_MODULE_CACHE=none)
+    cache = tmp_path / "cache"
+    expected = drive(fmu_path, ("numba", "llvmlite", "ziglang"), INERTIA_MODULE_CACHE=str(cache))
     assert expected[0] == "the kernel is compiled"
-    assert not (tmp_path / "no").exists()
+    assert [folder.name for folder in cache.iterdir()] == ["unpacked"]
     plain = drive(fmu_path, INERTIA_MODULE_KERNEL="plain")
     assert plain == ["the kernel is plain Python, as requested", expected[1]]
     assert float.fromhex(expected[1]) > 0.0
     for name in FOLDERS:
         (tmp_path / name).mkdir()
-        assert drive(fmu_path, TMPDIR=str(tmp_path / name)) == expected, name
+        assert drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / name)) == expected, name
 
 
 def test_an_unknown_kernel_and_a_folder_that_pythonfmu_cannot_read_are_refused(fmu_path, tmp_path):
     (said,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
     assert "kernel must be auto, compiled or plain (got 'fast')" in said
     (tmp_path / "50%20off").mkdir()
-    (said,) = drive(fmu_path, TMPDIR=str(tmp_path / "50%20off"))
+    (said,) = drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / "50%20off"))
     assert "the resource location must be the URI of this FMU's resources" in said
     assert "50%2520off" in said
 

@@ -17,8 +17,11 @@ from lxml import etree
 from inertia_module.contract.models import MODELS
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.harness import loading
-from inertia_module.harness.check import check_fmu, deviations, experiments
-from inertia_module.harness.fmu import Ended, Fmu
+from inertia_module.harness.examination import examine
+from inertia_module.harness.experiments import experiments, read_table
+from inertia_module.harness.fmu import Ended, Fmu, read_description
+from inertia_module.harness.replay import deviations
+from inertia_module.harness.report import Journal
 from inertia_module.harness.results import Result
 from inertia_module.harness.simulate import drive
 from studies import compatibility
@@ -42,7 +45,7 @@ def changed(path, folder, case):
 
 
 def test_results_of_an_fmu_are_those_that_it_carries_along(fmu_path):
-    report = check_fmu(fmu_path)
+    report = examine(fmu_path, Journal())
     assert report.problems == [] == report.warnings
     assert len(report.references) == (6 if "Shaft" in fmu_path.name else 22)
     assert max(one.deviation / one.allowed for one in report.references) < 0.1
@@ -78,7 +81,7 @@ CARRIED_BY_OTHERS = tomllib.loads(Path(__file__).with_name("carried.toml").read_
 def test_what_others_carry_along_is_read_and_what_deviates_told(built, tmp_path, case):
     told = CARRIED_BY_OTHERS[case].get("told", [])
     path = changed(built / "InertiaModule.fmu", tmp_path, CARRIED_BY_OTHERS[case])
-    problems = check_fmu(path).problems
+    problems = examine(path, Journal()).problems
     assert bool(problems) == bool(told)
     for words in told:
         assert any(words in problem for problem in problems), problems
@@ -99,9 +102,9 @@ def test_an_fmu_that_ends_the_simulation_is_held_to_its_references_up_to_there(b
     monkeypatch.setattr(fmi2.FMU2Slave, "getBooleanStatus", lambda self, kind: kind == fmi2.fmi2Terminated)
     monkeypatch.setattr(loading, "RUN", "none: step by step")
     path = built / ("DrivenShaft.fmu" if slave is fmi2.FMU2Slave else "DrivenShaft3.fmu")
-    report = check_fmu(path)
+    report = examine(path, Journal())
     assert report.problems == []
-    assert re.match(r"0\.3\d? s in 3\d steps, where it ends the simulation", report.facts["stepped to"])
+    assert re.match(r"0\.29\d s in 29\d steps, where it ends the simulation", report.facts["stepped to"])
     for name in ("shock", "ramp"):
         assert report.facts[name] == "0.3 s, where it ends the simulation"
     assert len(report.references) == 6
@@ -129,15 +132,18 @@ def test_fmusim_finds_the_results_that_an_fmu_carries_along(built, opened, tmp_p
     fmusim = shutil.which("fmusim")
     if fmusim is None:
         pytest.skip("fmusim is not installed")
-    for one in experiments(opened(identifier)[1]):
-        expected, given = Result.from_csv(one.results), one.settings
+    folder = opened(identifier)[1]
+    variables = {v.name: v for v in read_description(built / f"{identifier}.fmu").modelVariables}
+    for one in experiments(folder):
+        expected, given = read_table(folder, one.results, variables), one.settings
         command = [fmusim, "--interface-type", "cs", "--stop-time", given["stopTime"]]
         command += ["--output-interval", given["stepSize"], "--tolerance", given["tolerance"]]
         for name, value in one.parameters.items():
             command += ["--start-value", name, str(value).split()[0].removesuffix(".0")]
         command += ["--input-file", one.inputs, "--output-file", tmp_path / "out.csv"]
-        for name in expected.names[1:]:
+        for name in expected.columns:
             command += ["--output-variable", name]
         subprocess.run([*command, built / f"{identifier}.fmu"], check=True)
-        for found in deviations(one, expected, Result.from_csv(tmp_path / "out.csv")):
+        recorded = read_table(tmp_path, tmp_path / "out.csv", variables)
+        for found in deviations(one, expected, recorded):
             assert found.deviation <= found.allowed, found

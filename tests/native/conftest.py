@@ -17,6 +17,7 @@ from inertia_module.fmu import builder
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
 from inertia_module.fmu.tables import generated
 
+from ..compilers import system_compiler
 from ..fmu.conftest import opened
 
 __all__ = ["opened"]
@@ -27,17 +28,6 @@ FMUS = {fmu.identifier: fmu for fmu in builder.FMUS if fmu is not builder.PYTHON
 OF_FMI_3 = [name for name, fmu in FMUS.items() if fmu.fmi == 3]
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer")
 TIME_LIMIT = 900  # s, for programs that hang
-
-
-def system_compiler(flags=()):
-    """A C compiler of the system whose programs run with these flags; without one the test is skipped."""
-    program = "int main(void) { return 0; }"
-    for path in filter(None, map(shutil.which, ("gcc", "clang", "cc"))):
-        command = [path, *flags, "-x", "c", "-", "-o", os.devnull]
-        done = subprocess.run(command, input=program, text=True, capture_output=True, check=False)
-        if done.returncode == 0:
-            return path
-    pytest.skip(f"no C compiler of the system makes programs that run with {' '.join(flags) or '-'}")
 
 
 def run(command, **environment):

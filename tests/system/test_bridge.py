@@ -1,6 +1,7 @@
 """FMUs as systems of python-control."""
 
 import runpy
+from functools import partial
 from pathlib import Path
 
 import control as ct
@@ -122,6 +123,17 @@ def test_same_state_and_input_give_the_same_whatever_came_before(built, name, pa
 
 
 # --- with the tools of control ---
+
+
+@pytest.mark.parametrize("state", ["motion", "whole"])
+@pytest.mark.parametrize("place, name", [(0, "omega1"), (1, "load_torque")])
+def test_rejected_input_is_reported_with_the_time_of_its_step(fmu, state, place, name):
+    inputs = np.tile([[100.0], [10.0]], 200)
+    inputs[place, 100] = 1e30
+    start = {"omega1": 100.0, "load_torque": 10.0}
+    with bridge.fmu_system(fmu, step=0.01, start=start, outputs="omega_out", state=state) as plant:
+        respond = partial(ct.input_output_response, plant.system, 0.01 * np.arange(200), inputs, plant.start)
+        assert_refused(f"^at time 1 s: {name} must be between .* is 1e\\+30$", respond)
 
 
 def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(fmu):

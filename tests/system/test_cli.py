@@ -3,6 +3,8 @@
 import importlib
 import json
 import os
+import shlex
+import subprocess
 import sys
 from pathlib import Path
 
@@ -13,9 +15,12 @@ from typer.testing import CliRunner
 
 from inertia_module import __version__
 from inertia_module.cli import app, show
+from inertia_module.common.errors import Refused
+from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
 from inertia_module.fidelity.trials import print_levels
+from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.harness.results import Result
@@ -47,10 +52,10 @@ SHORT = (REFERENCE, "--set", "run.stop_time=0.1 s", "--set", "run.communication_
 # --- what commands leave ---
 
 
-def test_run_builds_the_fmu_it_needs_and_leaves_table_summary_and_plot(tmp_path):
+def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
     done = own_process("run", *SHORT, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
-    assert (tmp_path / "build" / "InertiaModule.fmu").is_file()
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
     assert table[0].startswith("time [s]")
     assert len(table) == 102
@@ -158,10 +163,14 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
 
 
 @pytest.mark.parametrize("arguments, words", REFUSED["options"])
-def test_what_cannot_be_is_one_line_and_leaves_nothing(workshop, tmp_path, arguments, words):
+def test_what_cannot_be_is_one_line_before_any_build_and_leaves_nothing(
+    tmp_path, monkeypatch, arguments, words
+):
+    monkeypatch.setattr(builder, "current_fmu", lambda *_: pytest.fail("an FMU was built"))
     name, *options = arguments
-    is_one_line(command(name, *SHORT, *options, "-o", tmp_path / "out", folder=workshop), *words)
-    assert not (tmp_path / "out").exists()
+    files = {"fit": RIG, "design": [EXAMPLES / "design_car.toml"]}.get(name, SHORT)
+    is_one_line(command(name, *files, *options, "-o", tmp_path / "out", folder=tmp_path), *words)
+    assert not list(tmp_path.iterdir())
 
 
 IS_FOLDER = "error: . must be an FMU file, is a folder\n"
@@ -229,6 +238,83 @@ def test_a_table_that_cannot_be_written_says_so_in_a_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError, match="file must be a folder that can be written to"):
         Result.from_columns({"time": [0.0]}).to_csv(tmp_path / "file" / "table.csv")
+
+
+# --- closed outputs, a full disk, devices in place of files ---
+
+# a command and closed or full outputs of the shell, the line on the error output, the exit code
+OUTPUTS = [
+    ("new planar | head -0", "error: the standard output: Broken pipe", 1),
+    (f"chart {REFERENCE} | head -0", "error: the standard output: Broken pipe", 1),
+    ("new planar --json >&-", "error: the standard output: Bad file descriptor", 1),
+    ("new planar > /dev/full", "error: the standard output: No space left on device", 1),
+    ("new -h > /dev/full", "error: the standard output: No space left on device", 1),
+    ("new planar 2>&-", "", 0),
+    ("new nothing 2> /dev/full", "", 1),
+    ("new planar <&- >&- 2>&-", "", 1),
+]
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="there is no /dev/full")
+
+
+@LINUX
+@pytest.mark.parametrize("arguments, line, code", OUTPUTS)
+def test_closed_or_full_outputs_are_one_line(tmp_path, arguments, line, code):
+    shell = ["bash", "-o", "pipefail", "-c", f"{shlex.quote(sys.executable)} -m inertia_module {arguments}"]
+    done = subprocess.run(shell, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert (done.stderr, done.returncode) == (f"{line}\n" if line else "", code)
+
+
+# a process that can write files of 1,000 bytes, as on a disk that is nearly full
+NEARLY_FULL = """
+import resource
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+from inertia_module.cli import main
+main()
+"""
+
+
+@LINUX
+@pytest.mark.parametrize(
+    "arguments, file", [(["new", "urban"], "urban.toml"), (["chart", REFERENCE], "out/chart/reference.csv")]
+)
+def test_full_disk_is_one_line_with_the_name_of_the_file_and_leaves_no_part_of_it(tmp_path, arguments, file):
+    done = process("-c", NEARLY_FULL, *arguments, statuses=(1,), folder=tmp_path)
+    assert done.stderr == f"error: {file}: File too large\n"
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+@LINUX
+@pytest.mark.parametrize("device", ["/dev/zero", "pipe"])
+@pytest.mark.parametrize("name", ["run", "view", "report", "chart", "tradeoff", "export", "design", "orders"])
+def test_scene_that_is_a_device_or_a_pipe_is_one_line(tmp_path, name, device):
+    os.mkfifo(tmp_path / "pipe")
+    words = "must be a scene file (TOML): it is a device or a pipe, no regular file"
+    is_one_line(command(name, device, folder=tmp_path), f"{device} {words}")
+
+
+@LINUX
+@pytest.mark.parametrize("device", ["/dev/zero", "pipe"])
+def test_other_files_that_are_devices_or_pipes_are_one_line(tmp_path, device):
+    os.mkfifo(tmp_path / "pipe")
+    place = "/dev" if device == "/dev/zero" else tmp_path
+    words = "it is a device or a pipe, no regular file"
+    commands = [
+        ["fit", device, RIG[1], "--free", "a"],
+        ["sweep", REFERENCE, "--vary", "a=1:2:3", "--fmu", device],
+        ["design", EXAMPLES / "design_car.toml", "--fmu", device],
+    ]
+    for arguments in commands:
+        is_one_line(command(*arguments, folder=tmp_path), device, words)
+    with pytest.raises(Refused, match=words):
+        Result.from_csv(Path(place, device))
+
+
+def test_file_that_is_too_large_is_refused(tmp_path):
+    path = tmp_path / "table.csv"
+    path.touch()
+    os.truncate(path, MAX_TEXT_SIZE + 1)
+    with pytest.raises(Refused, match=r"table.csv must be a CSV file: it is larger than 100 MB"):
+        Result.from_csv(path)
 
 
 # --- what is printed reaches the terminal: every letter of a message, within its width ---

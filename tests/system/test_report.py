@@ -136,10 +136,10 @@ def test_parameters_say_where_they_are_from(reported, tmp_path):
 
 
 LEFT_OUT = [
-    ((REFERENCE, "output_freewheel=false"), {"Torque converter chart": "must both be 1"}),
+    ((REFERENCE, "output_freewheel=false"), {"Torque converter chart": "output_freewheel must be 1"}),
     (
         (REFERENCE, "fidelity=averaged"),
-        {"Orders": "it has no pulses", "Freewheel duty": "averaged has no pulses"},
+        {"Orders": "this fidelity level has no pulses", "Freewheel duty": "averaged has no pulses"},
     ),
     (
         (REFERENCE, "drive.omega1=0", "load.torque=0"),

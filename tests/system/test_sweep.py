@@ -224,7 +224,7 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
             if designs.judge.meets(other, 0.05):
                 lighter = other.figures["total_imbalance_mass"] <= mass
                 assert not (lighter and other.figures["torque_ripple"] < ripple)
-    assert designs.verdict().startswith("3 of 3 checked designs meet all limits; nearest to its limit")
+    assert designs.verdict().startswith("3 of 3 verified designs satisfy all limits; tightest in design 1: ")
 
 
 def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
@@ -265,10 +265,10 @@ def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu
     stopped = jobs.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
     assert stopped.chosen == []
-    assert "no design of" in stopped.verdict()
-    assert "none came nearer in the last 8 generations of 3 starts" in stopped.verdict()
-    assert "stall_torque is" in stopped.verdict()
-    assert "must be at least 2000 N.m" in stopped.verdict()
+    assert stopped.verdict().startswith("0 of ")
+    assert "no improvement in the last 8 generations of 3 starts" in stopped.verdict()
+    assert "closest design: stall_torque " in stopped.verdict()
+    assert "(limit: at least 2000 N.m)" in stopped.verdict()
 
 
 def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec, fmu, cluster, tmp_path):
@@ -285,7 +285,7 @@ def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec,
     cut = jobs.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
-    assert "not at its end when search.longest = 1e-06 s was over" in cut.verdict()
+    assert "search.longest = 1e-06 s ended the search" in cut.verdict()
 
 
 def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path):
@@ -296,12 +296,12 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
         jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
         for keys in given
     )
-    told = "bettered by another search"
+    told = "dominated by another search"
     assert not any(told in one.doubts for one in long.finalists)
     worse = [one for one in brief.finalists if told in one.doubts]
     assert worse
-    assert worse[0].doubts[told].startswith("whose designs are here too: ")
-    assert f"but: {told}" in brief.lines(worse[0])
+    assert worse[0].doubts[told].startswith("a better design has ")
+    assert f"caveat: {told}" in brief.lines(worse[0])
 
 
 def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):

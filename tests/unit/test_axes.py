@@ -80,9 +80,9 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     axes = axes_of(["imbalance_mass=1:2"], scene)
-    assert_refused("number of points for a grid", grid, axes)
+    assert_refused("imbalance_mass must be FROM:TO:COUNT for a grid, is 1:2 kg", grid, axes)
     assert_refused("must be latin:COUNT or sobol:COUNT", shares_sampled, 1, "random:10", 0)
-    with pytest.raises(Refused, match="at most 10000000 points"):
+    with pytest.raises(Refused, match="points of a grid must be at most 10000000, is "):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
 
 
@@ -169,6 +169,32 @@ def test_columns_come_in_si_units_inputs_and_noise_apart(scene, tmp_path):
     assert data.noise["omega_out"] == pytest.approx([0.1 * np.pi, 0.2 * np.pi])
     assert list(data.noise) == ["omega_out"]
     assert data.table.units == {"time": "s", "omega_out": "rad/s", "vehicle_speed": "m/s"}
+
+
+def test_columns_that_the_scene_does_not_compute_may_have_any_content(scene, tmp_path):
+    file = tmp_path / "measured.csv"
+    file.write_text(
+        "# rig 3\ntime,omega_out,note,sound_noise [dB],temperature [°C],omega1,valve\n"
+        "0.1,1,warm,60,n/a,100,true\n0.2,2,,60,20,,false\n"
+    )
+    data = measurement(file, scene)
+    assert data.columns == ["omega_out"]
+    assert {*data.unused} == {"note", "temperature", "valve"}
+    file.write_text("# rig 3\ntime,omega_out,omega2\n0.1,1,1\n\n0.2,,2\n")
+    assert_refused(
+        r"measured\.csv line 5: omega_out must be a finite number, is ''", measurement, file, scene
+    )
+    assert measurement(file, scene, ["omega2"]).columns == ["omega2"]
+    assert_refused(
+        "column omega3 must be computed by the scene .did you mean", measurement, file, scene, ["omega3"]
+    )
+    file.write_text("# rig 3\ntime,omega_out,omega_out_noise\n0.1,1,1\n0.2,1,0\n")
+    assert_refused(r"measured\.csv line 4: omega_out_noise must be above 0, is 0", measurement, file, scene)
+    file.write_text("time,omega_out\n1700000000,1\n1700000001,1\n")
+    words = (
+        "time must be within the run of the scene, .* is 1700000000 to 1700000001 s: they look like seconds"
+    )
+    assert_refused(words, measurement, file, scene)
 
 
 def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):

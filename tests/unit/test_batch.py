@@ -25,9 +25,47 @@ def test_rows_are_those_of_modules_by_themselves(compiled, step):
     assert [text.startswith("imbalance_mass must be between") for text in found["refused"][2]] == [True, True]
 
 
-def test_numbers_alone_are_one_run_and_unknown_names_are_refused(compiled):
+def test_numbers_alone_are_one_run(compiled):
     assert batch({"omega1": 50.0}, 0.01)["omega_out"].shape == ()
-    for given in ({"values": {"omega7": 1.0}}, {"values": {}, "outputs": "omega_in"}):
-        assert_refused("must be a variable of InertiaModule", batch, **given)
     with pytest.raises(Refused, match="an output of the batch"):
         batch({}, 0.01)["omega2"]
+
+
+# arguments that are wrong for all runs, and the sentence
+WRONG = [
+    ({"values": {"omega7": 1.0}}, "omega7 must be a parameter or an input"),
+    ({"values": {"omega_out": 1.0}}, "omega_out must be a parameter or an input"),
+    ({"values": ["omega1"]}, r"values must be numbers, strings or arrays by name, is \['omega1'\]"),
+    ({"values": {"omega1": [1.0, 2.0, 3.0], "load_torque": [[1.0], [2.0]], "a": [1.0, 1.0]}},
+     r"values must have shapes that broadcast together: omega1 \(3,\), load_torque \(2, 1\), a \(2,\)$"),
+    ({"values": {"omega1": [[1.0, 2.0], [3.0]]}}, "omega1 must be an array with rows of equal length"),
+    ({"values": {"omega1": "3 kg"}}, "omega1 must be .* is '3 kg': kg is not a unit for rad/s"),
+    ({"values": {"omega1": ["3 kg", "4 kg"]}}, "omega1 must be .* is '3 kg': kg is not a unit for rad/s"),
+    ({"values": {"omega1": None}}, "omega1 must be .* is None"),
+    ({"values": {"layout": ["conic"]}}, "layout must be 0 .bevel. or 1 .planar., is 'conic'"),
+    ({"outputs": "omega_in"}, "omega_in must be a variable of InertiaModule"),
+    ({"outputs": 3}, "names must be a string or a list of strings, are 3"),
+    ({"stop_time": "1 s"}, "stop_time must be a positive number of seconds, is '1 s'"),
+    ({"step": -1.0}, "step must be a positive number of seconds, is -1.0"),
+    ({"step": 1e-12}, "step must be at least 1e-10 s, for at most 100,000,000 steps, is 1e-12"),
+    ({"workers": 0}, "workers must be a whole number of at least 1, is 0"),
+    ({"workers": 1.5}, "workers must be a whole number of at least 1, is 1.5"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("arguments, words", WRONG)
+def test_argument_that_is_wrong_for_all_runs_is_an_error(arguments, words):
+    assert_refused(words, batch, **{"values": {"omega1": 50.0}, "stop_time": 0.01, **arguments})
+
+
+def test_values_that_are_wrong_for_some_runs_are_nan_there(compiled):
+    found = batch({"omega1": ["3 kg", "30 rad/s", "nan"], "imbalance_mass": [1.0, 1.0, 1.0]}, 0.01)
+    assert np.isnan(found["omega_out"]).tolist() == [True, False, True]
+    assert found["refused"][0] == "omega1 must be between -1000000 and 1000000 rad/s, is '3 kg'"
+    assert np.isnan(batch({"omega1": [np.nan, -1e9]}, 0.01)["omega_out"]).all()
+    assert batch({"omega1": []}, 0.01)["omega_out"].shape == (0,)
+
+
+def test_step_longer_than_the_run_is_cut_to_it(compiled):
+    whole = batch({"omega1": 50.0}, 0.01)["omega_out"]
+    assert batch({"omega1": 50.0}, 0.01, step=1e9)["omega_out"] == whole

@@ -107,7 +107,7 @@ def test_a_mechanism_may_be_given_by_names_and_units():
 @pytest.mark.parametrize("name, told", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
 def test_without_a_freewheel_there_is_no_chart(name, told):
     for losses in ({}, {"input_friction": 0.1}):
-        with pytest.raises(Refused, match=f"must both be 1, are {told}: without both there is no mean"):
+        with pytest.raises(Refused, match=f"must be 1, is {told}: without both freewheels there is no"):
             torque_converter_chart({name: 0, **losses})
 
 
@@ -196,7 +196,7 @@ def test_in_vecto_torques_are_those_of_the_table_and_the_shaft_drives_link_1(tmp
 def test_a_mechanism_that_passes_nothing_is_refused():
     chart = torque_converter_chart({})
     none = {name: 0.0 * values for name, values in vars(chart).items() if values is not None}
-    words = "must pass torque for a converter table, passes none at 100 rad/s"
+    words = "a converter table requires torque; the mechanism transmits none at 100 rad/s"
     assert_refused(words, converter_table, SteadyMachine({}), charts.TorqueConverterChart(**none), 100.0)
 
 

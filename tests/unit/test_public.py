@@ -1,7 +1,11 @@
 """Public names of the package: there, typed, documented argument by argument."""
 
 import ast
+import dataclasses
+import importlib
 import inspect
+import math
+import pkgutil
 import re
 import subprocess
 import sys
@@ -13,6 +17,7 @@ from refused import assert_refused
 
 import inertia_module
 from inertia_module import PUBLIC, Result
+from inertia_module.common.equality import ByContent
 from inertia_module.common.errors import Refused, did_you_mean
 from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME
@@ -72,6 +77,52 @@ def test_every_argument_is_told_of(name):
     arguments = [argument for argument in inspect.signature(found).parameters if argument != "self"]
     for argument in arguments:
         assert re.search(rf"\b{argument}\b", text), f"{name} does not tell of {argument}"
+
+
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"Refused"}))
+def test_signature_of_a_public_name_fits_on_a_screen(name):
+    assert len(str(inspect.signature(getattr(inertia_module, name)))) < 1200
+
+
+def frozen_dataclasses():
+    """All frozen dataclasses of the package."""
+    for module in pkgutil.walk_packages(inertia_module.__path__, "inertia_module."):
+        if module.name.endswith(("__main__", ".slave")):
+            continue
+        for kind in vars(importlib.import_module(module.name)).values():
+            parameters = getattr(kind, "__dataclass_params__", None)
+            if parameters and parameters.frozen and inspect.isclass(kind) and kind.__module__ == module.name:
+                yield kind
+
+
+HOLDS_OTHERS = re.compile(r"Array|NDArray|Complex|dict|list|Mapping")
+
+
+def test_dataclasses_that_hold_arrays_dictionaries_or_lists_are_compared_by_content():
+    kinds = [*frozen_dataclasses()]
+    for kind in kinds:
+        if any(HOLDS_OTHERS.search(str(field.type)) for field in dataclasses.fields(kind)):
+            assert issubclass(kind, ByContent) or not kind.__dataclass_params__.eq, kind
+        if issubclass(kind, ByContent):
+            assert not kind.__dataclass_params__.eq, kind
+    assert sum(issubclass(kind, ByContent) for kind in kinds) > 10
+
+
+def test_results_of_equal_content_are_equal_and_have_one_hash():
+    assert table() == table()
+    assert table() != table().without({"M"})
+    assert table() != Result(table().columns | {"M": table()["omega"]}, table().units)
+    assert table() != 3
+    assert len({table(), table()}) == 1
+    assert of_scene() == of_scene()
+    assert of_scene() != of_scene(warnings=("a warning",))
+    missing = of_scene(quantities={"efficiency": Quantity(math.nan, "")})
+    assert missing == of_scene(quantities={"efficiency": Quantity(math.nan, "")})
+    assert len({missing, of_scene(quantities={"efficiency": Quantity(float("nan"), "")})}) == 1
+
+
+def test_scenes_with_tables_have_a_hash():
+    assert len({load_scene(example("urban")), load_scene(example("urban"))}) == 1
 
 
 def table():

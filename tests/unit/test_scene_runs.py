@@ -302,7 +302,8 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
     assert {"satellite bearing", "mounting", "viscous", "losses"} <= labels(figure)
     assert len(figure.axes) == 12
     # the power lost, drawn over the end of the run, is that of the table
-    lost = next(axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3)
+    panels = [axes for axes in figure.axes if axes.get_ylabel() == "losses [W]"]
+    lost = next(axes for axes in panels if axes.get_xlim()[0] > 0.3)
     power = np.diff(result.record["energy_lost"]) / 1e-3
     assert lost.lines[0].get_ydata() == pytest.approx(power[-lost.lines[0].get_ydata().size :])
 
@@ -514,3 +515,10 @@ def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided():
     assert (ratio.lines[1].get_ydata() == 1.0).all()
     torques = [axes.lines[0].get_ydata() for axes in (output, taken)]
     assert torques[0] * output.lines[0].get_xdata() == pytest.approx(torques[1])
+
+
+def test_a_table_in_another_unit_is_a_warning_of_the_run(fmu):
+    drive = {"kind": "table", "omega1": [50.0, 100.0], "time": [0.0, 500.0]}
+    result = run_scene(scene(0.5, 0.01, drive=drive), fmu)
+    assert [line for line in result.warnings if line.startswith("drive changes from 0 to 500 s")]
+    assert result.as_dict()["warnings"] == [*result.warnings]

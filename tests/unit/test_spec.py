@@ -86,7 +86,7 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     short = row(15.0, 60.0, 1.0)
     assert not judge.meets(short)
     assert judge.beyond(short) == pytest.approx(0.25 + 0.2)
-    assert judge.tightest(short) == "stall_torque is 15 N.m, must be at least 20 N.m"
+    assert judge.tightest(short) == "stall_torque 15 N.m (limit: at least 20 N.m)"
     refused = Row({"mass": 1.0}, {}, 0.0, "no")
     assert judge.violations(refused) == [1.0, 1.0, 1.0, 1.0]
     assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
@@ -136,8 +136,8 @@ def test_speed_that_a_design_or_a_run_does_not_reach_is_told():
         Row({}, {}, 0.0, "too heavy"),
     )
     limit = Limit("time_to_25_kmh", "s", 9.0, 1.0)
-    assert limit.text(slow) == "time_to_25_kmh is not reached, must be at most 9 s"
-    assert limit.text(refused) == "time_to_25_kmh is missing, must be at most 9 s"
+    assert limit.text(slow) == "time_to_25_kmh not reached (limit: at most 9 s)"
+    assert limit.text(refused) == "time_to_25_kmh not available (limit: at most 9 s)"
     scene = load_scene(example("engine_launch")).replaced(load={"times_to": ["25 km/h"]})
     assert unreached(scene, [slow, slow, fast, refused]) == {"time_to_25_kmh": 2}
     assert unreached(scene, [fast, refused]) == {}
@@ -178,9 +178,9 @@ def test_figures_tell_what_satellites_that_weigh_something_cannot(density, end):
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
     doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
     assert doubts == (
-        {"no lock-up": f"no torque is passed above a speed ratio of {end}"}
+        {"no lock-up": f"no torque is transmitted above a speed ratio of {end}"}
         if density
-        else {"weightless satellites": "but for its imbalance a satellite has no inertia"}
+        else {"satellites without inertia": "satellite_inertia is 0"}
     )
 
 
@@ -220,16 +220,16 @@ def test_satellite_of_bevel_gears_turns_by_both_meshes():
 
 def test_load_that_stays_at_rest_and_a_missing_freewheel_are_told():
     scene = load_scene(example("engine_launch"))
-    assert "load at rest" not in doubts_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
+    assert "load does not move" not in doubts_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
     resting = doubts_of(scene, {"distance": 0.09, "omega_out_maximum": 9.0}, 250.0)
-    assert resting["load at rest"].startswith("in the run it is moved by 0.0")
+    assert resting["load does not move"].startswith("0.0")
     shaft = load_scene(example("reference")).replaced(mechanism={"output_freewheel": 0.0})
-    assert "load at rest" not in doubts_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
+    assert "load does not move" not in doubts_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
     found = doubts_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
-    assert found["load at rest"] == "in the run it is moved by 0 turns"
-    assert "without both there is no mean torque" in found["no mean torque"]
+    assert found["load does not move"] == "0 revolutions in the run"
+    assert "without both freewheels there is no mean torque" in found["no mean torque"]
     # where nothing was run there is nothing to say
-    assert "load at rest" not in doubts_of(shaft, {}, 250.0)
+    assert "load does not move" not in doubts_of(shaft, {}, 250.0)
 
 
 def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
@@ -241,21 +241,21 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
         return DesignResult(judge, [good, short], front, finalists, 2, {}, cut)
 
     found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
-    assert found.verdict().endswith("; but no lock-up in 2 of them")
-    assert found.lines(found.finalists[0])["but: no lock-up"] == "none above 0.3"
-    assert "but" not in verdict([good], [good], False, {}).verdict()
+    assert found.verdict().endswith("; caveats: no lock-up in 2 of them")
+    assert found.lines(found.finalists[0])["caveat: no lock-up"] == "none above 0.3"
+    assert "caveat" not in verdict([good], [good], False, {}).verdict()
     lost = verdict([short], [good], False, {}).verdict()
     assert lost.startswith(
-        "no checked design of 1 meets all limits, 1 of 2 designs do at 'averaged'; the nearest"
+        "0 of 1 verified designs satisfy all limits; 1 of 2 designs do with fidelity 'averaged'; closest"
     )
-    assert "none came nearer in the last 8 generations" in verdict([short], [], False, {}).verdict()
-    assert "not at its end when search.longest = 600 s was over" in verdict([short], [], True, {}).verdict()
+    assert "no improvement in the last 8 generations" in verdict([short], [], False, {}).verdict()
+    assert "search.longest = 600 s ended the search" in verdict([short], [], True, {}).verdict()
     # a refused design is never the nearest one, however far the others are
     far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
     assert judge.beyond(far) > judge.beyond(refused)
     none = DesignResult(judge, [refused, far], [], [], 2, {}, False).verdict()
-    assert none.endswith("the nearest one: omega_out_final is 500 rad/s, must be at most 50 rad/s")
+    assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---

@@ -15,19 +15,17 @@ from inertia_module.scene import SceneError, load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
 SAME = tomllib.loads(Path(__file__).with_name("same_tables.toml").read_text(encoding="utf-8"))
-BAD = [(text.encode(), words) for text, words in REFUSED["tables"]]
-NO_UTF_8 = r"table\.csv must be a CSV file in UTF-8"
-BAD += [("time,winkel [°]\n0,1\n".encode(code), NO_UTF_8) for code in ("latin-1", "utf-16")]
+BAD = REFUSED["tables"]
 
 
 def read(folder, content):
-    (folder / "table.csv").write_bytes(content)
+    (folder / "table.csv").write_bytes(content if isinstance(content, bytes) else content.encode())
     return Result.from_csv(folder / "table.csv")
 
 
 def test_the_same_table_comes_out_of_every_way_to_write_it(tmp_path):
     for name, text in SAME.items():
-        table = read(tmp_path, text.encode())
+        table = read(tmp_path, text)
         found = (table.names, table.time.tolist(), table["omega1"].tolist(), table.units["time"])
         assert found == (["time", "omega1"], TIMES, SPEEDS, "s"), name
 
@@ -35,8 +33,187 @@ def test_the_same_table_comes_out_of_every_way_to_write_it(tmp_path):
 def test_a_table_that_could_be_misread_is_refused(tmp_path):
     for content, words in BAD:
         with pytest.raises(TableError, match=words) as refused:
-            read(tmp_path, content)
+            read(tmp_path, content)["omega1"]
         assert "\n" not in str(refused.value)
+
+
+# cells of a column omega1; separator; the numbers, or words of the error and its line
+ONE_MEANING = [
+    # groups of three digits and decimals in a comma-separated file
+    (["900", '"1,200"'], ",", [900.0, 1200.0]),
+    (['"1,200.5"', "-900.25"], ",", [1200.5, -900.25]),
+    (['"1,234,567"', "0"], ",", [1234567.0, 0.0]),
+    (["0.5", "1.200"], ",", [0.5, 1.2]),
+    (["101.500", "1.200"], ",", [101.5, 1.2]),
+    (["12000", "1.200"], ",", [12000.0, 1.2]),
+    (["900", "1.2e3"], ",", [900.0, 1200.0]),
+    # decimal commas, and groups that only they allow
+    (["0,5", "1,200"], ";", [0.5, 1.2]),
+    (["1.234,5", "1.200"], ";", [1234.5, 1200.0]),
+    (["1.234.567", "900"], ";", [1234567.0, 900.0]),
+    (["1,234,567", "900"], ";", [1234567.0, 900.0]),
+    (["1,200.5", "900"], ";", [1200.5, 900.0]),
+    (["1,5e-3", "-2"], "\t", [0.0015, -2.0]),
+    # signs that are never decimal signs
+    (["1 200", "900"], ";", [1200.0, 900.0]),
+    (["1\u00a0200,5", "900"], ";", [1200.5, 900.0]),
+    (["1\u202f200.5", "900"], ",", [1200.5, 900.0]),
+    (["1\u2009200", "12 345"], "\t", [1200.0, 12345.0]),
+    (["1'200", "900"], ";", [1200.0, 900.0]),
+    (["1’200.5", "900"], ",", [1200.5, 900.0]),
+    (["1_000", "900"], ",", [1000.0, 900.0]),
+    (["−5", " 7 "], ",", [-5.0, 7.0]),
+    (["true", "False"], ",", [1.0, 0.0]),
+]
+NO_MEANING = [
+    (["900", "1.200"], ",", 3, "'1.200' can be 1.2 or 1200; write 1.2 or 1200"),
+    (["900", "1.200"], ";", 3, "'1.200' can be 1.2 or 1200; write 1.2 or 1200"),
+    (["1,200", "900"], ";", 2, "'1,200' can be 1.2 or 1200"),
+    (["0", "1.200", "2.400"], "\t", 3, "'1.200' can be 1.2 or 1200"),
+    (
+        ["900", '"12,5"'],
+        ",",
+        3,
+        "is '12,5': 12.5 with a decimal comma, .* write 12.5, or separate .* semicolons",
+    ),
+    (['"0,5"', '"1,200"'], ",", 2, "is '0,5': 0.5 with a decimal comma"),
+    (['"0,500"', '"1,200"'], ",", 2, "is '0,500': 0.5 with a decimal comma"),
+    (['"1,200"', "1200"], ",", 3, r"written as '1,200' in line 2, is '1200' \('1,200' can be 1200 or 1.2\)"),
+    (['"1.234,5"', "1"], ",", 2, "is '1.234,5': 1234.5 with a decimal comma"),
+    (["1.5", "1,5"], ";", 3, "written as '1.5' in line 2, is '1,5'"),
+    (["1 200.5", "1 200,5"], ";", 3, "written as '1 200.5' in line 2, is '1 200,5'"),
+    (["1 200", "1'200"], ";", 3, "written as '1 200' in line 2"),
+    (["1_0", "900"], ",", 2, "a finite number, is '1_0'"),
+    (["1 20", "900"], ";", 2, "a finite number, is '1 20'"),
+    (["1.23.456", "900"], ";", 2, "a finite number, is '1.23.456'"),
+    (["1e999", "900"], ",", 2, "a finite number, is '1e999'"),
+    (["١٢", "900"], ",", 2, "a finite number, is '١٢'"),
+    (["5 %", "900"], ",", 2, "a finite number, is '5 %'"),
+    (["0x10", "900"], ",", 2, "a finite number, is '0x10'"),
+    (["true", "2"], ",", 2, "a finite number, is 'true'"),
+]
+
+
+def written(cells, separator, times=None):
+    rows = [f"{n if times is None else times}{separator}{cell}" for n, cell in enumerate(cells)]
+    return "\n".join([f"time{separator}omega1", *rows])
+
+
+@pytest.mark.parametrize(("cells", "separator", "numbers"), ONE_MEANING)
+def test_numbers_with_one_meaning_are_read(tmp_path, cells, separator, numbers):
+    assert read(tmp_path, written(cells, separator))["omega1"].tolist() == numbers
+
+
+@pytest.mark.parametrize(("cells", "separator", "line", "words"), NO_MEANING)
+def test_numbers_with_no_or_two_meanings_are_rejected_with_their_line(
+    tmp_path, cells, separator, line, words
+):
+    table = read(tmp_path, written(cells, separator))
+    with pytest.raises(TableError, match=rf"table\.csv line {line}: omega1 must be .*{words}"):
+        table["omega1"]
+
+
+@pytest.mark.parametrize(
+    ("time", "cells", "numbers"),
+    [
+        # the time column decides, where the form of the column agrees
+        ("0,5", ["900", "1.200"], [900.0, 1200.0]),
+        ("0.5", ["900", "1.200"], [900.0, 1.2]),
+        ("0.5", ["900", "1,200"], [900.0, 1200.0]),
+        ("0,5", ["900", "1,200"], [900.0, 1.2]),
+        ("0.5", ["1.300", "1.200"], [1.3, 1.2]),
+        ("0,5", ["1.300", "1.200"], None),
+        ("0.5", ["1,300", "1,200"], None),
+        # three decimals in each row
+        ("1", ["1.300", "1.200"], [1.3, 1.2]),
+        ("1", ["1,300", "1,200"], [1.3, 1.2]),
+        ("1.500", ["1.300", "1.200"], [1.3, 1.2]),
+        ("1.500", ["900", "1.200"], None),
+    ],
+)
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_other_columns_decide_between_decimals_and_groups(tmp_path, separator, time, cells, numbers):
+    table = read(tmp_path, written(cells, separator, time))
+    if numbers is None:
+        with pytest.raises(TableError, match="omega1 must be a number with one meaning"):
+            table["omega1"]
+    else:
+        assert table["omega1"].tolist() == numbers
+
+
+# files with more in them than a table
+MORE = {
+    "comments": "# rig 3\ntime,omega1\n% at 20 °C\n0,100\n// pause\n0.5,101.5\n1,-2.5e-3\n# end\n",
+    "headings as a comment": "# time,omega1\n0,100\n0.5,101.5\n1,-2.5e-3\n",
+    "lines above the headings": "Rig 3\nDate,2024-01-01\n\ntime,omega1\n0,100\n0.5,101.5\n1,-2.5e-3\n",
+    "a time of day above the headings": "time,12:30\ntime,omega1,x\n0,100,\n0.5,101.5,\n1,-2.5e-3,\n",
+    "separator in the first line": "sep=;\ntime;omega1\n0;100\n0,5;101,5\n1;-2,5e-3\n",
+    "a separator of its own": "sep=|\ntime|omega1\n0|100\n0,5|101,5\n1|-2,5e-3\n",
+    "a row of units": "time;omega1\nms;rad/s\n0;100\n500;101,5\n1000;-2,5e-3\n",
+    "a row of units in brackets": "time,omega1\n[s],[rad/s]\n0,100\n0.5,101.5\n1,-2.5e-3\n",
+    "units in both places": "time [s],omega1\ns,rad/s\n0,100\n0.5,101.5\n1,-2.5e-3\n",
+    "separators at the end": "time;omega1;\n0;100;\n0,5;101,5;\n1;-2,5e-3;\n",
+    "separators at the end of the rows alone": "time;omega1\n0;100;;\n0,5;101,5;\n1;-2,5e-3\n;;\n",
+    "text, Booleans, empty cells": (
+        'time,note,omega1,valve,heat\n0,start,100,true,\n0.5,,101.5,false,20\n1,"a, b",-2.5e-3,TRUE,n/a\n'
+    ),
+    "a column of two names": "time,x,x,omega1\n0,1,2,100\n0.5,a,b,101.5\n1,,,-2.5e-3\n",
+    "a unit that nobody knows": "time,x [blink],omega1\n0,1,100\n0.5,1,101.5\n1,1,-2.5e-3\n",
+    "dates and decimal commas": "time;date;omega1\n0;1.1.24;100\n0,5;1.1.24;101,5\n1;2.1.24;-2,5e-3\n",
+    "short rows": "time,omega1,note\n0,100\n0.5,101.5,x\n1,-2.5e-3\n",
+    "blanks behind commas": 'time, omega1\n0, 100\n0.5, "101.5"\n1, -2.5e-3\n',
+    "lines that end with CR": "time,omega1\r0,100\r0.5,101.5\r1,-2.5e-3\r",
+}
+
+
+@pytest.mark.parametrize("name", MORE)
+def test_what_nobody_asks_for_does_not_reject_a_file(tmp_path, name):
+    table = read(tmp_path, MORE[name])
+    assert table.time.tolist() == TIMES
+    assert table["omega1"].tolist() == SPEEDS
+
+
+@pytest.mark.parametrize("code", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_texts_in_other_codes_are_read(tmp_path, code):
+    table = read(tmp_path, "time [µs],Öl,angle [°]\n0,kühl,90\n1,heiß,180\n".encode(code))
+    assert table.time.tolist() == [0.0, 1e-6]
+    assert table.converted({"angle": "rad"})["angle"] == pytest.approx([math.pi / 2.0, math.pi])
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"PK\x03\x04\0\0", r"table\.csv must be a CSV file, it is no text: save the table as CSV"),
+        ("", r"table\.csv must have a row of headings and rows of numbers, is empty"),
+        ("\n \n", "is empty"),
+        ("# rig\n", "is empty"),
+        (
+            "0,100\n1,101\n",
+            r"must have a column time \(there are 0, 100\), its headings are taken from line 1",
+        ),
+        ("Rig\n\ntimes,omega1\n0,1\n", r"column time \(there are Rig\), .* from line 1"),
+        ("time,omega1\ns,rpm\nDouble,Double\n0,1\n", "line 3: time must be a finite number, is 'Double'"),
+        ("# a\ntime,omega1\nseconds,rpm\n0,1\n", "line 3: time must be a finite number, is 'seconds'"),
+        ("time [s],omega1\nms,rpm\n0,1\n", "line 2: the unit of time must be s, as in its heading, is ms"),
+        ("time,omega1\n0,1\n00:01.5,2\n", "line 3: time must be a finite number, is '00:01.5'"),
+        ("# a\n\ntime,omega1\n# b\n0,1\n\n2,1\n1.5,1\n", "line 8: time must not go back, is 1.5 after 2"),
+        ("time,time\n0,1\n", "time must be the name of one column, is of columns 1 and 2"),
+    ],
+)
+def test_a_file_without_a_table_over_time_is_rejected_with_the_line(tmp_path, content, words):
+    with pytest.raises(TableError, match=words):
+        read(tmp_path, content)
+
+
+def test_a_column_that_is_not_numbers_is_an_error_when_it_is_asked_for(tmp_path):
+    table = read(tmp_path, "# rig\ntime,omega1,x,x\n0,100,1,2\n1,,1,2\n")
+    assert table.names == ["time"]
+    with pytest.raises(TableError, match=r"table\.csv line 4: omega1 must be a finite number, is ''"):
+        table["omega1"]
+    with pytest.raises(
+        TableError, match=r"table\.csv: x must be the name of one column, is of columns 3 and 4"
+    ):
+        table["x"]
 
 
 def test_columns_are_converted_to_the_units_asked_for():
@@ -67,9 +244,15 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     (tmp_path / "road.csv").write_text("way,slope\n0,0\n")
     with pytest.raises(SceneError, match=r"road\.csv must have a column distance \(there are way, slope\)"):
         load_scene(example("urban"), of_file)
-    (tmp_path / "road.csv").write_text("distance [kg],slope\n0,0\n")
-    with pytest.raises(SceneError, match=r"slope_over_distance\.distance.* is '0.0 kg': kg is not a unit"):
+    (tmp_path / "road.csv").write_text("# road\ndistance [kg],slope\n0,0\n")
+    words = r"road\.csv line 3: load\.slope_over_distance\.distance .* is '0.0 kg': kg is not a unit"
+    with pytest.raises(SceneError, match=words):
         load_scene(example("urban"), of_file)
+    (tmp_path / "road.csv").write_text("road 7\n\ndistance,slope\nkm,%\n0,0\n1,2\n0.5,3\n")
+    with pytest.raises(SceneError, match=r"road\.csv line 7: distance must not go back, is 0.5 after 1"):
+        load_scene(example("urban"), of_file)
+    with pytest.raises(SceneError, match=r"roads.road\.csv must be a CSV file: .*: write / instead of"):
+        load_scene(example("urban"), {"load.slope_over_distance.file": "roads\\road.csv"})
 
 
 def test_every_error_of_the_package_is_of_one_kind():

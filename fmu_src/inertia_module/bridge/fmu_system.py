@@ -91,13 +91,16 @@ class _Motion:
         split = len(self._motion)
         return np.array([*values[:split], *held, *values[split:]])
 
-    def update(self, x: Array, u: Array) -> Array:
-        """State after a step."""
+    def update(self, time: float, x: Array, u: Array) -> Array:
+        """State after a step that begins at a time, s."""
         inputs = dict(zip(self._inputs, u.tolist(), strict=True))
         motion = dict(zip(self._start_names, x.tolist(), strict=False))
         held = dict(zip(self._held, x[len(self._motion) :].tolist(), strict=False))
-        self.fmu.restart({**motion, **inputs, **held})
-        self.fmu.set(**{name: inputs[name] for name in held})
+        try:
+            self.fmu.restart({**motion, **inputs, **held}, time)
+            self.fmu.set(**{name: inputs[name] for name in held})
+        except FmuError as error:
+            raise FmuError(f"at time {time:.9g} s: {error}") from error
         self.fmu.advance(self._step)
         return self._state([inputs[name] for name in held])
 
@@ -150,8 +153,8 @@ class _Whole:
             self.fmu.restore(bytes_of(wanted[1:]), float(wanted[0]))
             self._at = wanted.copy()
 
-    def update(self, x: Array, u: Array) -> Array:
-        """State after a step."""
+    def update(self, _: float, x: Array, u: Array) -> Array:
+        """State after a step; its time is in the state."""
         self._go_to(x)
         self._at = None  # until the step has been taken
         self.fmu.set(**dict(zip(self._inputs, u.tolist(), strict=True)))
@@ -179,8 +182,8 @@ class FmuSystem(Closing):
     def __init__(self, stepper: _Motion | _Whole, **names: Any) -> None:
         self._fmu, self.start = stepper.fmu, stepper.start
         self.system = ct.nlsys(
-            lambda _, x, u, __: stepper.update(
-                np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64)
+            lambda t, x, u, _: stepper.update(
+                t, np.asarray(x, dtype=np.float64), np.asarray(u, dtype=np.float64)
             ),
             lambda _, x, __, ___: stepper.output(np.asarray(x, dtype=np.float64)),
             states=stepper.names,

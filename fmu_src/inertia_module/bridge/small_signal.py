@@ -24,6 +24,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.equality import ByContent
 from ..common.errors import did_you_mean, must_be
 from ..contract.variables import BY_NAME
 from ..harness.fmu import Fmu, as_names, run
@@ -166,8 +167,8 @@ def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Complex, Arr
     return sine + 1j * cosine, mean
 
 
-@dataclass(frozen=True)
-class SineBench:
+@dataclass(frozen=True, eq=False)
+class SineBench(ByContent):
     """Plant, started, at an operating point, the outputs that are read, and the communication step, s."""
 
     plant: Fmu | Module
@@ -217,8 +218,8 @@ class SineBench:
 # --- frequency responses ---
 
 
-@dataclass(frozen=True)
-class SmallSignal:
+@dataclass(frozen=True, eq=False)
+class SmallSignal(ByContent):
     """Frequency response from one input to some outputs.
 
     Attributes:

@@ -16,9 +16,26 @@ class Refused(ValueError):
     """Refusal: the message names the value and what is allowed. Nothing has changed."""
 
 
+def sentence_of(error: BaseException) -> str:
+    """Return the message of an error in one line; of an error of the system with the name of its file."""
+    text = str(error)
+    if isinstance(error, OSError) and error.strerror:
+        text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    if isinstance(error, MemoryError):
+        text = f"there is not enough memory: {text}" if text else "there is not enough memory"
+    return " ".join(text.split())
+
+
 def must_be(name: str, allowed: str, value: float | str) -> str:
     """Return the message for a bad value or its text: "tolerance must be between 0 and 1 (got 7)"."""
     return f"{name} must be {allowed} (got {value if isinstance(value, str) else format(value, '.16g')})"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return the first names, and the number of the others."""
+    every = list(names)
+    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
+    return f"{', '.join(every[:LISTED])}{more}"
 
 
 def did_you_mean(name: Any, known: Iterable[str]) -> str:
@@ -29,8 +46,7 @@ def did_you_mean(name: Any, known: Iterable[str]) -> str:
     if near:
         *others, last = near
         return f"(did you mean {' or '.join([', '.join(others), last] if others else [last])}?)"
-    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    return f"(there are {', '.join(names[:LISTED])}{more})" if names else "(there are none)"
+    return f"(there are {listed(names)})" if names else "(there are none)"
 
 
 class UnknownName(Refused, KeyError):

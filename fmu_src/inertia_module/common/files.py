@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import hashlib
 import io
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,8 @@ PACKAGE_FOLDER = Path(__file__).parent.parent
 # of the working directory: where FMUs are built, and where results go
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
+# largest text file that is read, bytes: of a table about 10 million numbers
+MAX_TEXT_SIZE = 100_000_000
 
 
 def ready_made(name: str) -> Path | None:
@@ -71,18 +75,57 @@ def writable_folder(folder: Path) -> Path:
     return folder
 
 
-def write_atomically(path: Path, content: bytes) -> Path:
-    """Write a file so that it is either whole or not there, whoever else writes it."""
-    writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+def read_file(path: Path, limit: int) -> bytes:
+    """Read a file of the user.
+
+    Args:
+        path: the file.
+        limit: largest size, bytes.
+
+    Raises:
+        OSError: it cannot be read, is a device or a pipe, or is larger.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError(errno.EINVAL, "it is a device or a pipe, no regular file", str(path))
+    with path.open("rb") as stream:
+        content = stream.read(limit + 1)
+    if len(content) > limit:
+        raise OSError(errno.EFBIG, f"it is larger than {limit / 1e6:g} MB", str(path))
+    return content
+
+
+def read_text(path: Path, limit: int = MAX_TEXT_SIZE) -> str:
+    """Read a text file of the user in UTF-8, with or without a byte-order mark; raises as read_file."""
+    return io.TextIOWrapper(io.BytesIO(read_file(path, limit)), "utf-8-sig").read()
+
+
+@contextlib.contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Put the path of a file into errors of the system: a full disk is reported without any."""
     try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
+        yield
+    except OSError as error:
+        error.filename, error.filename2 = str(path), None
         raise
+
+
+def write_atomically(path: Path, content: bytes) -> Path:
+    """Write a file so that it is either whole or not there, whoever else writes it.
+
+    Raises:
+        OSError: it cannot be written; with its path.
+    """
+    writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
+    with naming(path):
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(content)
+            os.chmod(name, 0o644)
+            os.replace(name, path)
+        except BaseException:
+            os.unlink(name)
+            raise
     return path
 
 

@@ -5,6 +5,8 @@ Its library is imported when something is printed: help needs none.
 
 from __future__ import annotations
 
+import errno
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,7 +26,12 @@ def terminal(width: int | None = None) -> Console:
     """A console that prints texts as they are: "[fast]" is no style, ":key:" no picture, 3 no number."""
     from rich.console import Console
 
-    return Console(markup=False, emoji=False, highlight=False, width=width)
+    class PlainConsole(Console):
+        def on_broken_pipe(self) -> None:
+            """Raise the error, which Rich turns into a silent end of the process."""
+            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
+
+    return PlainConsole(markup=False, emoji=False, highlight=False, width=width)
 
 
 def progress() -> rich_progress.Progress:

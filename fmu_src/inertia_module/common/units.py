@@ -5,73 +5,237 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 Dimension = dict[str, int]
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
-_FACTOR = re.compile(r"([A-Za-z%°]+|1)(?:\^?(-?\d+))?$")
+# a symbol or a unit in brackets, and its exponent
+_FACTOR = re.compile(r"(\(.*\)|[A-Za-z%‰°]+|1)(?:\^?(-?\d+))?$")
 
 BOOLEANS: Mapping[str, float] = {"false": 0.0, "true": 1.0}
+
+_SPEED = {"m": 1, "s": -1}
+_FORCE = {"kg": 1, "m": 1, "s": -2}
+_ENERGY = {"kg": 1, "m": 2, "s": -2}
+_POWER = {"kg": 1, "m": 2, "s": -3}
+_POUND, _FOOT, _GRAVITY = 0.45359237, 0.3048, 9.80665
+_POUND_FORCE = _POUND * _GRAVITY
 
 # symbol: factor to SI, exponents of kg, m, s, rad
 _SYMBOLS: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, {}),
     "%": (0.01, {}),
+    "‰": (0.001, {}),
     "rad": (1.0, {"rad": 1}),
+    "mrad": (1e-3, {"rad": 1}),
     "deg": (math.pi / 180.0, {"rad": 1}),
     "°": (math.pi / 180.0, {"rad": 1}),
+    "arcmin": (math.pi / 10800.0, {"rad": 1}),
     "rev": (2.0 * math.pi, {"rad": 1}),
+    "r": (2.0 * math.pi, {"rad": 1}),
+    "U": (2.0 * math.pi, {"rad": 1}),
     "rpm": (math.pi / 30.0, {"rad": 1, "s": -1}),
+    "RPM": (math.pi / 30.0, {"rad": 1, "s": -1}),
+    "Umin": (math.pi / 30.0, {"rad": 1, "s": -1}),
     "m": (1.0, {"m": 1}),
+    "um": (1e-6, {"m": 1}),
     "mm": (1e-3, {"m": 1}),
     "cm": (1e-2, {"m": 1}),
+    "dm": (1e-1, {"m": 1}),
     "km": (1e3, {"m": 1}),
+    "in": (_FOOT / 12.0, {"m": 1}),
+    "ft": (_FOOT, {"m": 1}),
+    "mi": (5280.0 * _FOOT, {"m": 1}),
+    "kmh": (1.0 / 3.6, _SPEED),
+    "kph": (1.0 / 3.6, _SPEED),
+    "mph": (5280.0 * _FOOT / 3600.0, _SPEED),
     "s": (1.0, {"s": 1}),
+    "sec": (1.0, {"s": 1}),
     "Hz": (1.0, {"s": -1}),
+    "kHz": (1e3, {"s": -1}),
     "ms": (1e-3, {"s": 1}),
+    "us": (1e-6, {"s": 1}),
+    "ns": (1e-9, {"s": 1}),
     "min": (60.0, {"s": 1}),
     "h": (3600.0, {"s": 1}),
     "kg": (1.0, {"kg": 1}),
     "g": (1e-3, {"kg": 1}),
+    "mg": (1e-6, {"kg": 1}),
     "t": (1e3, {"kg": 1}),
-    "N": (1.0, {"kg": 1, "m": 1, "s": -2}),
-    "kN": (1e3, {"kg": 1, "m": 1, "s": -2}),
-    "Nm": (1.0, {"kg": 1, "m": 2, "s": -2}),
-    "J": (1.0, {"kg": 1, "m": 2, "s": -2}),
-    "kJ": (1e3, {"kg": 1, "m": 2, "s": -2}),
-    "W": (1.0, {"kg": 1, "m": 2, "s": -3}),
-    "kNm": (1e3, {"kg": 1, "m": 2, "s": -2}),
+    "lb": (_POUND, {"kg": 1}),
+    "slug": (_POUND_FORCE / _FOOT, {"kg": 1}),
+    "N": (1.0, _FORCE),
+    "mN": (1e-3, _FORCE),
+    "kN": (1e3, _FORCE),
+    "lbf": (_POUND_FORCE, _FORCE),
+    "kgf": (_GRAVITY, _FORCE),
+    "kp": (_GRAVITY, _FORCE),
+    "Nm": (1.0, _ENERGY),
+    "J": (1.0, _ENERGY),
+    "kJ": (1e3, _ENERGY),
+    "MJ": (1e6, _ENERGY),
+    "Wh": (3600.0, _ENERGY),
+    "kWh": (3.6e6, _ENERGY),
+    "W": (1.0, _POWER),
+    "kW": (1e3, _POWER),
+    "MW": (1e6, _POWER),
+    "PS": (75.0 * _GRAVITY, _POWER),
+    "hp": (550.0 * _POUND_FORCE * _FOOT, _POWER),
+    "kNm": (1e3, _ENERGY),
 }
+
+# products that are written without a sign between their factors
+_PRODUCTS: dict[str, str] = {
+    "Nmm": "N.mm",
+    "Ncm": "N.cm",
+    "mNm": "mN.m",
+    "Nms": "N.m.s",
+    "Umin-1": "rpm",
+    "Ws": "W.s",
+    "kgm2": "kg.m2",
+    "kgcm2": "kg.cm2",
+    "kgmm2": "kg.mm2",
+    "gm2": "g.m2",
+    "gcm2": "g.cm2",
+    "gmm2": "g.mm2",
+    "ftlb": "ft.lbf",
+    "lbft": "lbf.ft",
+    "inlb": "in.lbf",
+    "lbin": "lbf.in",
+    "lbfft": "lbf.ft",
+    "lbfin": "lbf.in",
+}
+
+# units by kind of quantity, the SI unit first; docs/scenes.md has this table
+KINDS: dict[str, tuple[str, ...]] = {
+    "pure number": ("1", "%", "‰"),
+    "time": ("s", "ms", "us", "µs", "ns", "min", "h", "sec"),
+    "angle": ("rad", "deg", "°", "arcmin", "mrad", "rev", "r", "U"),
+    "rotational speed": (
+        *("rad/s", "rpm", "RPM", "1/min", "min-1", "min⁻¹", "U/min", "Umin", "r/min", "rev/min", "rev/s"),
+        *("deg/s", "°/s"),
+    ),
+    "rotational acceleration": ("rad/s2", "rad/s²", "rpm/s", "1/min/s", "rev/s2", "deg/s2"),
+    "frequency": ("Hz", "kHz", "1/s", "s-1", "s⁻¹", "1/min"),
+    "length": ("m", "mm", "cm", "dm", "km", "um", "µm", "in", "ft", "mi"),
+    "speed": ("m/s", "km/h", "kmh", "kph", "mph", "mm/s", "ft/s"),
+    "acceleration": ("m/s2", "m/s²", "mm/s2", "ft/s2"),
+    "area": ("m2", "m²", "cm2", "mm2", "ft2", "in2"),
+    "mass": ("kg", "g", "mg", "t", "lb", "slug"),
+    "density": ("kg/m3", "kg/m³", "kg/dm3", "g/cm3", "lb/ft3"),
+    "moment of inertia": (
+        *("kg.m2", "kg·m²", "kgm2", "kg.cm2", "kgcm2", "kgmm2", "gm2", "gcm2", "gmm2"),
+        *("lb.ft2", "lb.in2", "slug.ft2"),
+    ),
+    "force": ("N", "kN", "mN", "lbf", "kgf", "kp"),
+    "torque": (
+        *("N.m", "N·m", "Nm", "kNm", "Ncm", "Nmm", "mNm", "kgf.m"),
+        *("lbf.ft", "lb.ft", "ft.lb", "lbft", "lbfft", "ftlb", "lbf.in", "lb.in", "in.lb", "lbin", "lbfin"),
+        "inlb",
+    ),
+    "stiffness": ("N.m/rad", "Nm/rad", "kNm/rad", "Nm/deg", "Nm/°", "lbf.ft/rad", "lbf.in/deg"),
+    "damping": ("N.m.s/rad", "Nms/rad", "Nm/(rad/s)", "Nm/rpm", "Nm/(1/min)", "Nms/deg", "lbf.ft.s/rad"),
+    "linear damping": ("N.s/m", "kg/s"),
+    "energy": ("J", "kJ", "MJ", "Ws", "Wh", "kWh"),
+    "power": ("W", "kW", "MW", "PS", "hp"),
+}
+
+# signs that are typed in several ways
+_SIGNS = str.maketrans("·⋅∙•×*−µμº∕÷", "......-uu°//")
+_RAISED = str.maketrans("⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹", "-+0123456789")
+# revolutions a minute, alone or behind a bracket or a slash
+_PER_MINUTE = re.compile(r"(?<![\w.^])(?:1?/min|min\^?-1)(?![\w^])")
+
+
+def _plain(text: str) -> str:
+    """A unit with "." for products, "-" for minus and digits for exponents."""
+    raised = re.sub(r"[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda digits: f"^{digits[0].translate(_RAISED)}", text)
+    typed = raised.strip().replace("**", "^").translate(_SIGNS)
+    # N-m, ft-lb
+    joined = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", ".", typed)
+    return re.sub(r"[.\s]+", ".", re.sub(r"\s*([/()^])\s*", r"\1", joined))
+
+
+def _measure(part: str) -> tuple[float, Dimension, int]:
+    """Factor to SI, exponents of kg, m, s, rad, and the exponent of both, for one factor of a unit."""
+    product = _PRODUCTS.get(part.replace("^", ""))
+    if product is not None:
+        return (*parse_unit(product), 1)
+    match = _FACTOR.match(part)
+    if match is not None and match[1].startswith("("):
+        return (*parse_unit(match[1][1:-1]), int(match[2] or 1))
+    if match is None or match[1] not in _SYMBOLS:
+        raise ValueError(f"{part or 'an empty factor'} is an unknown unit")
+    return (*_SYMBOLS[match[1]], int(match[2] or 1))
 
 
 def parse_unit(text: str) -> tuple[float, Dimension]:
-    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m^2 or km/h."""
+    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m², Nm/(rad/s) or km/h.
+
+    All that follows a slash divides, up to the end of the unit or of the brackets.
+    """
     factor = 1.0
     dimension: Counter[str] = Counter()
-    for place, group in enumerate(text.split("/")):
+    plain = _plain(text)
+    # a slash and a point within brackets belong to the unit in these
+    groups = re.split(r"/(?![^(]*\))", "1" if plain in ("", "-") else re.sub("^/", "1/", plain))
+    for place, group in enumerate(groups):
         sign = 1 if place == 0 else -1
-        for part in re.split(r"[.·*\s]+", group.strip()) if group.strip(" -") else ["1"]:
-            match = _FACTOR.match(part)
-            if match is None or match[1] not in _SYMBOLS:
-                raise ValueError(f"{part} is an unknown unit")
-            exponent = sign * int(match[2] or 1)
-            base, exponents = _SYMBOLS[match[1]]
-            factor *= base**exponent
+        for part in re.split(r"\.(?![^(]*\))", group):
+            base, exponents, exponent = _measure(part)
+            factor *= base ** (sign * exponent)
             for name, power in exponents.items():
-                dimension[name] += exponent * power
+                dimension[name] += sign * exponent * power
     return factor, {name: power for name, power in dimension.items() if power}
 
 
+def _readings(unit: str) -> Iterator[str]:
+    """Yield a unit as it is written, then as engineers mean it: 1/min of a shaft, lb of a force."""
+    plain = _plain(unit)
+    yield plain
+    if _PER_MINUTE.search(plain):
+        yield _PER_MINUTE.sub("rpm", plain)
+    if re.search(r"\blb\b", plain):
+        yield re.sub(r"\blb\b", "lbf", plain)
+
+
+def units_like(unit: str) -> str:
+    """List the units of the same kind in brackets; "" for a kind that is not in the table."""
+    dimension = parse_unit(unit)[1]
+    alike = [units for units in KINDS.values() if parse_unit(units[0])[1] == dimension]
+    units = next((units for units in alike if unit in units), alike[0] if alike else ())
+    return f" (units of this kind: {', '.join(units)})" if units else ""
+
+
+@lru_cache(256)
 def factor_between(unit: str, wanted: str) -> float:
-    """Factor from a unit to the unit wanted; a ValueError where these are unknown or of two dimensions."""
+    """Return the factor from a unit to the unit wanted.
+
+    A unit of another dimension is read as engineers mean it: 1/min is rpm for a rotational speed, lb.ft is
+    lbf.ft for a torque.
+
+    Args:
+        unit: as it is written.
+        wanted: unit of the quantity.
+
+    Raises:
+        ValueError: a unit is unknown, or both have different dimensions.
+    """
     if unit == wanted:
         return 1.0
-    (factor, dimension), (to, needed) = parse_unit(unit), parse_unit(wanted)
-    if dimension != needed:
-        raise ValueError(f"{unit} is not a unit for {'a pure number' if wanted == '1' else wanted}")
-    return factor / to
+    to, needed = parse_unit(wanted)
+    try:
+        for reading in _readings(unit):
+            factor, dimension = parse_unit(reading)
+            if dimension == needed:
+                return factor / to
+    except ValueError as error:
+        raise ValueError(f"{error}{units_like(wanted)}") from None
+    kind = "a pure number" if wanted == "1" else wanted
+    raise ValueError(f"{unit} is not a unit for {kind}{units_like(wanted)}")
 
 
 def split_quantity(text: str) -> tuple[float, str]:

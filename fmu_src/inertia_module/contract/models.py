@@ -54,7 +54,7 @@ def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
     )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Model:
     """One model: its variables, its kernel, and what it says.
 
@@ -79,6 +79,9 @@ class Model:
     terminals: tuple[Terminal, ...]
     bounds: tuple[Bound, ...] = ()
     warnings: Mapping[int, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<model {self.name}>"
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:

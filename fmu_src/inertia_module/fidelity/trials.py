@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pydantic_core import to_jsonable_python
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.files import cache_folder, content_hash, sources
 from ..common.terminal import Progress, terminal
@@ -52,8 +53,8 @@ NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
 }
 
 
-@dataclass(frozen=True)
-class Level:
+@dataclass(frozen=True, eq=False)
+class Level(ByContent):
     """Level of fidelity, by its numbers, at one setting, as it is printed, with what makes it."""
 
     fidelity: int
@@ -111,8 +112,8 @@ PEER = "peer"
 FAILURES = (ValueError, RuntimeError, ArithmeticError, MemoryError)
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, eq=False)
+class Row(ByContent):
     """Measurements of one run.
 
     Attributes:
@@ -213,8 +214,8 @@ def failure_lines(rows: Sequence[Row]) -> list[str]:
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 
 
-@dataclass(frozen=True)
-class Choice:
+@dataclass(frozen=True, eq=False)
+class Choice(ByContent):
     """Chosen level and the reasons.
 
     Attributes:
@@ -298,7 +299,8 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
         best = (
             f"best: {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "no level was measured"
         )
-        raise Refused(f"error = {error:g} in {', '.join(wanted)} is not reached by any fidelity level; {best}")
+        asked = f"error = {error:g} in {', '.join(wanted)}"
+        raise Refused(f"{asked} is not reached by any fidelity level; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
@@ -352,8 +354,9 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
     console = terminal()
     console.print(title, style="bold")
     console.print(
-        f"Each level at its cheapest setting with an error of at most {allowed:g}, otherwise at its most accurate"
-        f" setting; communication step {rows[0].communication_step:g} s; kernel time in ms per simulated second"
+        f"Each level at its cheapest setting with an error of at most {allowed:g}, otherwise at its most"
+        f" accurate setting; communication step {rows[0].communication_step:g} s;"
+        " kernel time in ms per simulated second"
     )
     console.print(table)
 
@@ -562,7 +565,10 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
 # --- the trade: error over cost, on log-log axes ---
 
 # label of a cost, and factor to the unit in it
-_AXES = {"wall_time": ("kernel time [ms per simulated second]", 1e3), "evaluations": ("right-hand-side evaluations", 1.0)}
+_AXES = {
+    "wall_time": ("kernel time [ms per simulated second]", 1e3),
+    "evaluations": ("right-hand-side evaluations", 1.0),
+}
 
 
 def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Figure:

@@ -207,7 +207,8 @@ def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> Non
         return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
 
     meets = [found.judge.meets(row) for row in found.rows]
-    for label, wanted, colour in (("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")):
+    groups = ("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")
+    for label, wanted, colour in groups:
         rows = [row for row, one in zip(found.rows, meets, strict=True) if one is wanted]
         panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
     style = "k*" if across is None else "k-"

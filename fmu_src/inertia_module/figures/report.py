@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from .. import __version__
 from ..common.errors import Refused
-from ..common.files import picture_of
+from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
 from ..contract.variables import LOST_TO, PARAMETER, Group, with_causality
 from ..fmu.archive import filled_xml
@@ -75,7 +75,8 @@ def report_file(
         file: of the scene. keys: given instead of its own, KEY=VALUE each. fmu: the file that was run.
         command: that repeats it. chosen: lines on how the fidelity was chosen.
     """
-    text = file.read_text(encoding="utf-8")
+    content = read_file(file, MAX_TEXT_SIZE)
+    text = content.decode("utf-8-sig")
     remarks = [f"warning: {warning}" for warning in result.warnings]
     remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
     remarks += chosen
@@ -92,7 +93,7 @@ def report_file(
         except Refused as reason:
             sections[title] = Part([f"Not available: {reason}."])
     origin = {
-        "scene file": f"{file.name}, SHA-256 {hashlib.sha256(text.encode()).hexdigest()}",
+        "scene file": f"{file.name}, SHA-256 {hashlib.sha256(content).hexdigest()}",
         "FMU": f"{fmu.name} {read_description(fmu, validate=False).guid}",
         "version": f"inertia-module {__version__}, Python {platform.python_version()}, {platform.platform()}",
         "date": f"{date.today()}",
@@ -168,7 +169,10 @@ def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
             rows[""].append((key, _shown(value), source(key, _shown(value), "default")))
     columns = ("parameter", "value", "source", "meaning")
     parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
-    added = "A value that differs from its source includes contributions of other keys, such as the inertia of a load."
+    added = (
+        "A value that differs from its source includes contributions of other keys, such as the inertia of a"
+        " load."
+    )
     return {"Inputs": Part([added], ("key", "value", "source"), rows[""]), **parts}
 
 
@@ -192,7 +196,10 @@ def _module(result: SceneResult) -> Scene:
 
 def _mechanism(result: SceneResult) -> Part:
     """Sketch of one module."""
-    text = "One module, to scale. The sketch shows pitch circles or pitch cones; other dimensions are not parameters."
+    text = (
+        "One module, to scale. The sketch shows pitch circles or pitch cones; other dimensions are not"
+        " parameters."
+    )
     return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
 
 
@@ -209,7 +216,8 @@ def _chart(result: SceneResult) -> Part:
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
     figure = chart_figure({"mechanism": chart}, allowed=allowed)
     at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
-    return Part([f"Steady-state means over the speed ratio, {at}."], ("number", "value"), rows, _picture(figure))
+    text = f"Steady-state means over the speed ratio, {at}."
+    return Part([text], ("number", "value"), rows, _picture(figure))
 
 
 def _orders(result: SceneResult) -> Part:
@@ -223,7 +231,8 @@ def _orders(result: SceneResult) -> Part:
     rows = [(_words(name), *line) for name, lines in found.lines(NAMED).items() for line in lines.items()]
     texts = [f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."]
     if is_coarse(record):
-        texts.append("The communication step is too long for the pulses: orders above the maximum are aliased.")
+        step = "The communication step is too long for the pulses"
+        texts.append(f"{step}: orders above the maximum are aliased.")
     return Part([" ".join(texts)], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
 
 

@@ -108,7 +108,8 @@ def plot(
         label, colour, line = LOOKS[name]
         look: dict[str, Any] = {"color": colour, "linestyle": line, "label": labels.get(name, label)}
         if name in INSTANTS and is_coarse(table):
-            look |= {"linestyle": "none", "marker": ".", "markersize": 2.0, "label": f"{label}, instantaneous"}
+            dots = {"linestyle": "none", "marker": ".", "markersize": 2.0}
+            look |= dots | {"label": f"{label}, instantaneous"}
         axes.plot(table.time[first:], table[name][first:] / factor, linewidth=1.5, **look)
     dress(axes, f"{what} [{unit}]")
 

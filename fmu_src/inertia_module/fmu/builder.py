@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
-from ..common.files import BUILD_FOLDER, ready_made, writable_folder, write_atomically
+from ..common.files import cache_folder, ready_made, writable_folder, write_atomically
 from ..compiling import CompilationUnavailable
 from ..compiling.targets import TARGETS, Target, here
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -16,6 +17,8 @@ from .linking import Progress
 from .native_fmu import Build, NativeFmu
 from .python_fmu import PythonFmu
 from .web_kernel import WebKernel
+
+LOG = logging.getLogger(__name__)
 
 MODULE_FMU = NativeFmu("InertiaModule", INERTIA_MODULE, "module")
 SHAFT_FMU = NativeFmu("DrivenShaft", DRIVEN_SHAFT, "driven_shaft")
@@ -79,28 +82,32 @@ def build(
 
 
 def current_fmu(
-    fmu: NativeFmu = MODULE_FMU, folder: Path = BUILD_FOLDER, progress: Progress = lambda stage: None
+    fmu: NativeFmu = MODULE_FMU, folder: Path | None = None, progress: Progress = LOG.info
 ) -> Path:
-    """A native FMU: the wheel's, or in a clone that of a folder, built here where it is not current.
+    """A native FMU: the wheel's, or in a clone one built from its sources as they are now.
 
     It is built for this platform alone: that takes a sixth of the time of all.
 
     Args:
-        fmu: a native one of FMUS. folder, progress: as for build.
+        fmu: a native one of FMUS.
+        folder: where to build it; by default the cache, in a folder of its own for each content.
+        progress: called with each stage as it begins; by default it is logged.
 
     Raises:
-        RuntimeError: it cannot be compiled here; why. OSError: the folder cannot be written.
+        RuntimeError: it cannot be compiled here; why.
+        OSError: the folder cannot be written.
     """
-    path = ready_made(fmu.file_name) or folder / fmu.file_name
-    if path.parent != folder:
-        return path
+    ready = ready_made(fmu.file_name)
+    if ready is not None:
+        return ready
     try:
         targets = [target for target in TARGETS if target.folder == here().folder]
+        path = (folder or cache_folder() / "fmus" / fmu.guid().strip("{}")) / fmu.file_name
     except CompilationUnavailable as reason:
-        raise RuntimeError(f"{path.name} cannot be built: {reason}") from None
+        raise RuntimeError(f"{fmu.file_name} cannot be built: {reason}") from None
     if not is_current(path, fmu, targets):
         progress(f"{path.name} is built for this platform alone; 'inertia-module build' does for all")
-        skipped = build(folder, progress, [fmu], targets).skipped
+        skipped = build(path.parent, progress, [fmu], targets).skipped
         if skipped:
             raise RuntimeError(f"{path.name} cannot be built: {next(iter(skipped.values()))}")
     return path

@@ -116,7 +116,7 @@ def variables_page() -> str:
 
 
 def index_page(model: Model, licences: Iterable[str]) -> str:
-    """Return the HTML page, which needs only the picture and the licences next to it; licences: their names."""
+    """Return the HTML page, which needs only the picture and the licences (names) next to it."""
     own, common = guide(model.name), guide("all")
     sections = [(heading, own[heading]) for heading in (WORKING, COUPLING)]
     sections += [(heading, common[heading]) for heading in (ORDER, INVALID_INPUT)]

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ..common.errors import Refused
+from ..common.equality import ByContent
+from ..common.errors import Refused, must_be
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME
 from ..kernel import codes
@@ -114,10 +115,9 @@ class SteadyMachine:
         """Refuse a mechanism that lacks a freewheel: it has no mean torque."""
         housing, output = (self.module[f"{name}_freewheel"] for name in ("housing", "output"))
         if housing * output == 0.0:
-            raise Refused(
-                f"housing_freewheel and output_freewheel must both be 1, are {housing:g} and {output:g}:"
-                " without both there is no mean torque"
-            )
+            both = f"{housing:g} and {output:g}"
+            demand = must_be("each of housing_freewheel and output_freewheel", "1", both)
+            raise Refused(f"{demand}: without both freewheels there is no mean torque")
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """Compute the steady pulses at omega1, rad/s, not 0, and a ratio to it of the output from 0 to 1."""
@@ -231,8 +231,8 @@ MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
-@dataclass(frozen=True)
-class TorqueConverterChart:
+@dataclass(frozen=True, eq=False)
+class TorqueConverterChart(ByContent):
     """Means over the speed ratio as of SteadyPulses, torques over omega1 squared, N m s^2; shapes (n,).
 
     Attributes:
@@ -434,7 +434,7 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
     taken = np.concatenate([square * chart.input_torque, coast[:, 1]])
     greatest = float(taken.max())
     if not greatest > 0.0:
-        raise Refused(f"a mechanism must pass torque for a converter table, passes none at {omega1:g} rad/s")
+        raise Refused(f"a converter table requires torque; the mechanism transmits none at {omega1:g} rad/s")
     given = np.maximum(taken, np.maximum(passed / LARGEST_TORQUE_RATIO, LEAST_SHARE * greatest))
     return {
         "speed_ratio": np.concatenate([chart.speed_ratio, ratios]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from ctypes import addressof, byref, c_uint, c_void_p
 from pathlib import Path
 from typing import Any, Self
@@ -12,7 +12,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, did_you_mean
+from ..common.errors import FmuError, Refused, did_you_mean
+from ..common.files import read_file
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of
 from ..memory import Plant, Run
@@ -27,6 +28,10 @@ RUN = "inertiaModuleRun"
 # the question whether it ends the simulation
 WARNING, DISCARD = 1, 2
 TERMINATED = 3
+# largest FMU file that workers run, bytes
+MAX_FMU_SIZE = 1_000_000_000
+# types of values that are no numbers
+NOT_NUMBERS = ("String", "Binary", "Clock")
 # ctypes cuts off what is more, silently
 LARGEST_INTEGER = 2.0**31 - 1.0
 
@@ -74,7 +79,11 @@ def run(
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
     """Names as a tuple; a single one may be given as a string."""
-    return (names,) if isinstance(names, str) else tuple(names)
+    if isinstance(names, str):
+        return (names,)
+    if isinstance(names, Iterable):
+        return tuple(names)
+    raise Refused(f"names must be a string or a list of strings, are {names!r}")
 
 
 def fmu_file(path: Path | str | None) -> Path:
@@ -86,27 +95,41 @@ def fmu_file(path: Path | str | None) -> Path:
     return current_fmu()
 
 
+def fmu_content(path: Path | str | None) -> bytes:
+    """The content of an FMU file, or of that of the module: see fmu_file."""
+    return read_file(fmu_file(path), MAX_FMU_SIZE)
+
+
 def read_description(path: Path, validate: bool = True) -> Any:
     """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
 
-    Refused where there is no FMU, and with validate what is against the standard too.
+    Args:
+        path: of the file.
+        validate: reject a description that violates the standard.
+
+    Raises:
+        FmuError: there is no FMU, or its description is rejected.
     """
     from fmpy import read_model_description
 
     from ..fmu.description import TYPES_3
+    from .archive import read_archive
+    from .copies import unpacked
 
-    if path.is_dir():
-        raise FmuError(f"{path} must be an FMU file, is a folder")
-    if not path.is_file():
-        raise FmuError(f"{path} must be an FMU file: there is no such file")
+    content = read_archive(path)
     try:
-        description = read_model_description(str(path), validate=validate)
+        description = read_model_description(unpacked(content), validate=validate)
     except Exception as error:
         raise FmuError(f"{path} must be an FMU: {error}") from error
     of_fmi_2 = {name: type_2 for type_2, name in TYPES_3.items()}
     for variable in description.modelVariables:
         variable.type = of_fmi_2.get(variable.type, variable.type)
     return description
+
+
+def is_number(variable: Any) -> bool:
+    """Return True if a variable of fmpy is a single number: no text, no clock, no array."""
+    return variable.type not in NOT_NUMBERS and not variable.dimensions
 
 
 def _number_for(variable: Any, value: Any) -> float:
@@ -152,10 +175,10 @@ class Ended(FmuError):
 
 
 class Kept:
-    """A state kept by an instance of an FMU, and its time, s; freed with the last reference to it."""
+    """A state kept by an instance of an FMU, and its times, s; freed with the last reference to it."""
 
     def __init__(self, fmu: Fmu, state: c_void_p) -> None:
-        self.fmu, self.state, self.time = fmu, state, fmu.time
+        self.fmu, self.state, self.time, self.epoch = fmu, state, fmu.time, fmu._epoch
 
     def __del__(self) -> None:
         if self.fmu._instance is not None:
@@ -197,6 +220,7 @@ class Fmu(Plant, Closing):
     ) -> None:
         self.path = fmu_file(path)
         self.time = start_time
+        self._epoch = 0.0  # time, s, at which the clock of the instance is at 0
         self._log = Log()
         self.messages, self.warnings = self._log.messages, self._log.warnings
         self._instance: Any = None
@@ -215,7 +239,9 @@ class Fmu(Plant, Closing):
             raise
 
     def _load(self) -> None:
-        from .loading import instantiate, unpacked
+        from .archive import read_archive
+        from .copies import unpacked
+        from .loading import instantiate
 
         description = read_description(self.path)
         if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
@@ -223,7 +249,7 @@ class Fmu(Plant, Closing):
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
-            folder = unpacked(self.path.read_bytes())
+            folder = unpacked(read_archive(self.path))
             self._instance = instantiate(description, folder, self.path.stem, self._log)
         except Exception as error:
             reasons = "; ".join(self.messages) or str(error)
@@ -261,10 +287,14 @@ class Fmu(Plant, Closing):
     # --- values ---
 
     def _variable(self, name: str) -> Any:
+        """Return the variable of this name; raise FmuError if there is none, or if it is no single number."""
         variable = self.variables.get(name)
         if variable is None:
             hint = did_you_mean(name, self.variables)
             raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
+        if not is_number(variable):
+            kind = f"an array of {variable.type}" if variable.dimensions else f"a {variable.type}"
+            raise FmuError(f"{name} must be a number, is {kind} in {self.path.name}")
         return variable
 
     def _references(self, names: str | Sequence[str]) -> list[int]:
@@ -315,7 +345,7 @@ class Fmu(Plant, Closing):
             FmuError: the FMU refused the step; its state is as it was. Ended: it ends the simulation.
         """
         try:
-            self._call("doStep", self.time, step)
+            self._call("doStep", self.time - self._epoch, step)
         except FmuError as error:
             if self._has_ended(error.__cause__):
                 raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
@@ -336,13 +366,13 @@ class Fmu(Plant, Closing):
             super().take_steps(lengths, inputs, given, outputs, rows)
             return
         asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
-        asked.time = self.time
+        asked.time = self.time - self._epoch
         try:
             self._call(RUN, self._instance.component, byref(asked))
         except FmuError as error:
-            raise FmuError(f"at time {asked.time:.9g} s: {error}") from error
+            raise FmuError(f"at time {asked.time + self._epoch:.9g} s: {error}") from error
         finally:
-            self.time = asked.time
+            self.time = asked.time + self._epoch
 
     def set_rates(self, **rates: float) -> None:
         """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""
@@ -380,7 +410,7 @@ class Fmu(Plant, Closing):
         if not isinstance(kept, Kept) or kept.fmu is not self:
             raise FmuError("a state must be one of get_state of this instance")
         self._call("setFMUstate", kept.state)
-        self.time = kept.time
+        self.time, self._epoch = kept.time, kept.epoch
 
     def save(self) -> bytes:
         """Serialise the whole state of the instance."""
@@ -400,7 +430,7 @@ class Fmu(Plant, Closing):
             self._call("setFMUstate", before.state)
             raise
         if time is not None:
-            self.time = time
+            self.time, self._epoch = time, 0.0
 
 
 class RestartedFmu(Fmu):
@@ -412,12 +442,20 @@ class RestartedFmu(Fmu):
 
     def _before_start(self) -> None:
         # a value read here makes the native FMU derive its constants, for the state that is kept
-        self.read(next(name for name, v in self.variables.items() if v.causality == "output"))
+        outputs = (v.name for v in self.variables.values() if v.causality == "output" and is_number(v))
+        self.read([*outputs][:1])
         self._blank = self.get_state()
 
-    def restart(self, values: Mapping[str, float]) -> None:
-        """Start anew with values by name, parameters and inputs; all others are those of the first start."""
+    def restart(self, values: Mapping[str, float], time: float = 0.0) -> None:
+        """Start the instance again.
+
+        Args:
+            values: parameters and inputs by name; all others are those of the first start.
+            time: time that the restart belongs to, s, for messages; the instance itself begins at 0.
+        """
         self.messages.clear()  # a run restarts every step: only what concerns this start is kept
         self.set_state(self._blank)
+        self._epoch = time - self.time
+        self.time = time
         self.set(**values)
         self._call("exitInitializationMode")

@@ -1,46 +1,28 @@
-"""FMUs loaded by fmpy: unpacking, a log for each instance, FMI 3.0 by the calls of 2.0.
+"""FMUs loaded by fmpy: a log for each instance, FMI 3.0 by the calls of 2.0.
 
 Importing it imports fmpy.
 """
 
 from __future__ import annotations
 
-import io
-import shutil
-import tempfile
 import weakref
 from ctypes import byref, c_void_p
-from functools import cache
-from multiprocessing.util import Finalize
 from typing import Any
 
-from fmpy import extract, fmi2
+from fmpy import fmi2
 from fmpy.fmi1 import FMICallException, calloc, free, printLogMessage
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
 from .fmu import DISCARD, RUN, WARNING, Log
 
-
-@cache
-def unpacked(content: bytes) -> str:
-    """Unpack the content of an FMU's file, once for this process, to a folder that goes when it ends."""
-    folder = tempfile.mkdtemp(prefix="fmu-")
-    # also at the end of processes that multiprocessing has forked, which atexit knows nothing of; after
-    # those that this one has forked, which leave the folder to it
-    Finalize(None, shutil.rmtree, args=(folder, True), exitpriority=-1)
-    extract(io.BytesIO(content), folder)
-    return folder
-
-
-# of the environment that callbacks carry; of instances that fmpy makes itself, which carry none
-_logs: weakref.WeakValueDictionary[int, Log] = weakref.WeakValueDictionary()
-OTHERS = 0
+# logs by the environment that callbacks carry; instances that fmpy makes itself carry none
+_logs: weakref.WeakValueDictionary[int | None, Log] = weakref.WeakValueDictionary()
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
     """Append a message to the log of its instance; print it as fmpy does if there is none."""
-    log = _logs.get(environment or OTHERS)
+    log = _logs.get(environment)
     if log is None:
         printLogMessage(environment, instance, status, category, message)
     else:
@@ -50,8 +32,8 @@ def _dispatch(environment: int | None, instance: bytes, status: int, category: b
 _DISPATCHER = fmi2.fmi2CallbackLoggerTYPE(_dispatch)
 
 
-def callbacks_of(log: Log, environment: int | None = None) -> Any:
-    """Callbacks of one instance of FMI 2.0 with a log, and its own environment unless one is given.
+def callbacks_of(log: Log) -> Any:
+    """Callbacks of one instance of FMI 2.0 with a log.
 
     Fmpy's proxy, which formats the messages, knows one callback a process: the last one given. One that is
     freed while another instance still logs would crash the process: that of all instances stays.
@@ -61,13 +43,21 @@ def callbacks_of(log: Log, environment: int | None = None) -> Any:
     addLoggerProxy(byref(callbacks))
     callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
     callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
-    callbacks.componentEnvironment = key = id(log) if environment is None else environment
+    callbacks.componentEnvironment = key = id(log)
     _logs[key] = log
     return callbacks
 
 
-def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
-    """Make an instance of what is unpacked in a folder, with FMPy's FMI 2.0 method names."""
+def instantiate(description: Any, folder: str, name: str, log: Log, events: bool = False) -> Any:
+    """Make an instance of an unpacked FMU, with FMPy's FMI 2.0 method names.
+
+    Args:
+        description: of the FMU, by fmpy.
+        folder: of the unpacked FMU.
+        name: of the instance.
+        log: takes the messages of the instance.
+        events: use event mode and allow early return (FMI 3.0).
+    """
     arguments = {
         "guid": description.guid,
         "unzipDirectory": folder,
@@ -80,7 +70,8 @@ def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
         instance.getEnumeration, instance.setEnumeration = instance.getInteger, instance.setInteger
     else:
         instance = Slave(**arguments)
-        instance.instantiate(logMessage=log.take, loggingOn=True)
+        modes = {"eventModeUsed": events, "earlyReturnAllowed": events}
+        instance.instantiate(logMessage=log.take, loggingOn=True, **modes)
     whole_runs = getattr(instance.dll, RUN, None)
     if whole_runs is not None:
         whole_runs.argtypes, whole_runs.restype = (c_void_p, c_void_p), _check_status

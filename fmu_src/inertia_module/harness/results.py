@@ -5,17 +5,17 @@ from __future__ import annotations
 import csv
 import html
 import io
-import math
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.csv_table import CsvTable, TableError
+from ..common.equality import ByContent
+from ..common.errors import did_you_mean
 from ..common.extras import library
 from ..common.files import write_atomically, write_figure, write_text
 from ..common.units import factor_between
@@ -28,28 +28,44 @@ __all__ = ["Result", "TableError", "write_figure", "write_text"]
 TIME = "time"
 # rows at either end of a table that a notebook shows
 ENDS = 5
-# a name and, in brackets, a unit
-_HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$")
 
 
-class TableError(Refused):
-    """Error of a table: the message names the column and what is allowed."""
+@dataclass(frozen=True, eq=False)
+class Origin(ByContent):
+    """File of a table.
+
+    Attributes:
+        path: file.
+        lines: file line of each row, shape (rows,).
+        unread: why a column of the file is not in the table, by its name.
+    """
+
+    path: str
+    lines: NDArray[np.int64]
+    unread: dict[str, str]
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, eq=False)
+class Result(ByContent):
     """Columns of equal length n, the first of them ``time`` (s).
 
     Attributes:
         columns: name -> array of shape (n,).
         units: name -> unit, for the columns that have one.
+        origin: file that the table is from, or None.
     """
 
     columns: dict[str, NDArray[np.float64]]
     units: dict[str, str] = field(default_factory=dict)
+    origin: Origin | None = field(default=None, repr=False, compare=False)
 
     @classmethod
-    def from_columns(cls, columns: Mapping[str, ArrayLike], units: Mapping[str, str] | None = None) -> Result:
+    def from_columns(
+        cls,
+        columns: Mapping[str, ArrayLike],
+        units: Mapping[str, str] | None = None,
+        origin: Origin | None = None,
+    ) -> Result:
         """Check and take over columns; time in another unit is converted to s.
 
         Raises:
@@ -72,7 +88,7 @@ class Result:
             row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
             raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")
         ordered = {TIME: arrays.pop(TIME), **arrays}
-        return cls(ordered, {TIME: "s", **given})
+        return cls(ordered, {TIME: "s", **given}, origin)
 
     @classmethod
     def from_rows(cls, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> Result:
@@ -82,7 +98,8 @@ class Result:
     def without(self, names: Set[str]) -> Result:
         """The table without the columns of these names."""
         columns = {name: values for name, values in self.columns.items() if name not in names}
-        return Result(columns, {name: unit for name, unit in self.units.items() if name in columns})
+        units = {name: unit for name, unit in self.units.items() if name in columns}
+        return replace(self, columns=columns, units=units)
 
     @property
     def time(self) -> NDArray[np.float64]:
@@ -95,9 +112,10 @@ class Result:
         return list(self.columns)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        if name not in self.columns:
-            raise TableError(f"{name} must be a column {did_you_mean(name, self.columns)}")
-        return self.columns[name]
+        if name in self.columns:
+            return self.columns[name]
+        unread = self.origin.unread if self.origin else {}
+        raise TableError(unread.get(name) or f"{name} must be a column {did_you_mean(name, self.columns)}")
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns
@@ -121,7 +139,11 @@ class Result:
         columns = {
             name: self[name] * _factor(name, self.units.get(name, unit), unit) for name, unit in units.items()
         }
-        return Result(self.columns | columns, self.units | dict(units))
+        return replace(self, columns=self.columns | columns, units=self.units | dict(units))
+
+    def place(self, row: int) -> str:
+        """Return the file and the line of a row, for the start of a message; "" for a table of no file."""
+        return f"{self.origin.path} line {self.origin.lines[row]}: " if self.origin else ""
 
     def last(self) -> dict[str, float]:
         """The last row by name."""
@@ -133,14 +155,23 @@ class Result:
 
     @classmethod
     def from_csv(cls, path: Path | str) -> Result:
-        """Read a CSV file of numbers over time (see read_columns).
+        """Read a CSV file of numbers over time (see CsvTable).
+
+        Columns that are not numbers are left out; asking for one of them raises the reason.
 
         Raises:
-            TableError: it cannot be read, or is no table over time.
+            TableError: the file cannot be read, or has no column of times that never fall.
         """
-        columns, units = read_columns(path)
+        table = CsvTable(path, [TIME])
+        columns, unread = {TIME: table.points(TIME)}, {}
+        for name in table.names:
+            try:
+                columns.setdefault(name, table.numbers(name))
+            except TableError as error:
+                unread[name] = str(error)
+        units = {name: unit for name, unit in table.units.items() if name in columns}
         try:
-            return cls.from_columns(columns, units)
+            return cls.from_columns(columns, units, Origin(table.path, table.lines, unread))
         except TableError as error:
             raise TableError(f"{path}: {error}") from None
 
@@ -212,55 +243,19 @@ def heading(name: str, unit: str) -> str:
 
 
 def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, str]]:
-    """Read a CSV file with a heading row of names, a unit in brackets behind each that has one.
+    """Read all columns of a CSV file whose first row has the headings (see CsvTable).
 
-    Commas, semicolons or tabs part the columns. Numbers have decimal points or, all of them, decimal commas.
+    Args:
+        path: file.
 
     Returns:
         Columns by name, and their units by name, as written.
 
     Raises:
-        TableError: the file is missing, empty, names a column twice or not, or a cell is not a number.
+        TableError: the file cannot be read, or a column is not numbers.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-        first = text.lstrip().partition("\n")[0]
-        reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in first), ","))
-        # those that are not empty, each with the number of its line
-        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    except OSError as error:
-        raise TableError(f"{path} must be a CSV file: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise TableError(f"{path} must be a CSV file in UTF-8: {error}") from error
-    if len(rows) < 2:
-        raise TableError(
-            f"{path} must have a heading row and at least one row of numbers, has {len(rows)} rows"
-        )
-    parts = [(cell.strip(), _HEADING.match(cell.strip())) for cell in rows.pop(0)[1]]
-    names = [found[1] or found[3] or "" if found else cell for cell, found in parts]
-    units = [found[2] or found[4] or "" if found else "" for _, found in parts]
-    for number, name in enumerate(names, 1):
-        if not name or names.index(name) != number - 1:
-            raise TableError(f"{path}: column {number} must have a name of its own, is {name!r}")
-    signs = {sign for _, row in rows for cell in row for sign in ".," if sign in cell}
-    if signs == {".", ","}:
-        raise TableError(f"{path} must have decimal points or decimal commas, has both")
-    values: dict[str, list[float]] = {name: [] for name in names}
-    for line, row in rows:
-        if len(row) != len(names):
-            raise TableError(
-                f"{path} line {line} must have {len(names)} cells, as the headings, has {len(row)}"
-                " (where numbers have decimal commas, semicolons part the columns)"
-            )
-        for name, cell in zip(names, row, strict=True):
-            try:
-                value = float(cell.replace(",", "."))
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value):
-                raise TableError(f"{path} line {line}: {name} must be a finite number, is {cell!r}")
-            values[name].append(value)
-    return values, {name: unit for name, unit in zip(names, units, strict=True) if unit}
+    table = CsvTable(path)
+    return {name: table.numbers(name).tolist() for name in table.names}, table.units
 
 
 def write_columns(

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import contextlib
 import math
+import warnings
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused, did_you_mean, listed, must_be
 from ..common.terminal import Progress, progress_bar
+from ..common.time_range import time_warnings
 from ..common.units import split_quantity
 from .fmu import Ended, Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
+
+# steps of one run: each recorded column takes 800 MB
+MAX_STEPS = 100_000_000
 
 
 def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:
@@ -41,27 +47,48 @@ def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result
     return Result.from_columns(columns | constant, units)
 
 
+def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Result) -> str:
+    """Return the unit of a column in an FMU, "" for none; a TableError if the FMU cannot take its values."""
+    variable = variables.get(name)
+    if variable is None:
+        hint = did_you_mean(name, (n for n, v in variables.items() if v.causality in ("input", "output")))
+        raise TableError(f"column {name} must be an input or an output of {file} {hint}")
+    if variable.causality == "parameter" and variable.variability != "tunable":
+        raise TableError(f"column {name} must be in parameters: {file} keeps it for the whole run")
+    unit = variable.unit or ("1" if name in table.units else "")
+    # raises what is wrong with the column
+    table.converted({name: unit}) if unit else table[name]
+    return str(unit)
+
+
 def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
-    """A table in the units of an FMU, and the names of its columns that are inputs; others are measured."""
+    """Return a table in the units of an FMU, and the names of its columns that are inputs.
+
+    Columns that the FMU computes are renamed to NAME_measured. A column of a file that is no input may have
+    any name, unit and content: it is left out with a warning.
+    """
     variables = {variable.name: variable for variable in description.modelVariables}
-    units, given, measured = {}, [], {}
-    for name in table.names[1:]:
-        if name not in variables:
-            known = (name for name, v in variables.items() if v.causality in ("input", "output"))
-            hint = did_you_mean(name, known)
-            raise TableError(f"column {name} must be an input or an output of {file} {hint}")
-        variable = variables[name]
-        if variable.causality == "parameter" and variable.variability != "tunable":
-            raise TableError(f"column {name} must be in parameters: {file} keeps it for the whole run")
-        if variable.unit or name in table.units:
-            units[name] = variable.unit or "1"
-        if variable.causality in ("input", "parameter"):
-            given.append(name)
-        else:
-            measured[name] = f"{name}_measured"
-    table = table.converted(units)
-    columns = {measured.get(name, name): values for name, values in table.columns.items()}
-    return Result(columns, {measured.get(name, name): unit for name, unit in table.units.items()}), given
+    driven = [name for name, v in variables.items() if v.causality in ("input", "parameter")]
+    units: dict[str, str] = {}
+    unused: dict[str, TableError] = {}
+    origin = table.origin
+    for name in (*table.names[1:], *(origin.unread if origin else ())):
+        try:
+            units[name] = _checked_unit(name, variables, file, table)
+        except TableError as error:
+            if origin is None or name in driven:
+                raise
+            unused[name] = error
+    inputs = [name for name in units if name in driven]
+    if unused and not inputs:
+        raise next(iter(unused.values()))
+    if unused and origin:
+        text = f"{origin.path}: columns that are no inputs or readable outputs of {file} are not used: "
+        warnings.warn(text + listed(unused), stacklevel=3)
+    table = table.without(unused.keys()).converted({name: unit for name, unit in units.items() if unit})
+    names = {name: name if name in (TIME, *inputs) else f"{name}_measured" for name in table.names}
+    columns = {names[name]: values for name, values in table.columns.items()}
+    return Result(columns, {names[name]: unit for name, unit in table.units.items()}, origin), inputs
 
 
 def drive(
@@ -78,9 +105,10 @@ def drive(
 
     Args:
         path: the .fmu file; None for that of the module, as it comes with the package or is built.
-        inputs: arrays by name (with time), a Result or a CSV file; between its rows inputs are
-            interpolated linearly, before the first and after the last they are constant. Columns in other
-            units (`omega1 [rpm]`) are converted; what the FMU computes, measured on a rig, is included.
+        inputs: arrays by name (with time), a Result or a CSV file. Between its rows inputs are
+            interpolated linearly, before the first and after the last row they are constant, and two rows of
+            the same time are a step. Columns in other units (`omega1 [rpm]`) are converted. Columns that the
+            FMU computes are measured values. Other columns of a file are left out with a warning.
         stop_time: s. step: communication step, s; the last one is cut to end at stop_time.
         outputs: names of variables to record. parameters, tolerance: see Fmu.
         progress: called with the share done, 0 to 1; by default a bar on runs over two seconds.
@@ -90,12 +118,16 @@ def drive(
         (steps + 1,) each; it is shorter if the FMU itself ends the simulation.
 
     Raises:
-        FmuError: the FMU refused something. TableError: the inputs are no table, or not of this FMU.
+        FmuError: the FMU refused something. TableError: the inputs are no table, not of this FMU, or not
+            within the run.
         Refused: stop_time or step is not positive; all of these are kinds of it.
     """
     times = communication_points(stop_time, step)
     path, outputs = fmu_file(path), as_names(outputs)
     table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
+    label = table.origin.path if table.origin else "inputs"
+    for text in time_warnings(label, table.time, [table[name] for name in names], stop_time):
+        warnings.warn(text, stacklevel=2)
     columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}
     held = {name: columns[name][:-1] for name in names}
     start = {name: float(values[0]) for name, values in held.items()}
@@ -112,6 +144,19 @@ def drive(
     return Result.from_rows((TIME, *columns, *outputs), rows, units)
 
 
+def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> None:
+    """Refuse a communication step with which a run has more than MAX_STEPS steps.
+
+    Args:
+        stop_time: stop time, s.
+        step: communication step, s.
+        name: name of the step in the message.
+    """
+    if stop_time > step * MAX_STEPS:
+        allowed = f"at least {stop_time / MAX_STEPS:g} s, for at most {MAX_STEPS:,} steps"
+        raise Refused(must_be(name, allowed, step))
+
+
 def whole_steps(duration: float, step: float) -> int:
     """Number of steps in a duration, both in s; 0 if it is not a whole number (within 1e-6)."""
     number = duration / step
@@ -122,12 +167,13 @@ def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
     """Times 0, step, 2 step, ... and stop_time, s (a remainder below 1e-9 of a step is dropped).
 
     Raises:
-        Refused: stop_time or step is not positive.
+        Refused: stop_time or step is not positive, or there are more than MAX_STEPS steps.
     """
     for name, value in (("stop_time", stop_time), ("step", step)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise Refused(f"{name} must be a positive number of seconds, is {value}")
-    count = math.ceil(stop_time / step - 1e-9)
+        if not (isinstance(value, Real) and math.isfinite(value) and value > 0.0):
+            raise Refused(f"{name} must be a positive number of seconds, is {value!r}")
+    check_number_of_steps(stop_time, step)
+    count = max(math.ceil(stop_time / step - 1e-9), 1)
     times = np.arange(count + 1, dtype=np.float64) * step
     times[-1] = stop_time
     return times

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused, did_you_mean, must_be
 from ..common.units import number_of, parse_unit, split_quantity
 from ..contract.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene, SceneError
@@ -67,7 +67,8 @@ class Axis:
         if self.values:
             return list(self.values)
         if not self.number:
-            raise Refused(f"{self.name} must have a number of points for a grid: FROM:TO:COUNT")
+            given = f"{self.low:g}:{self.high:g} {self.unit}".rstrip()
+            raise Refused(must_be(self.name, "FROM:TO:COUNT for a grid", given))
         spaced = np.geomspace if self.logarithmic else np.linspace
         found = [float(value) for value in spaced(self.low, self.high, self.number)]
         return list(dict.fromkeys(round(value) * 1.0 for value in found)) if self.whole else list(found)
@@ -103,7 +104,7 @@ def _value(scene: Scene, name: str, given: Any) -> float | str:
 
 def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]) -> Axis:
     """The range FROM:TO or FROM:TO:COUNT, "log:" before it or not, of a key; value: reads one of its ends."""
-    demand = f"{name} must be given as FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C, is {given!r}"
+    demand = must_be(name, "FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C", repr(given))
     parts = _RANGE.fullmatch(given)
     if parts is None:
         raise Refused(demand)
@@ -111,11 +112,11 @@ def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]
     if isinstance(low, str) or isinstance(high, str):
         raise Refused(demand)
     if not low < high:
-        raise Refused(f"{name} must go from a lower to a higher value, goes from {low:g} to {high:g}")
+        raise Refused(must_be(name, "a range from a lower to a higher value", f"{low:g}:{high:g}"))
     if parts[1] and low <= 0.0:
-        raise Refused(f"{name} must be above 0 where its points are even in the logarithm, is from {low:g}")
+        raise Refused(must_be(f"the lower end of {name}", "above 0 for logarithmic spacing", f"{low:g}"))
     if parts[4] and int(parts[4]) < 2:
-        raise Refused(f"{name} must have at least 2 points, has {parts[4]}")
+        raise Refused(must_be(f"the number of points of {name}", "at least 2", parts[4]))
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
@@ -126,10 +127,10 @@ def _by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -
         name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
         pairs.append((full_name(name.strip()), text if equals else None))
     if not pairs:
-        raise Refused(f"at least one key must be {what}, such as {example}, none is")
+        raise Refused(f"at least one key must be {what}, for example {example}")
     for name, times in Counter(name for name, _ in pairs).items():
         if times > 1:
-            raise Refused(f"{name} must be {what} once, is given {times} times")
+            raise Refused(f"{name} is {what} {times} times; list it once")
     return pairs
 
 
@@ -143,7 +144,7 @@ def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]
     found = []
     for name, given in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
         if not given:
-            raise Refused(f"{name} must be given as NAME=FROM:TO:COUNT or NAME=A,B,C, is given without")
+            raise Refused(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
         (unit, _), value = _unit_and_value(name, scene), partial(_value, scene, name)
         if isinstance(given, str) and ":" in given:
             found.append(_range(name, unit, given, value))
@@ -158,7 +159,7 @@ def grid(axes: Sequence[Axis]) -> list[Point]:
     values = [one.grid() for one in axes]
     total = math.prod(map(len, values))
     if total > LARGEST_GRID:
-        raise Refused(f"a grid must have at most {LARGEST_GRID} points, has {total}")
+        raise Refused(must_be("the number of points of a grid", f"at most {LARGEST_GRID}", str(total)))
     names = [one.name for one in axes]
     return [dict(zip(names, row, strict=True)) for row in itertools.product(*values)]
 
@@ -179,7 +180,7 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     samplers = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}
     kind, _, count = sample.partition(":")
     if kind not in samplers or not count.isdigit() or int(count) < 1:
-        raise Refused(f"sample must be latin:COUNT or sobol:COUNT, such as latin:200, is {sample!r}")
+        raise Refused(must_be("sample", "latin:COUNT or sobol:COUNT, such as latin:200", repr(sample)))
     shares: NDArray[np.float64] = samplers[kind](number, rng=seed).random(int(count))
     return shares
 
@@ -228,7 +229,8 @@ def free_keys(
             if given is None and not abs(key.start) > 0.0:
                 scene.with_keys({name: 1.0})  # which says so if there is no such key
                 raise Refused(
-                    f"{name} must have a range, {name}=LOW:HIGH: the scene has no value to begin at"
+                    f"{name} requires a range, {name}=LOW:HIGH, because the scene has no start value other"
+                    " than 0"
                 )
             found.append(_free(key, given, read))
     return found
@@ -241,9 +243,7 @@ def as_given(name: str, scene: Scene) -> Free:
     if value is None and variable is not None:
         value = variable.start
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
-        raise Refused(
-            f"{name} must be a number that changes by small steps to be free: sweep takes the others"
-        )
+        raise Refused(f"{name} must be a continuous number to be free; vary other keys with sweep")
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     begin = math.nan if value is None else float(value)
     return Free(name, unit, low, high, start=begin, size=abs(begin))
@@ -258,13 +258,13 @@ def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
     if known is not None:
         mean, deviation = float(read(known[1])), _number(name, key.unit, known[2])
         if deviation < 0.0:
-            raise Refused(f"{name} must be known to a deviation of at least 0, is given {text!r}")
+            raise Refused(must_be(f"the deviation of {name}", "at least 0", known[2].strip()))
         return replace(key, start=mean, size=10.0 * deviation or 1.0, deviation=deviation)
     if ":" not in text:
-        raise Refused(f"{name} must be free within LOW:HIGH or VALUE +- DEVIATION, is given {text!r}")
+        raise Refused(must_be(name, "LOW:HIGH or VALUE +- DEVIATION", repr(text)))
     held = _range(name, key.unit, text, read)
     if held.number:
-        raise Refused(f"{name} must be free within LOW:HIGH, without a number of points, is given {text!r}")
+        raise Refused(must_be(name, "LOW:HIGH without a number of points", repr(text)))
     # of a start that is not there it is not
     inside = held.low <= key.start <= held.high
     start = key.start if inside else 0.5 * (held.low + held.high)
@@ -276,4 +276,5 @@ def _number(name: str, unit: str, text: str) -> float:
     try:
         return number_of(text, unit or "1")
     except ValueError as error:
-        raise Refused(f"{name}: {text.strip()!r} must be a number in {unit or '1'}: {error}") from None
+        demand = must_be(name, f"a number in {unit or '1'}", repr(text.strip()))
+        raise Refused(f"{demand}: {error}") from None

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, did_you_mean, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
@@ -26,7 +27,7 @@ from ..common.terminal import Progress
 from ..common.units import number_of
 from ..contract.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..harness.chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
-from ..harness.fmu import fmu_file
+from ..harness.fmu import fmu_content
 from ..memory import Module
 from ..scene import Scene, SceneError
 from ..scene.keys import Duration, Keys, Strict, quantity, validated
@@ -204,21 +205,22 @@ class Spec(Scene):
         for name, demand in self.figures.items():
             if demand.minimum is None and demand.maximum is None and demand.goal is None:
                 goals = "a goal ('least' or 'greatest')"
-                raise SceneError(f"figures.{name} must have a minimum, a maximum or {goals}, has none")
+                raise SceneError(f"figures.{name} requires a minimum, a maximum or {goals}")
             asked = NAMED[name].asks if name in NAMED else ()
             given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
             if given != asked:
                 at_speed = [one for one, named in NAMED.items() if named.asks]
-                known = f": it is no figure at a speed {did_you_mean(name, at_speed)}"
+                known = f": it is not a steady-state metric {did_you_mean(name, at_speed)}"
+                required = f"requires {' and '.join(asked)}" if asked else "accepts no speed and no ratio"
                 raise SceneError(
-                    f"figures.{name} must be given {' and '.join(asked) or 'no speed and no ratio'}, is given"
-                    f" {' and '.join(given) or 'none of it'}{'' if name in NAMED else known}"
+                    f"figures.{name} {required} (got {' and '.join(given) or 'none'})"
+                    f"{'' if name in NAMED else known}"
                 )
             if name in NAMED:
                 limits_of(name, demand, NAMED[name].unit)
         number = len(self.goals)
         if not 1 <= number <= MOST_GOALS:
-            raise SceneError(must_be("the number of figures with a goal", f"1 to {MOST_GOALS}", number))
+            raise SceneError(must_be("the number of metrics with a goal", f"1 to {MOST_GOALS}", number))
         return self
 
 
@@ -234,7 +236,7 @@ def shown(value: float | str, unit: str = "") -> str:
 
 def figure_of(row: Row, name: str, unit: str = "") -> str:
     """Write the figure of a row with its unit, or why it has none."""
-    absent = "not reached" if name.startswith(TIME_TO) and not row.refused else "missing"
+    absent = "not reached" if name.startswith(TIME_TO) and not row.refused else "not available"
     return shown(row.figures.get(name, absent), unit)
 
 
@@ -258,7 +260,7 @@ class Limit(NamedTuple):
         """Compare what a row has with the limit, in a line."""
         side = "at most" if self.side > 0.0 else "at least"
         has = figure_of(row, self.figure, self.unit)
-        return f"{self.figure} is {has}, must be {side} {shown(self.bound, self.unit)}"
+        return f"{self.figure} {has} (limit: {side} {shown(self.bound, self.unit)})"
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
@@ -271,12 +273,11 @@ def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
         try:
             found.append(Limit(name, unit, number_of(given, unit or "1"), side))
         except ValueError as error:
-            raise SceneError(
-                f"figures.{name}.{which} must be a number in {unit or '1'}, is {given!r}: {error}"
-            ) from None
+            message = must_be(f"figures.{name}.{which}", f"a number in {unit or '1'}", repr(given))
+            raise SceneError(f"{message}: {error}") from None
     if len(found) == 2 and found[0].bound > found[1].bound:
-        low, high = (limit.bound for limit in found)
-        raise SceneError(f"figures.{name}: minimum must be at most maximum, {low:g} is above {high:g}")
+        low, high = (f"{limit.bound:g}" for limit in found)
+        raise SceneError(must_be(f"figures.{name}.minimum", f"at most the maximum, {high}", low))
     return found
 
 
@@ -364,8 +365,8 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     return figures
 
 
-@dataclass(frozen=True)
-class Finalist:
+@dataclass(frozen=True, eq=False)
+class Finalist(ByContent):
     """A design that was run at the fidelities of search and check, as a scene in a file."""
 
     searched: Row
@@ -384,22 +385,22 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
     try:
         chart = mechanism.chart(speed)
         if not chart.lock_up_torque[0] > 0.0:
-            found["no lock-up"] = f"no torque is passed above a speed ratio of {chart.end_ratio:.2g}"
+            found["no lock-up"] = f"no torque is transmitted above a speed ratio of {chart.end_ratio:.2g}"
     except Refused as error:
         found["no mean torque"] = str(error)
     if mechanism.module["satellite_inertia"] == 0.0:
-        found["weightless satellites"] = "but for its imbalance a satellite has no inertia"
+        found["satellites without inertia"] = "satellite_inertia is 0"
     # of the wheels of a car, at most of another load; where nothing was run there is nothing to say
     turned = figures.get("omega_out_maximum", math.inf) * scene.run.stop_time
     if isinstance(scene.load, VehicleLoad):
         turned = figures.get("distance", math.inf) / scene.load.wheel_radius
     if turned < AT_REST:
-        found["load at rest"] = f"in the run it is moved by {turned / math.tau:.2g} turns"
+        found["load does not move"] = f"{turned / math.tau:.2g} revolutions in the run"
     return found
 
 
-@dataclass(frozen=True)
-class DesignResult:
+@dataclass(frozen=True, eq=False)
+class DesignResult(ByContent):
     """Result of a design.
 
     Attributes:
@@ -431,8 +432,9 @@ class DesignResult:
             checked = figure_of(one.checked, name, self.judge.unit(name))
             figures[name] = f"{figure_of(one.searched, name)} → {checked}"
         missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
-        limits = f"missed by {', '.join(missed)}" if missed else "met"
-        return keys | figures | {"limits": limits} | {f"but: {n}": said for n, said in one.doubts.items()}
+        limits = f"violated: {', '.join(missed)}" if missed else "satisfied"
+        caveats = {f"caveat: {name}": reason for name, reason in one.doubts.items()}
+        return keys | figures | {"limits": limits} | caveats
 
     def verdict(self) -> str:
         """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
@@ -443,19 +445,20 @@ class DesignResult:
         row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
         where = self.judge.tightest(row)
         if self.chosen:
-            binds = f"; nearest to its limit in the first: {where}" if where else ""
+            first = self.chosen[0].file.stem.replace("_", " ")
+            binds = f"; tightest in {first}: {where}" if where else ""
             short = [name for one in self.chosen for name in one.doubts]
             doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
-            binds += f"; but {doubts} of them" if doubts else ""
-            return f"{len(self.chosen)} of {len(finalists)} checked designs meet all limits{binds}"
-        what = f"design of {len(self.rows)}"
-        why = f"none came nearer in the last {search.stall} generations of {search.starts} starts"
+            binds += f"; caveats: {doubts} of them" if doubts else ""
+            return f"{len(self.chosen)} of {len(finalists)} verified designs satisfy all limits{binds}"
+        what = f"{len(self.rows)} designs"
+        why = f"no improvement in the last {search.stall} generations of {search.starts} starts"
         if self.front:
-            what = f"checked design of {len(finalists)}"
-            why = f"{len(self.front)} of {len(self.rows)} designs do at {search.fidelity!r}"
+            what = f"{len(finalists)} verified designs"
+            why = f"{len(self.front)} of {len(self.rows)} designs do with fidelity {search.fidelity!r}"
         elif self.cut:
-            why = f"but the search was not at its end when search.longest = {search.longest:g} s was over"
-        return f"no {what} meets all limits, {why}; the nearest one: {where}"
+            why = f"search.longest = {search.longest:g} s ended the search before it was complete"
+        return f"0 of {what} satisfy all limits; {why}; closest design: {where}"
 
 
 def design(
@@ -483,13 +486,13 @@ def design(
         SceneError: the specification is not as it must be, in one sentence.
         Refused: the folder holds results of another one. NotInstalled: the extra jobs is not.
     """
-    for name in ("pymoo", "tomli_w"):
+    for name in ("distributed", "pyarrow", "pymoo", "tomli_w"):
         library(name, "jobs")
     read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
     runs = len(read.named) < len(read.figures)
     settings = {"tables": base.tables, "named": read.named, "runs": runs}
-    task = Task(fmu_file(fmu).read_bytes(), settings, figures_wanted)
+    task = Task(fmu_content(fmu), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
 
@@ -524,7 +527,7 @@ def design(
             doubts = doubts_of(scene, again.figures, speed)
             if better := judge.better(again, others):
                 goals = [f"{goal} {shown(better.figures[goal], judge.unit(goal))}" for goal in read.goals]
-                doubts["bettered by another search"] = f"whose designs are here too: {', '.join(goals)}"
+                doubts["dominated by another search"] = f"a better design has {', '.join(goals)}"
             finalists.append(Finalist(row, again, scene, file, doubts))
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.extras import library
-from ..common.files import content_hash, writable_folder, write_atomically
+from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
 from ..harness.results import heading, write_rows
 from ..scene import Scene, load_scene
@@ -51,8 +52,8 @@ class Batch(NamedTuple):
     units: dict[str, str]
 
 
-@dataclass(frozen=True)
-class Task:
+@dataclass(frozen=True, eq=False)
+class Task(ByContent):
     """Figures of a scene at points; it is pickled.
 
     Attributes:
@@ -118,8 +119,6 @@ class Evaluator(ExitStack):
         progress: Progress | None = None,
     ) -> None:
         super().__init__()
-        for name in ("distributed", "pyarrow"):
-            library(name, "jobs")
         self.path = writable_folder(folder) / JOURNAL
         self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})
@@ -128,8 +127,8 @@ class Evaluator(ExitStack):
         found, _, results = text.partition("\n")
         if found != head:
             raise Refused(
-                f"{folder} must be another folder, or {JOURNAL} in it removed: it holds results of another"
-                " scene, or of another version"
+                f"{folder} contains results of another scene or version; use another folder or delete"
+                f" {JOURNAL} in it"
             )
         *whole, cut = results.split("\n")  # a kill may have cut the last line: what it held is done again
         for line in map(json.loads, whole):
@@ -150,7 +149,7 @@ class Evaluator(ExitStack):
 
     def keep(self, batch: Batch) -> None:
         """Keep a batch, from now on through kills."""
-        with self.path.open("a", encoding="utf-8") as stream:
+        with naming(self.path), self.path.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(batch._asdict()) + "\n")
         self._take(batch)
 

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from pydantic_core import to_jsonable_python
 
-from ..common.errors import Refused
+from ..common.equality import ByContent
+from ..common.errors import Refused, listed, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
@@ -70,17 +71,18 @@ class Fitted:
     def text(self) -> str:
         """Value, interval, what that rests on and what is wrong with it, in a line."""
         value, (low, high) = f"{self.value:.6g} {self.unit}".rstrip(), self.interval
-        doubt = f", {self.doubt}" if self.doubt else ""
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        released = f" with {' or '.join(self.rests_on)} released" if self.rests_on else ""
         if not math.isfinite(high - low):
             return f"{value}{doubt}"
         if not self.holds:
-            return f"from {low:.6g} to {high:.6g} {self.unit}, with {' or '.join(self.rests_on)}{doubt}"
-        rests = f", if {' or '.join(self.rests_on)} may be otherwise" if self.rests_on else ""
-        return f"{value}, from {low:.6g} to {high:.6g}{rests}{doubt}"
+            interval = f"from {low:.6g} to {high:.6g} {self.unit}".rstrip()
+            return f"{interval}{released}{doubt}"
+        return f"{value}, from {low:.6g} to {high:.6g}{released}{doubt}"
 
 
-@dataclass(frozen=True)
-class FitResult:
+@dataclass(frozen=True, eq=False)
+class FitResult(ByContent):
     """Result of a fit.
 
     Attributes:
@@ -122,24 +124,28 @@ class FitResult:
     def warnings(self) -> list[str]:
         """Warnings of what the user has to know, in sentences."""
         found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
+        if self.measurement.unused:
+            unused = listed(self.measurement.unused)
+            found.append(f"columns that the scene does not compute are not compared: {unused}")
         for (first, second), number in self.correlations.items():
             if abs(number) > 0.95:
                 found.append(
-                    f"{first} and {second} are correlated by {number:.3f}: the data tell both together, not"
-                    " each"
+                    f"{first} and {second} have a correlation of {number:.3f}: the data determine only a"
+                    " combination of them"
                 )
         if not self.ended:
-            found.append("the search was broken off: too many runs")
+            found.append("the search did not converge within the maximum number of iterations")
         same, all_searches = self.same_end
         if all_searches > 1 and same == 1:
             found.append(
-                f"only 1 of {all_searches} searches ended at the best: more starts may find a better one"
+                f"only 1 of {all_searches} searches converged to this optimum: more starts may find a"
+                " better optimum"
             )
         chance = CHANCE * math.sqrt(2.0 / self.measurement.number)
         if not self.estimated and self.chi_squared > 1.0 + chance:
             found.append(
-                f"chi-squared is {self.chi_squared:.3g}: the residuals are larger than the noise,"
-                " the scene lacks something"
+                f"reduced chi-squared is {self.chi_squared:.3g}: the residuals are larger than the specified"
+                " noise, so the scene does not explain the data"
             )
         table = self.table()
         following = {name: lag_one(table[f"{name}_residual"]) for name in self.measurement.columns}
@@ -163,15 +169,15 @@ class FitResult:
             return []
         first, *others = self.causes
         before, after = first.chi_squared
-        whole = "" if self._whole(first) else " in part"
+        residuals = "the residuals" if self._whole(first) else "part of the residuals"
         answers = ", ".join(
-            f"{name} would be {value:.5g}, not {self[name].value:.5g}"
+            f"{name} would be {value:.5g} instead of {self[name].value:.5g}"
             for name, (value, _, _) in first.answers.items()
         )
-        also = f", as would {' or '.join(one.cause for one in others)}: the data do not tell which"
+        also = f"; {' or '.join(one.cause for one in others)} would explain the data equally well"
         return [
-            f"{first.cause} would explain the residuals{whole} (chi squared {before:,.0f} -> {after:,.0f}, of"
-            f" {self.measurement.number} values): {answers}{also if others else ''}; mend it or"
+            f"{first.cause} would explain {residuals} (chi-squared {before:,.0f} → {after:,.0f},"
+            f" {self.measurement.number} values): {answers}{also if others else ''}; correct the cause or"
             f" fit again with --free {first.freed}"
         ]
 
@@ -181,7 +187,7 @@ class FitResult:
         explaining = [one.name for one in self.suspects if one.evidence > AS_GOOD][:6]
         lines = {one.name: one.told for one in self.suspects if one.name in {*explaining, *setting}}
         together = [one.name for one in self.suspects if not math.isfinite(one.error)]
-        return lines | ({"told only with what is free": ", ".join(together)} if together else {})
+        return lines | ({"not separately identifiable": ", ".join(together)} if together else {})
 
     def as_dict(self) -> dict[str, Any]:
         """Give the result for machines: what is not known is None."""
@@ -212,18 +218,18 @@ class FitResult:
         for one in self.parameters:
             found[one.name], (low, high) = one.text, one.narrow
             if math.isfinite(high - low):
-                excluded = "" if one.holds else f", about {one.value:.6g}, which the data exclude"
-                found[f"{one.name}, all else right"] = f"from {low:.6g} to {high:.6g}{excluded}"
+                excluded = "" if one.holds else f" around {one.value:.6g}; excluded by the data"
+                found[f"{one.name}, if everything else is exact"] = f"from {low:.6g} to {high:.6g}{excluded}"
         for (first, second), number in self.correlations.items():
             found[f"correlation of {first} and {second}"] = f"{number:.3f}"
         for name, value in self.noise.items():
-            source = ", from the residuals" if name in self.estimated else ""
+            source = ", estimated from the residuals" if name in self.estimated else ""
             found[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
         freedom = self.measurement.number - len(self.parameters)
-        judged = " (the noise is from the residuals, so it judges nothing)" if self.estimated else ""
-        found["chi squared"] = f"{self.chi_squared * freedom:.4g} of {freedom} degrees of freedom{judged}"
+        judged = "; no test of the model, because the noise is estimated" if self.estimated else ""
+        found["chi-squared"] = f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{judged}"
         agree = "{} of {}".format(*self.same_end)
-        return {**found, "searches that end there": agree, "runs": str(self.runs)}
+        return {**found, "searches converged to this optimum": agree, "runs": str(self.runs)}
 
     def table(self) -> Result:
         """Measured, computed and residual (computed less measured) of each column over time."""
@@ -283,11 +289,14 @@ def fit(
     keys = [key for key in given if key.deviation]
     so = {key.name: key.start for key in given if not key.deviation}
     if not keys:
-        raise Refused("something must be free that is not known to be so")
+        raise Refused("at least one key must be free; a deviation of 0 fixes a key")
     if data.number <= len(keys):
-        raise Refused(f"there must be more measured values than free keys, {len(keys)}, are {data.number}")
+        allowed = f"greater than {len(keys)}, the number of free parameters"
+        raise Refused(must_be("the number of measured values", allowed, str(data.number)))
     if starts < 0:
-        raise Refused(f"starts must be at least 0, is {starts}")
+        raise Refused(must_be("starts", "at least 0", str(starts)))
+    if seed < 0:
+        raise Refused(must_be("seed", "at least 0", str(seed)))
     with Rig(base, data, fmu_file(fmu)) as rig:
         doubted = _units_doubted(rig, {key.name: key.start for key in given})
         try:
@@ -305,7 +314,7 @@ def _units_doubted(rig: Rig, values: dict[str, float]) -> list[str]:
     squares = np.maximum(np.sum(computed**2, axis=0), 1e-300)
     gains = np.sum(data.values * computed, axis=0) / squares
     return [
-        f"{name} is {gain:.3g} times what the scene computes as it is: perhaps {unit}"
+        f"{name} is {gain:.3g} times the value that the unfitted scene computes; possible cause: {unit}"
         for name, gain in zip(data.columns, gains, strict=True)
         # the scene as it is may be off by so much
         if (unit := data.unit_by(name, gain, 0.25))
@@ -332,7 +341,7 @@ def _run(
         costs.append(float(np.sum(problem.residuals(point) ** 2)))
     begun = [points[n] for n in np.argsort(costs)[:SEARCHED] if math.isfinite(costs[n])]
     if not begun:
-        raise Refused(f"the scene must take values of what is free, refuses all tried: {rig.refused}")
+        raise Refused(f"the scene rejects all start values of the free parameters: {rig.refused}")
     ends = []
     for n, point in enumerate(begun, 1):
         progress(LOOKED + LOOKED * n / len(begun))
@@ -367,8 +376,8 @@ def _of_influence(end: End) -> End:
     told, keys = end.changes >= NOTHING, end.problem.keys
     if not told.any():
         raise Refused(
-            f"something free must have an influence on {', '.join(end.problem.rig.data.columns)}, none has of"
-            f" {', '.join(key.name for key in keys)}"
+            f"no free parameter ({', '.join(key.name for key in keys)}) has an influence on"
+            f" {', '.join(end.problem.rig.data.columns)}"
         )
     free = tuple(key for key, one in zip(keys, told, strict=True) if one)
     fixed = end.problem.fixed | {key.name: key.start for key in keys if key not in free}
@@ -380,7 +389,7 @@ def _fitted(key: Free, best: End, suspects: Sequence[Suspect]) -> Fitted:
     """A free key as it was found."""
     value, endless = best.problem.values(best.point)[key.name], (-math.inf, math.inf)
     if key not in best.problem.keys:
-        doubt = "has no influence on what was measured, stays where it was"
+        doubt = "has no influence on the measured columns and keeps its start value"
         return Fitted(key.name, value, math.inf, endless, endless, key.unit, doubt=doubt)
     narrow = best.ranges[key.name]
     width, doubts = narrow[1] - narrow[0], list[str]()
@@ -394,7 +403,7 @@ def _fitted(key: Free, best: End, suspects: Sequence[Suspect]) -> Fitted:
     following = named[0].autocorrelation if named else best.following
     unexplained = following > best.problem.rig.data.chance
     if unexplained:
-        doubts.append("the residuals are systematic: no interval holds before their cause is known")
+        doubts.append("the residuals are systematic: no interval is reliable until their cause is known")
     holds = not named or unexplained
     # where a cause explains all, nothing that explains much less is possible, nor that all is as it should be
     enough = -math.inf if holds else named[0].evidence - EXCLUDED

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from .axes import Free
 from .measurement import Rig, lag_one
@@ -32,8 +33,8 @@ CONFIDENCE = 0.95
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Problem:
+@dataclass(frozen=True, eq=False)
+class Problem(ByContent):
     """Which keys are free, and what weighs how much.
 
     Attributes:
@@ -93,12 +94,12 @@ class Problem:
             )
         except ValueError as error:
             said = self.rig.refused or error
-            raise Refused(f"ranges must be such that the scene takes them: {said}") from error
+            raise Refused(f"the scene rejects values within the ranges: {said}") from error
         return End(self, point(end.x), end.fun, end.jac / sizes, bool(end.success))
 
 
-@dataclass(frozen=True)
-class End:
+@dataclass(frozen=True, eq=False)
+class End(ByContent):
     """Where a search ended.
 
     Attributes:

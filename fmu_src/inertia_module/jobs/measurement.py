@@ -17,7 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.equality import ByContent
+from ..common.errors import Refused, did_you_mean, must_be
+from ..common.time_range import likely_cause
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME, COMPUTED
 from ..harness.simulate import Result
@@ -56,21 +58,23 @@ def lag_one(residuals: Array) -> float:
     return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2)) if np.ptp(residuals) else 0.0
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, eq=False)
+class Measurement(ByContent):
     """Measurement of a rig.
 
     Attributes:
         table: over time, s, the columns that are compared, SI. headings: the unit that each came in.
         noise: standard deviations by column, for those whose noise is known, shape (rows,).
-        counted: whether a value is compared, shape (rows, columns): the first of a mean over steps is not,
-            since when it is a mean is not known.
+        counted: whether a value is compared, shape (rows, columns). Not compared are the first value of a
+            mean, because its start is unknown, and a mean or peak over no time.
+        unused: columns of a file that the scene does not compute.
     """
 
     table: Result
     headings: dict[str, str]
     noise: dict[str, Array]
     counted: NDArray[np.bool_]
+    unused: tuple[str, ...] = ()
 
     @property
     def columns(self) -> list[str]:
@@ -101,7 +105,8 @@ class Measurement:
     def sensors(self) -> dict[str, Free]:
         """Free keys of what its sensors may have, by name; see OFFSET and CLOCK."""
         times = self.table.time
-        row = float(np.median(np.diff(times))) if times.size > 1 else 1e-3
+        lengths = np.diff(np.unique(times))
+        row = float(np.median(lengths)) if lengths.size else 1e-3
         late = max(MOST_LATE * float(np.ptp(times)), row)
         found = [(CLOCK, "s", 0.0, row, late)]
         for name in self.columns:
@@ -128,52 +133,69 @@ class Measurement:
 def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[str] = ()) -> Measurement:
     """Read a measurement and look at it.
 
+    Two rows of the same time are two readings at that time. A column of a file that the scene does not
+    compute may have any name, unit and content.
+
     Args:
         measured: a table, or a CSV file with a heading row, units in brackets where they are not SI.
-        scene: that computes the columns. columns: those that are compared; by default all but the inputs of
-            the module, which the scene gives.
+        scene: scene that computes the columns.
+        columns: names of the columns that are compared; by default all but the inputs of the module, which
+            the scene gives.
 
     Raises:
-        TableError: it is no table over time, or a unit is of another kind.
-        Refused: the scene has no such column, the time does not grow or is outside the run, a noise is not
-            above 0.
+        TableError: it is no table over time, a column that is compared is not numbers, or a unit is of
+            another kind.
+        Refused: the scene has no such column, the time is outside the run, a noise is not above 0.
     """
     table = measured if isinstance(measured, Result) else Result.from_csv(measured)
-    known = [*READABLE, *(name for name in scene.surroundings.output_labels if name not in READABLE)]
-    noises = {name for name in table.names[1:] if name.endswith(NOISE)}
-    given = columns or [name for name in table.names[1:] if name not in {*noises, *PLANT_INPUTS}]
-    for name in given:
-        if name not in known:
-            raise Refused(f"column {name} must be computed by the scene {did_you_mean(name, known)}")
-    if not given:
-        raise Refused(f"columns must include one that the scene computes, are {', '.join(table.names)}")
-    for name in noises:
-        if name.removesuffix(NOISE) not in table:
-            raise Refused(f"column {name} must belong to a column {name.removesuffix(NOISE)}, there is none")
+    compared, unused = _compared(table, scene, columns)
+    noisy = [name for name in compared if f"{name}{NOISE}" in _names(table)]
     times, stop_time = table.time, scene.run.stop_time
-    if (np.diff(times) <= 0.0).any():
-        row = int(np.argmax(np.diff(times) <= 0.0)) + 1
-        raise Refused(
-            f"time must grow from row to row, is {times[row]:g} s in row {row} as in the one before"
-        )
     if times[0] < 0.0 or times[-1] > stop_time * (1.0 + 1e-9):
-        raise Refused(
-            f"time must be within the run of the scene, 0 to {stop_time:g} s,"
-            f" is {times[0]:g} to {times[-1]:g} s"
-        )
+        run = f"within the run of the scene, 0 to {stop_time:g} s"
+        span = f"{times[0]:.12g} to {times[-1]:.12g} s"
+        raise Refused(f"{must_be('time', run, span)}: {likely_cause(float(times[0]))}")
     units = SIGNAL_UNITS | scene.signal_units | {name: one.unit for name, one in BY_NAME.items()}
-    noisy = [name for name in given if f"{name}{NOISE}" in noises]
-    kept = {name: units.get(name, "") or "1" for name in given}
-    kept |= {f"{name}{NOISE}": kept[name] for name in noisy}
-    si = Result({"time": table.time, **{name: table[name] for name in kept}}, table.units).converted(kept)
+    si_units = {name: units.get(name, "") or "1" for name in compared}
+    si_units |= {f"{name}{NOISE}": si_units[name] for name in noisy}
+    columns_read = {"time": times, **{name: table[name] for name in si_units}}
+    si = Result(columns_read, table.units, table.origin).converted(si_units)
     noise = {name: si[f"{name}{NOISE}"] for name in noisy}
     for name, deviation in noise.items():
         if deviation.min() <= 0.0:
-            raise Refused(f"{name}{NOISE} must be above 0, is {deviation.min():g}")
-    counted = np.ones((len(table), len(given)), dtype=bool)
-    counted[0, [name.endswith(MEAN) for name in given]] = False
-    headings = {name: table.units.get(name, "") or kept[name] for name in given}
-    return Measurement(si.without({f"{name}{NOISE}" for name in noisy}), headings, noise, counted)
+            row = int(np.argmin(deviation))
+            raise Refused(must_be(f"{si.place(row)}{name}{NOISE}", "above 0", f"{deviation[row]:g}"))
+    counted = np.ones((len(table), len(compared)), dtype=bool)
+    counted[0, [name.endswith(MEAN) for name in compared]] = False
+    of_steps = np.array([name.endswith((MEAN, PEAK)) for name in compared])
+    counted[1:][np.diff(times) == 0.0] &= ~of_steps
+    headings = {name: table.units.get(name, "") or si_units[name] for name in compared}
+    return Measurement(
+        si.without({f"{name}{NOISE}" for name in noisy}), headings, noise, counted, tuple(unused)
+    )
+
+
+def _names(table: Result) -> list[str]:
+    """Return the names of all columns of a table but the time, also of those that are not numbers."""
+    return [*table.names[1:], *(table.origin.unread if table.origin else ())]
+
+
+def _compared(table: Result, scene: Scene, columns: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the columns of a measurement that are compared, and those that the scene does not compute."""
+    known = [*READABLE, *(name for name in scene.surroundings.output_labels if name not in READABLE)]
+    names = _names(table)
+    values = [name for name in names if not (name.endswith(NOISE) or name in PLANT_INPUTS)]
+    compared = [*columns] or [name for name in values if name in known or table.origin is None]
+    for name in compared if compared else values:
+        if name not in known:
+            raise Refused(f"column {name} must be computed by the scene {did_you_mean(name, known)}")
+    if not compared:
+        raise Refused(must_be("at least one column", "computed by the scene", ", ".join(table.names)))
+    for name in names:
+        value = name.removesuffix(NOISE)
+        if value not in (name, *names) and (table.origin is None or value in known):
+            raise Refused(f"column {name} requires a column {value}")
+    return compared, [name for name in values if name not in known]
 
 
 class Rig(SceneRunner):
@@ -212,10 +234,9 @@ class Rig(SceneRunner):
         ticks = np.rint(times * (TICKS / step)).astype(np.int64)
         off = ticks % TICKS != 0
         if off.any() and scene.parameters().get("input_hold"):
-            raise Refused(
-                "with mechanism.input_hold = 'linear' time must be a whole number of run.communication_step ="
-                f" {step:g} s, is {times[off][0]:g} s"
-            )
+            allowed = f"a multiple of run.communication_step = {step:g} s"
+            time = f"{times[off][0]:g} s"
+            raise Refused(must_be("with mechanism.input_hold = 'linear' each time", allowed, time))
         points = TICKS * np.arange(max(-(-int(ticks.max()) // TICKS), 1) + 1)
         stops = np.union1d(ticks, points)
         self._stops, self._points, self._taken = stops * (step / TICKS), np.searchsorted(stops, points), 0

@@ -24,6 +24,7 @@ from scipy import signal
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from ..common.equality import ByContent
 from ..common.errors import Refused, must_be
 from ..common.extras import library
 from ..common.files import write_atomically, write_text
@@ -97,8 +98,8 @@ class Line(NamedTuple):
     phase: float
 
 
-@dataclass(frozen=True)
-class Orders:
+@dataclass(frozen=True, eq=False)
+class Orders(ByContent):
     """Spectra over orders; n orders, m windows.
 
     Attributes:
@@ -165,8 +166,8 @@ class Orders:
                 order = f"{line.order:.4g}" if line.low == line.high else several
                 speed = f"{line.speed * factor_between('rad/s', 'rpm'):.4g} rpm, {line.frequency:.4g} Hz"
                 place = speed if hz else f"{line.speed:.4g} rad/s"
-                most = f"most at {place}: {line.greatest:.4g} {unit}"
-                rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {most}"
+                maximum = f"maximum {line.greatest:.4g} {unit} at {place}"
+                rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {maximum}"
         return found
 
     def _found(self, name: str) -> list[Line]:
@@ -267,7 +268,7 @@ class Orders:
             # directions of forces are 1 to 3, of moments 4 to 6
             component = re.search("_(force|moment)_([xyz])$", name)
             side = "xyz".index(component[2]) + (1 if component[1] == "force" else 4) if component else 0
-            one = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles a {BASES[self.of]}"}
+            one = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles per {BASES[self.of]}"}
             one |= {"rsp_node": node, "rsp_dir": side, "ordinate_axis_lab": name[:20]}
             one["ordinate_axis_units_lab"] = self.units[name] or "NONE"
             for row, time, rpm in zip(rows, self.time, self.rpm, strict=True):
@@ -303,20 +304,18 @@ def spectra(
     steps, all_turns = np.diff(turned), float(turned[-1] - turned[0])
     still = np.flatnonzero(steps <= 0.0)
     if still.size:
+        at = f"constant or decreasing at {table.time[still[0]]:g} s"
         raise Refused(
-            f"the angle that orders are counted over must rise, does not at {table.time[still[0]]:g} s:"
-            " choose other times"
+            f"{must_be('the angle that orders refer to', 'increasing', at)}; choose another time range"
         )
     shown = 1.0 / (RECORDED * float(steps.max()))
     if highest is not None and not 0.0 < highest <= shown * (1.0 + ROUNDING):
-        raise Refused(
-            f"highest order must be above 0 and at most {shown:.4g}, is {highest:g}: with a shorter"
-            " run.communication_step there are higher ones"
-        )
+        demand = must_be("highest (maximum order)", f"above 0 and at most {shown:.4g}", f"{highest:g}")
+        raise Refused(f"{demand}; a shorter run.communication_step allows higher orders")
     per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
     if not LEAST_TURNS <= per_window <= all_turns:
-        counted = f"of {LEAST_TURNS:g} to the {all_turns:.4g} (each a {BASES[of]}) that there are"
-        raise Refused(must_be("turns of a window", counted, f"{per_window:.4g}"))
+        allowed = f"at least {LEAST_TURNS:g} and at most {all_turns:.4g} (1 turn = 1 {BASES[of]})"
+        raise Refused(must_be("turns (window length)", allowed, f"{per_window:.4g}"))
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
     size = round(per_window * samples)
     angle = np.arange(math.floor(all_turns * samples) + 1) / samples
@@ -392,14 +391,13 @@ def orders(
         raise Refused(must_be("orders", " or ".join(BASES), repr(of)))
     scene, _ = read(scene)
     if scene.parameters().get("fidelity") == AVERAGED:
-        raise Refused(
-            "fidelity must be kinematic, rigid or elastic for orders, is averaged: it has no pulses"
-        )
+        demand = must_be("fidelity", "kinematic, rigid or elastic for orders", "averaged")
+        raise Refused(f"{demand}: this fidelity level has no pulses")
     last = scene.run.stop_time if end is None else end
     first = begin or 0.0
     if not 0.0 <= first < last <= scene.run.stop_time:
-        limits = f"in order and within 0 to {scene.run.stop_time:g} s"
-        raise Refused(must_be("times", limits, f"{first:g} to {last:g} s"))
+        limits = f"increasing and within 0 to {scene.run.stop_time:g} s"
+        raise Refused(must_be("the time range", limits, f"{first:g} to {last:g} s"))
     looked = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
     wanted = dict.fromkeys([*(BEARING.get(name, name) for name in looked), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(wanted)})
@@ -413,7 +411,7 @@ def orders(
     table = Result(columns, record.units | dict.fromkeys(forces, "N"))
     swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
     if not swinging and signals is None:
-        raise Refused(f"signals must swing, of {', '.join(looked)} none does")
+        raise Refused(f"all signals are constant: {', '.join(looked)}")
     names = swinging if signals is None else looked
     return spectra(table, _turned(table, of), names, of, highest, turns, _turned(table, DRIVE))
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.variables import PARAMETER, REAL, VARIABLES, Group
@@ -40,8 +41,8 @@ LONGEST = 1e5
 WORTH, SHARE = 10.0, 0.3
 
 
-@dataclass(frozen=True)
-class Suspect:
+@dataclass(frozen=True, eq=False)
+class Suspect(ByContent):
     """Something that is not free in a fit, if it were.
 
     Attributes:
@@ -80,8 +81,8 @@ class Suspect:
         if kind == SHIFT:
             late = "late" if self.value > 0.0 else "early"
             column = "the clock of the file" if self.name == CLOCK else of
-            return f"{column} {abs(1e3 * self.value):.3g} ms {late}"
-        return f"{self.name} of {known} in place of {self.usual:.4g}"
+            return f"a time shift of {abs(1e3 * self.value):.3g} ms ({late}) in {column}"
+        return f"{self.name} = {known} instead of {self.usual:.4g}"
 
     @property
     def freed(self) -> str:
@@ -93,12 +94,12 @@ class Suspect:
     def told(self) -> str:
         """Line on its value and on what it would do to the answers."""
         changed = "; ".join(
-            f"{name} {value:.5g}, {low:.5g} to {high:.5g}"
+            f"{name} {value:.5g} ({low:.5g} to {high:.5g})"
             for name, (value, low, high) in self.answers.items()
         )
         before, after = self.chi_squared
         value = f"{self.value:.4g} ± {self.error:.2g} {self.unit.removeprefix('1')}".rstrip()
-        return f"{value}, chi squared {before:,.0f} -> {after:,.0f}; {changed}"
+        return f"{value}, chi-squared {before:,.0f} → {after:,.0f}; {changed}"
 
 
 def suspected(scene: Scene, data: Measurement, out: Collection[str]) -> list[Free]:

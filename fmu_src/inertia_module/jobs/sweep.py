@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import Refused, did_you_mean
+from ..common.equality import ByContent
+from ..common.errors import Refused, did_you_mean, must_be
+from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
-from ..harness.fmu import fmu_file
+from ..harness.fmu import fmu_content
 from ..harness.results import write_rows
 from ..scene import Scene
 from ..scene.run import time_to
@@ -36,8 +38,8 @@ class Share(NamedTuple):
     total: float
 
 
-@dataclass(frozen=True)
-class SweepResult:
+@dataclass(frozen=True, eq=False)
+class SweepResult(ByContent):
     """Result of a sweep.
 
     Attributes:
@@ -105,14 +107,20 @@ def sweep(
         Refused: the scene, a range, a sample or the folder is not as above, in one sentence.
         NotInstalled: the extra jobs is not.
     """
+    for library_name in ("distributed", "pyarrow"):
+        library(library_name, "jobs")
     base, name = read(scene)
     axes = axes_of(vary, base)
+    if seed < 0:
+        raise Refused(must_be("seed", "at least 0", seed))
+    if sensitivity is not None and (sensitivity < 2 or sensitivity & (sensitivity - 1)):
+        raise Refused(must_be("sensitivity", "a power of 2, such as 256", sensitivity))
     if sensitivity is None:
         points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
     elif sample is not None:
         raise Refused("sample and sensitivity must not both be given")
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
-    task = Task(fmu_file(fmu).read_bytes(), tables, summaries)
+    task = Task(fmu_content(fmu), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
     shares = list[Share]()
     with Evaluator(task, folder, scheduler, workers, progress) as evaluator:
@@ -145,12 +153,17 @@ def indices(
 ) -> tuple[list[Share], list[Row]]:
     """Compute Sobol indices of all figures that vary over d independent, uniform ranges; with n (d + 2) rows.
 
-    Refused are a number n that is no power of 2, and a point that is refused: indices take whole ranges.
+    Args:
+        axes: ranges.
+        number: n, a power of 2.
+        seed: of the samples.
+        evaluate: returns the rows of points.
+
+    Raises:
+        Refused: a point is refused: indices take whole ranges.
     """
     from scipy.stats import sobol_indices, uniform
 
-    if number < 2 or number & (number - 1):
-        raise Refused(f"sensitivity must be a power of 2, such as 256, is {number}")
     every, names = list[Row](), list[str]()
 
     def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:

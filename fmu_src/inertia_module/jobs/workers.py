@@ -22,6 +22,7 @@ import dask
 from distributed import Client, LocalCluster, Worker, WorkerPlugin, get_worker, wait
 from distributed.scheduler import KilledWorker
 
+from ..common.files import naming
 from ..scene.run import SceneRunner
 from .axes import Point
 from .evaluation import Batch, Row, Task, evaluate
@@ -46,7 +47,8 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         """Write the FMU to a file; it goes when no thread runs an instance any more."""
         self.closing = contextlib.ExitStack()
         self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
-        self.path.write_bytes(self.task.fmu)
+        with naming(self.path):
+            self.path.write_bytes(self.task.fmu)
         self.local = threading.local()
         # not teardown: where the client is gone a thread may still run an instance
         weakref.finalize(self, self.closing.close)

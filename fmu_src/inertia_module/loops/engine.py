@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,13 @@ def check_drag(name: str, torques: Sequence[float]) -> None:
         )
 
 
+def check_rising(speed: Sequence[float]) -> None:
+    """Raise a ValueError if speeds, rad/s, do not increase: a torque over the speed has no steps."""
+    for before, after in pairwise(speed):
+        if not before < after:
+            raise ValueError(f"speed must increase, {after:g} comes after {before:g}")
+
+
 @dataclass(frozen=True)
 class EngineMap:
     """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
@@ -56,6 +64,7 @@ class EngineMap:
     drag: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        check_rising(self.speed)
         for name, torques in (("greatest", self.greatest), ("drag", self.drag)):
             try:
                 Table(self.speed, torques)

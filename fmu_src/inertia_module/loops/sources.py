@@ -13,14 +13,16 @@ __all__ = ["Sampled", "Table", "source"]
 
 
 class Table:
-    """A quantity given at points, linear in between; beyond the ends the end values are held.
+    """A quantity at points, linear in between, constant before the first and after the last point.
+
+    Two equal points are a step: from there on the later value holds.
 
     Args:
-        points: at least one, strictly increasing: time, s, or distance, m.
+        points: at least one, not falling: time, s, or distance, m.
         values: as many.
 
     Raises:
-        ValueError: the points do not increase, or points and values differ in number.
+        ValueError: the points fall, or points and values differ in number.
     """
 
     def __init__(self, points: ArrayLike, values: ArrayLike) -> None:
@@ -34,10 +36,12 @@ class Table:
         for number in (*self.points, *self.values):
             if not np.isfinite(number):
                 raise ValueError(f"numbers of a table must be finite, one is {number}")
-        backward = np.flatnonzero(np.diff(self.points) <= 0.0)
+        backward = np.flatnonzero(np.diff(self.points) < 0.0)
         if backward.size:
             before, after = self.points[backward[0] : backward[0] + 2]
-            raise ValueError(f"points of a table must increase, {after:g} comes after {before:g}")
+            raise ValueError(
+                f"points of a table must increase, or be equal for a step, {after:g} comes after {before:g}"
+            )
 
         self.lists: tuple[list[float], list[float]] = self.points.tolist(), self.values.tolist()
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args, get_origin
@@ -13,14 +14,18 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationIn
 from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
+from ..common.csv_table import CsvTable, TableError
+from ..common.equality import hash_of
 from ..common.errors import Refused, did_you_mean, must_be
+from ..common.time_range import time_warnings
 from ..common.units import allowed_number, number_of
 from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
-from ..harness.results import TableError, read_columns
 from ..loops.sources import Signal, Table
 
 # --- quantities, alone, in lists and in columns ---
 
+# remedy for a path of Windows in TOML
+SLASHES = "write / instead of \\, or put the path in single quotes"
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
 
@@ -124,6 +129,39 @@ class Strict(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    def __hash__(self) -> int:
+        return hash_of({name: getattr(self, name) for name in type(self).model_fields})
+
+
+class Cell(str):
+    """Quantity of a CSV file: text with its unit, and the row that it is from."""
+
+    table: CsvTable
+    row: int
+
+    @classmethod
+    def cells(cls, table: CsvTable, name: str, numbers: Sequence[float]) -> list[Self]:
+        """Return the numbers of a column in the unit of its heading, or in SI."""
+        unit, cells = table.units.get(name, ""), []
+        for row, number in enumerate(numbers):
+            cell = cls(f"{number!r} {unit}")
+            cell.table, cell.row = table, row
+            cells.append(cell)
+        return cells
+
+
+# characters that Python and TOML write with a backslash: they are in no path
+_ESCAPED = re.compile(r"[\x00-\x1f]")
+
+
+def _path_of(file: str, folder: Path) -> Path:
+    """Return the path of a file of a scene, whose backslashes have not become other characters."""
+    if _ESCAPED.search(file):
+        raise ValueError(
+            f"file must be a path, is {file!r}: a backslash in double quotes begins an escape; {SLASHES}"
+        )
+    return folder / file
+
 
 class Tabulated(Strict):
     """A quantity in columns, in the scene itself or in a CSV file with a heading row.
@@ -147,21 +185,16 @@ class Tabulated(Strict):
         """Fill the columns from the file."""
         if not isinstance(data, dict) or "file" not in data:
             return data
-        asked = cls.columns()
-        if not data.keys().isdisjoint(asked):
-            points, values = asked
+        points, values = columns = cls.columns()
+        if not data.keys().isdisjoint(columns):
             raise ValueError(f"give either 'file' or '{points}' and '{values}', not both")
         try:
-            columns, units = read_columns((info.context or {}).get("folder", Path()) / str(data["file"]))
+            path = _path_of(str(data["file"]), (info.context or {}).get("folder", Path()))
+            table = CsvTable(path, columns)
+            numbers = {points: table.points(points), values: table.numbers(values)}
         except TableError as error:
             raise ValueError(str(error)) from None
-        filled = dict(data)
-        for name in asked:
-            if name not in columns:
-                raise ValueError(f"{data['file']} must have a column {name} {did_you_mean(name, columns)}")
-            # quantities of the scene, in the unit of the heading or in SI
-            filled[name] = [f"{value!r} {units.get(name, '')}" for value in columns[name]]
-        return filled
+        return data | {name: Cell.cells(table, name, numbers[name].tolist()) for name in columns}
 
     @model_validator(mode="after")
     def _check(self) -> Tabulated:
@@ -194,6 +227,38 @@ class ConstantOrTable(Strict):
             raise ValueError(f"one of {self.SIGNAL} and {self.SIGNAL}_over_time must be given, {given}")
         signal: Signal = constant if over_time is None else over_time.signal()
         return signal
+
+
+def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated]]:
+    """Yield the columns over time of a table and of all tables in it, by dotted key."""
+    if isinstance(table, Tabulated) and table.columns()[0] == "time":
+        yield name, table
+    for key in table.model_fields_set:
+        value = getattr(table, key, None)
+        if isinstance(value, BaseModel):
+            yield from over_time(value, f"{name}.{key}".lstrip("."))
+
+
+def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
+    """Return warnings of tables whose times are probably not those of the run.
+
+    Args:
+        scene: tables, checked.
+        stop_time: end of the run, s.
+
+    Raises:
+        TableError: a table has no time within the run.
+    """
+    return [
+        text
+        for key, table in over_time(scene)
+        for text in time_warnings(
+            f"{key} ({table.file})" if table.file else key,
+            table.signal().points,
+            [table.signal().values],
+            stop_time,
+        )
+    ]
 
 
 # --- tables by their keys ---
@@ -274,6 +339,8 @@ def _line(scene: type[BaseModel], error: Any) -> str:
         reason = context["error"]
         if isinstance(reason, Refused):
             return str(reason)
+        if isinstance(value, Cell):
+            return f"{value.table.place(value.row)}: {'.'.join(keys[:-1])} {reason}"
         return f"{key}: {reason}" if isinstance(value, dict) else f"{key} {reason}"
     allowed = _ALLOWED.get(kind) or context.get("expected") or error["msg"].removeprefix("Input should be ")
     return must_be(key, allowed, repr(value))

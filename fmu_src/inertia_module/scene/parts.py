@@ -18,7 +18,7 @@ from ..common.errors import must_be
 from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
-from ..loops.engine import check_drag
+from ..loops.engine import check_drag, check_rising
 from ..loops.sources import Sampled, Signal, Table
 from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, checked, quantity
 
@@ -134,6 +134,11 @@ class TorqueOverSpeed(Tabulated):
 
     speed: list[Annotated[float, quantity("rad/s")]]
     torque: list[Annotated[float, quantity("N.m", 0.0)]]
+
+    @model_validator(mode="after")
+    def _rising(self) -> TorqueOverSpeed:
+        check_rising(self.speed)
+        return self
 
 
 class ThrottleOverTime(Tabulated):

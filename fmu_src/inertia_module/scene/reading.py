@@ -10,7 +10,8 @@ from typing import Any
 
 from ..common.errors import Refused
 from ..common.extras import library
-from .keys import Keys, Model, SceneError, changed, keys_of, validated
+from ..common.files import read_text
+from .keys import SLASHES, Keys, Model, SceneError, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -25,6 +26,8 @@ def _tables(text: str) -> dict[str, Any]:
         line = text.split("\n")[int(place[1]) - 1] if place else ""
         comma = re.search(r"=\s*[-+]?\d+,\d", line)
         cause = ": a number has a decimal point and no commas" if comma else ""
+        if "\\" in line and re.search("Unescaped|hex", said):
+            cause = f": a backslash in double quotes begins an escape; {SLASHES}"
         raise SceneError(f"the scene is no TOML: {said}{cause}") from None
 
 
@@ -45,10 +48,12 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
     """Read and check a scene file of a kind that its tables tell; all else as of load_scene."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", error)
-        raise SceneError(f"{path} must be a scene file (TOML): {reason}") from None
+        text = read_text(path)
+    except OSError as error:
+        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise SceneError(f"{path} must be a scene file (TOML) in UTF-8: line {line} is not") from None
     try:
         tables = _tables(text)
         for name, value in keys_of(keys).items():

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
+from ..common.equality import ByContent
 from ..common.errors import Named, Refused
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
@@ -23,7 +24,7 @@ from ..harness.simulate import Fmu, Result
 from ..kernel.codes import ELASTIC, RIGID
 from ..loops import ClosedLoop, initial_inputs
 from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
-from .keys import SceneError
+from .keys import SceneError, scene_time_warnings
 from .schema import Scene
 
 if TYPE_CHECKING:
@@ -309,8 +310,8 @@ def summarise(
 # --- runs ---
 
 
-@dataclass(frozen=True, kw_only=True)
-class SceneResult:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SceneResult(ByContent):
     """Result of a scene, of a module or of a driven shaft alone.
 
     Attributes:
@@ -318,7 +319,7 @@ class SceneResult:
             loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
         remarks: on numbers missing or doubtful, by name: a speed not reached, a load above stall.
         limits: that the scene gives, by the name of the number, in its unit.
-        warnings: that the FMU logged, and of limits that are passed.
+        warnings: that the FMU logged, of limits that are passed, and of tables beside the times of the run.
     """
 
     scene: Any
@@ -511,5 +512,5 @@ def _run_on(
         quantities=quantities,
         remarks=remarks | unknown,
         limits=limits,
-        warnings=(*fmu.warnings, *above),
+        warnings=(*fmu.warnings, *above, *scene_time_warnings(scene, scene.run.stop_time)),
     )

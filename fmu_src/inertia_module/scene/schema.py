@@ -12,13 +12,24 @@ from .. import loops
 from ..common.errors import Refused, did_you_mean
 from ..contract import variables
 from ..contract.variables import BY_NAME, with_causality
-from ..harness.simulate import whole_steps
+from ..harness.simulate import check_number_of_steps, whole_steps
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..loops.closed_loop import PLANT_INPUTS
 from ..loops.cycles import Cycle
 from ..loops.sources import Signal, Sources
 from ..memory import Module
-from .keys import AUTO, Duration, SceneError, Strict, changed, fields_of, in_range, quantity, validated
+from .keys import (
+    AUTO,
+    Duration,
+    SceneError,
+    Strict,
+    changed,
+    fields_of,
+    in_range,
+    quantity,
+    scene_time_warnings,
+    validated,
+)
 from .parts import Controller, Drive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
@@ -115,6 +126,7 @@ class Run(Strict):
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
+        check_number_of_steps(self.stop_time, self.communication_step, "run.communication_step")
         if not whole_steps(self.stop_time, self.communication_step):
             raise SceneError(
                 "run.stop_time must be a whole number of run.communication_step ="
@@ -136,12 +148,12 @@ class Scene(Strict):
 
     title: str = "scene"
     description: str = ""
-    mechanism: Mechanism = Mechanism()  # type: ignore[valid-type]
+    mechanism: Mechanism = Field(default_factory=Mechanism)  # type: ignore[valid-type]
     drive: Drive
     load: Load
     controller: Controller | None = None
-    freewheels: Freewheels = Freewheels()
-    accuracy: Accuracy = Accuracy()
+    freewheels: Freewheels = Field(default_factory=Freewheels)
+    accuracy: Accuracy = Field(default_factory=Accuracy)
     run: Run
 
     @property
@@ -274,14 +286,15 @@ class Scene(Strict):
         self._check_choice()
         self._check_vehicle()
         self.run.check_outputs([*variables.COMPUTED, *self.surroundings.output_labels])
+        scene_time_warnings(self, self.run.stop_time)
+        load, parameters = self.built_load, self.parameters()
         try:
-            self.built_load.check_step(self._carrying[1])
-            turning = self.parameters().get("input_inertia", 0.0)
-            self.drive.check_step(self.run.communication_step, turning)
+            load.check_step(self._carrying[1])
+            self.drive.check_step(self.run.communication_step, parameters.get("input_inertia", 0.0))
         except ValueError as error:
             raise SceneError(f"run.communication_step: {error}") from None
         try:
-            Module("plain").check(**self.parameters())
+            Module("plain").check(**parameters)
         except Refused as error:
             raise SceneError(f"mechanism: {error}") from None
         return self

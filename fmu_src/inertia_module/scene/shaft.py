@@ -18,7 +18,7 @@ from ..contract.variables import LOCAL, OUTPUT, PARAMETER
 from ..harness.simulate import communication_points, drive
 from ..loops.sources import evaluate
 from ..memory import DrivenShaft
-from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity
+from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
 from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
@@ -105,6 +105,7 @@ class ShaftScene(Strict):
     def _check(self) -> ShaftScene:
         """Refuse unknown outputs; the shaft itself looks at all parameters together."""
         self.run.check_outputs(_READABLE)
+        scene_time_warnings(self, self.run.stop_time)
         parameters = self.parameters()
         try:
             DrivenShaft("plain").start(**parameters)
@@ -153,4 +154,5 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         "wall_time": Quantity(wall_time, "s"),
         "real_time_factor": Quantity(simulated / wall_time, ""),
     }
-    return SceneResult(scene=scene, record=record, quantities=quantities)
+    doubts = tuple(scene_time_warnings(scene, run.stop_time))
+    return SceneResult(scene=scene, record=record, quantities=quantities, warnings=doubts)

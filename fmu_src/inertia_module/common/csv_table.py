@@ -1,0 +1,307 @@
+"""CSV files from rigs, loggers and spreadsheets: columns of numbers by name, with units and file lines.
+
+Only the columns that are asked for must be numbers. Lines above the headings, comments and a row of units are
+understood. Nothing that could be read in two ways is guessed.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import Refused, did_you_mean
+from .files import MAX_TEXT_SIZE, read_file
+from .units import parse_unit
+from .written_numbers import Reading, booleans, readings
+
+# of columns, the most common one last
+SEPARATORS = ";\t,"
+# the headings are among so many rows
+HEADING_ROWS = 1000
+# rows that are moved to the columns together: fewer than the garbage collector waits for
+BLOCK = 100
+COMMENTS = ("#", "%", "//")
+# name and, in brackets, unit of a column
+_HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$", re.DOTALL)
+# first line by which a spreadsheet states the separator
+_SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*\n')
+
+
+class TableError(Refused):
+    """Error of a table: the message names the column and what is allowed."""
+
+
+def _text_of(path: Path | str) -> str:
+    """Read a text file in UTF-8, in UTF-16 with a byte-order mark, or else in Latin-1."""
+    name = str(path)
+    try:
+        content = read_file(Path(path), MAX_TEXT_SIZE)
+    except OSError as error:
+        hint = ": write / instead of \\" if "\\" in name and isinstance(error, FileNotFoundError) else ""
+        raise TableError(f"{name} must be a CSV file: {error.strerror}{hint}") from error
+    encoding = "utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+    try:
+        text = content.decode(encoding)
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    if "\0" in text:
+        raise TableError(f"{name} must be a CSV file, it is no text: save the table as CSV")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _name_and_unit(cell: str) -> tuple[str, str]:
+    """Split a heading into name and unit, "" if it has none."""
+    match = _HEADING.match(cell.strip())
+    return (match[1] or match[3] or "", match[2] or match[4] or "") if match else (cell.strip(), "")
+
+
+def _is_unit(cell: str) -> bool:
+    """Return True if a cell is a unit and no number."""
+    text = cell.strip("[]() ")
+    if not text or readings([text])[0].is_complete:
+        return False
+    try:
+        parse_unit(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _reader(text: str, separator: str) -> Any:
+    return csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True)
+
+
+def _is_blank(row: list[str]) -> bool:
+    return not any(map(str.strip, row))
+
+
+def _is_comment(row: list[str]) -> bool:
+    return row[0].lstrip().startswith(COMMENTS)
+
+
+class CsvTable:
+    """Columns of a CSV file, which become numbers when they are asked for.
+
+    Commas, semicolons or tabs separate the columns, or the sign that a first line such as sep=; names. The
+    headings are the longest of the first rows that has all keys. Rows that begin with #, % or // are
+    comments.
+
+    Args:
+        path: file.
+        keys: names of columns that the file must have; without keys the first row has the headings.
+
+    Attributes:
+        path: file, for messages.
+        names: of the columns, in their order.
+        units: as written, by name, of the columns that have a unit.
+        lines: file line of each row, shape (rows,).
+
+    Raises:
+        TableError: the file cannot be read, or has no such columns or no row.
+    """
+
+    def __init__(self, path: Path | str, keys: Sequence[str] = ()) -> None:
+        self.path = str(path)
+        text = _text_of(path)
+        try:
+            self._separator, line, headings = self._find_headings(text, keys)
+            self._headings = [name for name, _ in headings]
+            lines, self._columns = self._read_columns(text, line)
+        except csv.Error as error:
+            raise TableError(f"{self.path} must be a CSV file: {error}") from error
+        self.names = [name for name in dict.fromkeys(self._headings) if name]
+        self.units = {name: unit for name, unit in headings if name and unit}
+        first = self._columns[self._headings.index(keys[0]) if keys else 0][:1]
+        if first and _is_unit(first[0]):
+            self._take_units(lines.pop(0), [column.pop(0) for column in self._columns])
+        if not lines:
+            raise TableError(f"{self.path} must have a row of numbers below its headings in line {line}")
+        self.lines = np.array(lines)
+        self._decimal_signs: dict[str, str] = {}
+
+    # --- rows ---
+
+    def _find_headings(self, text: str, keys: Sequence[str]) -> tuple[str, int, list[tuple[str, str]]]:
+        """Return separator, file line, and names with units of the first row that has most of the keys."""
+        stated = _SEPARATOR_LINE.match(text)
+        ranked = []
+        for separator in stated[1] if stated else SEPARATORS:
+            reader = _reader(text, separator)
+            for row in islice(reader, HEADING_ROWS):
+                if _is_blank(row):
+                    continue
+                line, is_comment = reader.line_num, _is_comment(row)
+                row[0] = row[0].lstrip("#% ")
+                headings = [_name_and_unit(cell) for cell in row]
+                number = len({name for name, _ in headings}.intersection(keys))
+                rank = (number, len(row) if number else 0, -line, len(row))
+                # NumPy writes its headings as a comment
+                if not (stated and line == 1) and (number or not is_comment):
+                    ranked.append((rank, separator, line, headings))
+        if not ranked:
+            raise TableError(f"{self.path} must have a row of headings and rows of numbers, is empty")
+        _, separator, line, headings = max(ranked)
+        names = [name for name, _ in headings if name]
+        for key in keys:
+            if key not in names:
+                raise TableError(
+                    f"{self.path} must have a column {key} {did_you_mean(key, names)}, its headings are taken"
+                    f" from line {line}"
+                )
+        return separator, line, headings
+
+    def _body(self, text: str, line: int) -> Iterator[tuple[int, list[str]]]:
+        """Yield the rows below a line with their file lines, without comments, as long as the headings."""
+        reader, width = _reader(text, self._separator), len(self._headings)
+        for row in reader:
+            # most rows have the right length and begin with a digit
+            if len(row) != width or not row[0][:1].isdigit():
+                if _is_blank(row) or _is_comment(row) or reader.line_num <= line:
+                    continue
+                self._fit(reader.line_num, row)
+            if reader.line_num > line:
+                yield reader.line_num, row
+
+    def _read_columns(self, text: str, line: int) -> tuple[list[int], list[list[str]]]:
+        """Return the file lines of the rows below a line, and their cells by column."""
+        lines: list[int] = []
+        columns: list[list[str]] = [[] for _ in self._headings]
+        body = self._body(text, line)
+        # in blocks, because the garbage collector would pass over all rows again and again
+        while block := list(islice(body, BLOCK)):
+            numbers, rows = zip(*block, strict=True)
+            lines += numbers
+            for column, cells in zip(columns, zip(*rows, strict=True), strict=True):
+                column.extend(cells)
+        return lines, columns
+
+    def _fit(self, line: int, row: list[str]) -> None:
+        """Make a row as long as the headings; cells without a heading must be empty."""
+        width = len(self._headings)
+        if any(cell.strip() for cell in row[width:]):
+            raise TableError(
+                f"{self.path} line {line} must have {width} cells, as the headings, has {len(row)}"
+                " (where numbers have decimal commas, semicolons separate the columns)"
+            )
+        row[width:] = []
+        row += [""] * (width - len(row))
+
+    def _take_units(self, line: int, row: list[str]) -> None:
+        """Take the units of a row below the headings."""
+        for name, cell in zip(self._headings, row, strict=True):
+            unit = cell.strip("[]() ")
+            if name and unit and self.units.setdefault(name, unit) != unit:
+                raise TableError(
+                    f"{self.path} line {line}: the unit of {name} must be {self.units[name]}, as in its"
+                    f" heading, is {unit}"
+                )
+
+    def place(self, row: int) -> str:
+        """Return the file and the line of a row, for messages."""
+        return f"{self.path} line {self.lines[row]}"
+
+    # --- numbers ---
+
+    def _column(self, name: str) -> list[str]:
+        """Return the cells of a column."""
+        places = [place for place, heading in enumerate(self._headings) if heading == name]
+        if not places:
+            raise TableError(f"{self.path} must have a column {name} {did_you_mean(name, self.names)}")
+        if len(places) > 1:
+            numbers = " and ".join(str(place + 1) for place in places)
+            raise TableError(f"{self.path}: {name} must be the name of one column, is of columns {numbers}")
+        return self._columns[places[0]]
+
+    def _readings(self, cells: Sequence[str]) -> list[Reading]:
+        return readings(cells, self._separator == ",")
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """Return the numbers of a column, shape (rows,), in the unit of the file.
+
+        Args:
+            name: of the column.
+
+        Raises:
+            TableError: there is no such column, a cell is not a number, or it can be read in two ways. The
+                message has the line.
+        """
+        cells = self._column(name)
+        every = self._readings(cells)
+        possible = [reading for reading in every if reading.is_complete]
+        if possible:
+            return (possible[0] if len(possible) == 1 else self._decide(name, cells, possible)).values
+        values = booleans(cells)
+        if values is None:
+            raise self._no_number(name, cells, max(reading.failure for reading in every))
+        return values
+
+    def points(self, name: str) -> NDArray[np.float64]:
+        """Return the numbers of a column that must not fall from row to row; all else as of numbers."""
+        values = self.numbers(name)
+        falling = np.flatnonzero(np.diff(values) < 0.0)
+        if falling.size:
+            before, after = values[falling[0] : falling[0] + 2]
+            raise TableError(
+                f"{self.place(falling[0] + 1)}: {name} must not go back, is {after:g} after {before:g}"
+            )
+        return values
+
+    def _decide(self, name: str, cells: Sequence[str], possible: Sequence[Reading]) -> Reading:
+        """Choose between decimals and groups for a column such as 1.200.
+
+        The other columns decide, if the column has the form that they ask for. A column with a sign in each
+        number has the form of three decimals; a column such as 900, 1.200 has the form of groups.
+        """
+        plain, grouped = sorted(possible, key=lambda reading: reading.group)
+        is_mixed = any(plain.decimal not in cell for cell in cells)
+        signs = {self._decimal_sign(other) for other in self.names if other != name} - {""}
+        if signs == {plain.decimal} or (not signs and not is_mixed):
+            return plain
+        if signs == {grouped.decimal} and is_mixed:
+            return grouped
+        row = next(n for n, cell in enumerate(cells) if plain.decimal in cell)
+        values = f"{plain.values[row]:.15g} or {grouped.values[row]:.15g}"
+        raise TableError(
+            f"{self.place(row)}: {name} must be a number with one meaning, {cells[row].strip()!r} can be"
+            f" {values}; write {values}"
+        )
+
+    def _decimal_sign(self, name: str) -> str:
+        """Return the decimal sign of a column; "" if it has none, has two meanings, or is not numbers."""
+        if name not in self._decimal_signs:
+            cells = self._column(name) if self._headings.count(name) == 1 else []
+            # sensors that are read seldom leave cells empty
+            cells = [cell for cell in cells if cell.strip()]
+            every = self._readings(cells) if any("." in cell or "," in cell for cell in cells) else []
+            signs = [reading.decimal for reading in every if reading.is_complete]
+            self._decimal_signs[name] = signs[0] if len(signs) == 1 else ""
+        return self._decimal_signs[name]
+
+    def _no_number(self, name: str, cells: Sequence[str], row: int) -> TableError:
+        """Explain why a cell of a column is not a number."""
+        cell = cells[row].strip()
+        start = f"{self.place(row)}: {name} must be"
+        if any(reading.is_complete for reading in self._readings([cell])):
+            others = (n for n in range(row) if re.search(r"[.,'_\s]", cells[n].strip()))
+            other = next(others, max(row - 1, 0))
+            model = cells[other].strip()
+            error = f"{start} written as {model!r} in line {self.lines[other]}, is {cell!r}"
+            values = [f"{reading.values[0]:.15g}" for reading in readings([model]) if reading.is_complete]
+            return TableError(f"{error} ({model!r} can be {' or '.join(values)})" if values[1:] else error)
+        error = f"{start} a finite number, is {cell!r}"
+        decimal = readings([cell])[-1]
+        if decimal.is_complete:
+            number = f"{decimal.values[0]:.15g}"
+            error += (
+                f": {number} with a decimal comma, but in this file commas separate columns and groups of"
+                f" three digits; write {number}, or separate columns by semicolons"
+            )
+        return TableError(error)

@@ -1,0 +1,117 @@
+"""Unpacked copies of FMUs: one folder for each content, shared by all processes of a user.
+
+A copy lies in the cache folder, named by a hash of the archive. It appears there complete, by one rename, and
+no process has to remove it, however that process ends. The next process that makes a copy removes those that
+nobody has opened for days.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import hashlib
+import os
+import shutil
+import stat
+import tempfile
+import threading
+import time
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..common.errors import FmuError
+from ..common.files import cache_folder
+from .archive import checked_entries, is_unpacked, open_archive, unpack
+
+# age of a copy since it was last opened at which it is removed, s
+MAX_AGE = 3 * 86400.0
+# beginnings of the names of copies that are being made, and that are being removed
+UNFINISHED, REMOVED = "new-", "old-"
+
+# copies that this process has compared with their archives
+_checked: set[Path] = set()
+_lock = threading.Lock()
+
+
+def unpacked(content: bytes) -> str:
+    """Return the folder with the unpacked content of an FMU's file; unpack it if there is no copy yet.
+
+    Args:
+        content: of the file.
+
+    Raises:
+        FmuError: it is no FMU, or cannot be unpacked (see archive).
+    """
+    name, failures = hashlib.sha256(content).hexdigest()[:32], list[str]()
+    with _lock:
+        for place in _places():
+            folder = place / name
+            try:
+                if not (folder in _checked and folder.is_dir()):
+                    _ensure(folder, content)
+            except OSError as error:
+                failures.append(f"{place}: {error.strerror or error}")
+                continue
+            _checked.add(folder)
+            with contextlib.suppress(OSError):  # of a read-only cache
+                os.utime(folder)
+            return str(folder)
+    raise FmuError(f"the FMU cannot be unpacked: {'; '.join(failures)}")
+
+
+def _places() -> tuple[Path, ...]:
+    """Return the folders of copies: in the cache and, if that is read-only or full, with temporary files."""
+    user = str(os.getuid()) if hasattr(os, "getuid") else getpass.getuser()
+    temporary = Path(tempfile.gettempdir()).absolute() / f"inertia-module-{user}"
+    return cache_folder().absolute() / "unpacked", temporary
+
+
+def _ensure(folder: Path, content: bytes) -> None:
+    """Make a copy complete: unpack it if it is missing or damaged."""
+    _make_place(folder.parent)
+    with open_archive(content) as archive:
+        entries = checked_entries(archive)
+        if not is_unpacked(entries, folder):
+            _prune(folder.parent)
+            _make(archive, entries, folder)
+
+
+def _make_place(place: Path) -> None:
+    """Make a folder of copies, or check that another user cannot exchange those in it."""
+    place.mkdir(parents=True, exist_ok=True, mode=0o700)
+    status = place.lstat()
+    if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "getuid") and status.st_uid != os.getuid()):
+        raise PermissionError("it must be a folder of this user")
+
+
+def _make(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
+    """Unpack a copy beside its place and move it there; another process may do the same meanwhile."""
+    fresh = Path(tempfile.mkdtemp(prefix=UNFINISHED, dir=folder.parent))
+    try:
+        unpack(archive, entries, fresh)
+        if folder.exists() and not is_unpacked(entries, folder):
+            _remove(folder)
+        try:
+            os.rename(fresh, folder)
+        except OSError:
+            if not is_unpacked(entries, folder):
+                raise
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def _remove(folder: Path) -> None:
+    """Remove a copy: at first its name, at once, so that nobody finds a part of it."""
+    trash = Path(tempfile.mkdtemp(prefix=REMOVED, dir=folder.parent))
+    os.rename(folder, trash / folder.name)
+    shutil.rmtree(trash, ignore_errors=True)
+
+
+def _prune(place: Path) -> None:
+    """Remove copies that nobody has opened for MAX_AGE, and what interrupted processes have left."""
+    oldest = time.time() - MAX_AGE
+    for folder in place.iterdir():
+        with contextlib.suppress(OSError):  # another process removes it, or Windows has it open
+            if folder.stat().st_mtime < oldest:
+                _remove(folder)

@@ -1,0 +1,262 @@
+"""Experiments with reference results in an FMU, by the layered standard FMI-LS-REF.
+
+They are experiments (MA-HS-Experiments), inputs and results as CSV, parameters as SSV of SSP.
+A result without an experiment is one of the default experiment. All files are read within the unpacked FMU.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import FmuError, did_you_mean
+from ..common.units import BOOLEANS, factor_between, number_of
+from .archive import parse_inside, read_inside
+
+Array = NDArray[np.float64]
+
+MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
+# allowed deviation of a result without a tolerance, relative to the largest value of the reference
+RELATIVE_DEVIATION = 1e-2
+# errors of files that violate the standards
+UNREADABLE = (OSError, SyntaxError, LookupError, ValueError)
+TEXTS = ("String", "Binary")
+REALS = ("Real", "Float32", "Float64")
+# name of an element of an array: "y[2]", "A[1,2]"
+_ELEMENT = re.compile(r"(.+)\[\s*(\d+(?:\s*,\s*\d+)*)\s*\]$")
+# name with a unit: "omega [rpm]"
+_QUANTITY = re.compile(r"(.*?)\s*\[(.*)\]$")
+
+
+class Experiment(NamedTuple):
+    """An experiment with reference results.
+
+    Attributes:
+        name: of the experiment.
+        results: file of the results.
+        settings: times and tolerance by their names in the file.
+        inputs: file of the inputs, or None.
+        parameters: by name, with units.
+        allowed: allowed deviations by name of the variable.
+    """
+
+    name: str
+    results: Path
+    settings: Mapping[str, str] = {}
+    inputs: Path | None = None
+    parameters: Mapping[str, float | str] = {}
+    allowed: Mapping[str, float] = {}
+
+
+class Column(NamedTuple):
+    """Values of a variable, or of one element of an array, over time.
+
+    Attributes:
+        variable: fmpy's.
+        element: index of the element in the flat array, or None for the whole variable.
+        values: shape (rows, elements); or texts.
+    """
+
+    variable: Any
+    element: int | None
+    values: Array | list[str]
+
+
+class Table(NamedTuple):
+    """Columns over time.
+
+    Attributes:
+        time: shape (rows,), s.
+        columns: by heading.
+    """
+
+    time: Array
+    columns: dict[str, Column]
+
+
+def size_of(variable: Any) -> int:
+    """Return the number of elements of a variable."""
+    return math.prod(variable.shape)
+
+
+def _parameters(folder: Path, file: Path) -> Iterator[tuple[str, float | str]]:
+    """Yield names and values of a parameter set: numbers, quantities, texts."""
+    for row in parse_inside(folder, file).iterfind(".//{*}Parameter"):
+        text, unit = row[0].attrib["value"], row[0].get("unit", "1")
+        value = float(text) if row[0].tag.endswith(("Real", "Integer")) else text
+        yield row.attrib["name"], value if unit == "1" else f"{text} {unit}"
+
+
+def _experiment(element: ElementTree.Element, folder: Path, beside: Path) -> Experiment:
+    """Return an experiment of a file; sources are relative to the folder beside it."""
+    # drafts of the format differ in the place of the times
+    settings = {**getattr(element.find("TransientSimulation"), "attrib", {}), **element.attrib}
+    files = {kind.tag: beside / kind.get("source", "") for kind in element}
+    parameters = dict(_parameters(folder, files["Parameters"])) if "Parameters" in files else {}
+    allowed = {row.attrib["variable"]: float(row.attrib["absolute"]) for row in element.iter("Tolerance")}
+    name, inputs = settings["name"], files.get("Stimuli")
+    return Experiment(name, files["References"], settings, inputs, parameters, allowed)
+
+
+def experiments(folder: Path) -> list[Experiment]:
+    """Return the experiments with results in an unpacked FMU.
+
+    Raises:
+        FmuError: a file is missing, or lies outside the FMU.
+        SyntaxError, LookupError, ValueError: a file is not as the standards demand.
+    """
+    manifest, bound, results = folder / MANIFEST, list[Experiment](), list[Path]()
+    if not manifest.is_file():
+        return bound
+    for related in parse_inside(folder, manifest).iterfind("Related"):
+        role, file = related.get("role", ""), manifest.parent / related.get("source", "")
+        if role.startswith("experiment"):
+            rows = parse_inside(folder, file).iterfind("Experiment[References]")
+            bound += [_experiment(row, folder, file.parent) for row in rows]
+        elif role == "result" and file.suffix == ".csv":
+            results.append(file)
+    files = [experiment.results for experiment in bound]
+    return bound + [Experiment(file.stem, file) for file in results if file not in files]
+
+
+# --- values and tables ---
+
+
+def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
+    """Return the elements of a value for a variable: numbers, or a text.
+
+    Args:
+        variable: fmpy's.
+        value: a number, a quantity with a unit, the name of an item, a text, or numbers separated by spaces.
+
+    Raises:
+        FmuError: it is none of these, or has another number of elements.
+    """
+    if variable.type in TEXTS:
+        return [str(value)]
+    items = None
+    if variable.type == "Boolean":
+        items = BOOLEANS
+    elif variable.type not in REALS and getattr(variable.declaredType, "items", None):
+        items = {item.name: float(item.value) for item in variable.declaredType.items}
+    words = value.split() if isinstance(value, str) and variable.shape else [value]
+    try:
+        numbers = [number_of(_number(word), variable.unit or "1", items) for word in words]
+    except ValueError as error:
+        raise FmuError(
+            f"{variable.name} must be a number in {variable.unit or '1'}, is {value!r}: {error}"
+        ) from None
+    if variable.type not in REALS and not all(number.is_integer() for number in numbers):
+        raise FmuError(f"{variable.name} must be a whole number, is {value!r}")
+    if len(numbers) != size_of(variable):
+        raise FmuError(f"{variable.name} must have {size_of(variable)} numbers, has {len(numbers)}")
+    return numbers
+
+
+def _number(word: float | str) -> float | str:
+    """Return a number without a unit as such."""
+    try:
+        return float(word)
+    except ValueError:
+        return word
+
+
+def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
+    """Return the variable of a heading, and the place of an element in it or None.
+
+    Raises:
+        FmuError: there is no such variable.
+    """
+    match = _ELEMENT.match(name)
+    if name not in variables and match is not None and variables.get(match[1]) is not None:
+        variable, index = variables[match[1]], [int(number) - 1 for number in match[2].split(",")]
+        try:
+            return variable, int(np.ravel_multi_index(index, variable.shape))
+        except ValueError:
+            raise FmuError(f"{name} must be an element of {match[1]}, which has {variable.shape}") from None
+    if name not in variables:
+        raise FmuError(f"{name} must be a variable of the FMU {did_you_mean(name, variables)}")
+    return variables[name], None
+
+
+def _split_heading(heading: str, variables: Mapping[str, Any]) -> tuple[str, str | None]:
+    """Return the name and the unit (None if there is none) of a heading."""
+    match = _QUANTITY.match(heading)
+    if heading in variables or _ELEMENT.match(heading) or match is None:
+        return heading, None
+    return match[1], match[2]
+
+
+def _column(heading: str, cells: Sequence[str], variables: Mapping[str, Any]) -> Column:
+    """Return a column of cells, in the unit of its variable."""
+    name, unit = _split_heading(heading, variables)
+    variable, element = _places(name, variables)
+    own_unit = variable.unit or "1"
+    try:
+        factor = 1.0 if unit is None else factor_between(unit, own_unit)
+    except ValueError as error:
+        raise FmuError(f"{heading} must be in {own_unit} or a unit of the same kind: {error}") from None
+    if variable.type in TEXTS:
+        return Column(variable, None, list(cells))
+    number, rows = 1 if element is not None else size_of(variable), []
+    for row, cell in enumerate(cells, 1):
+        words = cell.split()
+        try:
+            numbers = [BOOLEANS[word] if word in BOOLEANS else float(word) for word in words]
+        except ValueError:
+            raise FmuError(f"{name} must be numbers, is {cell!r} in row {row}") from None
+        if len(numbers) != number:
+            raise FmuError(f"{name} must be {number} numbers, is {cell!r} in row {row}")
+        rows.append(numbers)
+    return Column(variable, element, np.array(rows, dtype=float).reshape(len(cells), number) * factor)
+
+
+def read_table(folder: Path, file: Path, variables: Mapping[str, Any]) -> Table:
+    """Read a CSV file of variables over time: numbers, Booleans, texts, arrays.
+
+    Args:
+        folder: of the unpacked FMU.
+        file: of the table.
+        variables: fmpy's, by name.
+
+    Raises:
+        FmuError: it is no such table, or no file inside the FMU.
+    """
+    content = read_inside(folder, file)
+    try:
+        text = content.decode("utf-8-sig")
+        first = text.lstrip().partition("\n")[0]
+        reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in first), ","))
+        rows = [[cell.strip() for cell in row] for row in reader if any(cell.strip() for cell in row)]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise FmuError(f"{file.name} must be a CSV file in UTF-8: {error}") from error
+    if len(rows) < 2:
+        raise FmuError(f"{file.name} must have a heading row and rows of values, has {len(rows)} rows")
+    if not rows[0][-1]:  # separators at the ends of the rows
+        rows = [row[: len(rows[0]) - 1] for row in rows]
+    headings = rows.pop(0)
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(headings):
+            raise FmuError(
+                f"{file.name} must have {len(headings)} cells in a row, has {len(row)} in row {number}"
+            )
+    if len(set(headings)) < len(headings):
+        raise FmuError(f"{file.name} must have different headings, has {', '.join(headings)}")
+    times, *columns = map(list, zip(*rows, strict=True))
+    try:
+        time = np.array(times, dtype=float)
+    except ValueError:
+        raise FmuError(f"{file.name} must have times in its first column, has {headings[0]}") from None
+    if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
+        raise FmuError(f"{file.name} must have times that do not decrease")
+    cells = zip(headings[1:], columns, strict=True)
+    return Table(time, {heading: _column(heading, column, variables) for heading, column in cells})

@@ -1,0 +1,93 @@
+"""Times of experiments of FMUs: start, stop and communication step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import FmuError
+
+# steps of an experiment that names no step
+STEPS = 100
+# share of a step that counts as rounding
+ROUNDING = 1e-6
+
+
+class Span(NamedTuple):
+    """Times of an experiment.
+
+    Attributes:
+        start: s.
+        stop: s.
+        step: communication step, s.
+        is_variable: the last step may be shorter; otherwise a remainder is left out.
+    """
+
+    start: float
+    stop: float
+    step: float
+    is_variable: bool
+
+    @property
+    def steps(self) -> float:
+        """Number of steps, with a fraction; not a number if the times are not finite."""
+        return (self.stop - self.start) / self.step if self.step > 0.0 else math.nan
+
+    def times(self, most: int) -> NDArray[np.float64]:
+        """Return the communication points, s, shape (steps + 1,).
+
+        Args:
+            most: largest number of steps.
+
+        Raises:
+            FmuError: the times make no experiment, or one of too many steps.
+        """
+        text = f"{self.start:g} s to {self.stop:g} s by {self.step:g} s"
+        if not (0.0 < self.steps < math.inf):
+            raise FmuError(
+                f"an experiment must have finite times, a stop after its start, a positive step: {text}"
+            )
+        if self.steps > most + ROUNDING:
+            raise FmuError(f"an experiment must have at most {most} steps, has {self.steps:.4g}: {text}")
+        whole = max(math.floor(self.steps + ROUNDING), 1)
+        is_shorter = self.is_variable and self.steps > whole + ROUNDING
+        times = self.start + np.arange(whole + 1, dtype=np.float64) * self.step
+        if is_shorter:
+            times = np.append(times, self.stop)
+        elif abs(self.steps - whole) <= ROUNDING or self.is_variable:
+            times[-1] = self.stop
+        if not (np.diff(times) > 0.0).all():
+            raise FmuError(f"a step must change the time: {text}")
+        return times
+
+
+def span_of(description: Any, settings: Mapping[str, str | float]) -> Span:
+    """Return the times of an experiment.
+
+    The step is the one of the experiment, else of the default experiment, else the internal step of the FMU,
+    else a hundredth of the duration.
+
+    Args:
+        description: of the FMU, whose default experiment completes the settings.
+        settings: startTime, stopTime and stepSize, s, as far as the experiment has them.
+
+    Raises:
+        ValueError: a time is no number.
+    """
+    default, interface = description.defaultExperiment, description.coSimulation
+    named: dict[str, float | None] = {}
+    for name in ("startTime", "stopTime", "stepSize"):
+        value = settings.get(name, getattr(default, name, None))
+        named[name] = None if value is None else float(value)
+    start = named["startTime"] or 0.0
+    stop = start + 1.0 if named["stopTime"] is None else named["stopTime"]
+    internal = getattr(interface, "fixedInternalStepSize", None)
+    step = named["stepSize"]
+    if step is None:
+        step = float(internal) if internal else (stop - start) / STEPS
+    is_variable = bool(getattr(interface, "canHandleVariableCommunicationStepSize", True))
+    return Span(start, stop, step, is_variable)

@@ -1,0 +1,624 @@
+"""Check of foreign FMUs: those that end, block or flood their host, archives that attack it, correct ones."""
+
+import contextlib
+import json
+import os
+import re
+import signal
+import stat
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from inertia_module.common.errors import FmuError
+from inertia_module.harness import archive, check, copies
+from inertia_module.harness.check import check_fmu
+from inertia_module.harness.examination import examine
+from inertia_module.harness.report import Journal
+from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
+from tests.system.programs import command, is_one_line
+
+# time for a check that ends by itself, and for one that does not, s
+ENOUGH, LITTLE = 60.0, 3.0
+ALLOWED = "; --timeout allows more"
+SECRET = "a line of a file outside the FMU"
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """Folder of the copies, which is empty."""
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(copies, "_checked", set())
+    return tmp_path / "cache" / "unpacked"
+
+
+@pytest.fixture
+def fmu(tmp_path, cache):
+    """Makes an FMU whose steps run C code."""
+    return lambda *code, **more: foreign_fmu(tmp_path, *code, **more)
+
+
+def examined(path):
+    """Report of an FMU that may run in this process."""
+    return examine(path, Journal())
+
+
+# --- FMUs that do harm to their process ---
+
+STAGE = "stepping it to 1 s"
+# C code of a step, and the problem that it is
+HARM = {
+    "exits": ("exit(0)", f"{STAGE}: the FMU ends the process of its host, with exit code 0"),
+    "exits with a code": ("_exit(3)", f"{STAGE}: the FMU ends the process of its host, with exit code 3"),
+    "crashes": ("*(volatile int *)8 = 1", f"{STAGE}: the FMU crashes (SIGSEGV)"),
+    "aborts": ("abort()", f"{STAGE}: the FMU crashes (SIGABRT)"),
+    "kills itself": ("kill(getpid(), SIGKILL)", f"{STAGE}: the FMU crashes (SIGKILL)"),
+    "prints": ('puts("{\\"a\\": 1}")', "it prints to the standard output: '{\"a\": 1}'"),
+    "closes the output": ("close(1)", "it closes the standard output of its process"),
+    "discards": ("return 2", f"{STAGE} fails: at time 0 s: fmi2DoStep failed with status 2 (discard)."),
+    "fails": ("return 3", f"{STAGE} fails: at time 0 s: fmi2DoStep failed with status 3 (error)."),
+}
+ENDLESS = {
+    "loops": "for (;;) ;",
+    "ignores signals": "signal(SIGTERM, SIG_IGN); signal(SIGINT, SIG_IGN); for (;;) ;",
+    "sleeps": "sleep(1000)",
+    "waits for input": "char c; while (read(0, &c, 1) >= 0) ;",
+    "has children": "fork(); for (;;) ;",
+}
+
+
+@pytest.mark.parametrize("harm", HARM)
+def test_harm_of_an_fmu_is_one_problem(fmu, tmp_path, harm):
+    code, problem = HARM[harm]
+    done = command("check", fmu(code), "--json")
+    assert (done.exit_code, done.stderr) == (1, "")
+    assert json.loads(done.stdout)["problems"] == [problem]
+
+
+@pytest.mark.parametrize("harm", ENDLESS)
+def test_an_fmu_without_end_is_killed_with_its_children(fmu, harm):
+    begin = time.monotonic()
+    report = check_fmu(fmu(ENDLESS[harm]), LITTLE)
+    assert report.problems == [f"{STAGE} takes longer than 3 s{ALLOWED}"]
+    assert time.monotonic() - begin < LITTLE + 5.0
+    assert not processes_of("harness.examination")
+
+
+def test_a_flood_of_output_is_cut_off(fmu):
+    report = check_fmu(fmu('for (;;) puts("a flood of words")'), LITTLE)
+    assert report.problems[1:] == ["it prints to the standard output: 'a flood of words'"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit the memory")
+def test_an_fmu_that_eats_memory_is_stopped(fmu):
+    path = fmu("for (;;) memset(malloc(1 << 26), 1, 1 << 26)")
+    (problem,) = check_fmu(path, ENOUGH, memory=1_500_000_000).problems
+    assert problem == f"{STAGE}: the FMU crashes (SIGSEGV, for lack of memory: 1.5 GB are allowed)"
+
+
+def test_error_output_is_a_warning_and_earlier_results_stay(fmu):
+    report = check_fmu(fmu('if (time > 0.5) { fputs("help\\n", stderr); exit(1); }'))
+    assert report.warnings == ["it prints to the error output: 'help'"]
+    assert report.facts["model"] == "foreign"
+
+
+FORGED = {
+    "a pipe": "unlink(name); mkfifo(name, 0600)",
+    "a link": 'unlink(name); symlink("/dev/zero", name)',
+    "no journal": 'FILE *f = fopen(name, "w"); fputs("{}", f); fclose(f)',
+}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the FMU looks for its journal in /proc")
+@pytest.mark.parametrize("kind", FORGED)
+def test_an_fmu_that_exchanges_the_journal_of_the_check_does_not_block_it(fmu, kind):
+    code = 'const char *name = "../journal.json"; ' + FORGED[kind] + "; _exit(0)"
+    (problem,) = check_fmu(fmu(code), progress=lambda share: None).problems
+    assert problem == "starting: the FMU ends the process of its host, with exit code 0"
+
+
+def test_control_characters_of_an_fmu_do_not_reach_the_terminal(fmu):
+    path = fmu('puts("\\x1b[2Kno problems found\\rno problems found")')
+    (problem,) = check_fmu(path).problems
+    assert problem.isprintable()
+    assert "\n" not in problem
+
+
+def test_the_problem_of_a_slow_fmu_has_the_time_that_it_reached(fmu):
+    shares = []
+    report = check_fmu(fmu("usleep(50000)", times='stopTime="1e3"'), 4.0, shares.append)
+    (problem,) = report.problems
+    reached = float(re.match(r".*takes longer than 4 s \(at (\S+) s of simulation time\)", problem)[1])
+    assert 50.0 < reached < 900.0
+    assert shares == sorted(shares)
+    assert 0.0 < shares[-1] < 1.0
+
+
+def processes_of(words):
+    """Processes of this machine whose command has these words, with the variable of this test."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if (
+                words.encode() in (folder / "cmdline").read_bytes()
+                and MARK in (folder / "environ").read_bytes()
+            ):
+                found.append(folder.name)
+    return found
+
+
+MARK = f"TEST_OF_CHECK={os.getpid()}".encode()
+
+
+@pytest.fixture(autouse=True)
+def mark(monkeypatch):
+    monkeypatch.setenv(*MARK.decode().split("="))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
+def test_a_signal_ends_the_check_and_its_process(fmu, tmp_path, monkeypatch, name):
+    path = fmu('FILE *f = fopen("/proc/self/cwd/../begun", "w"); fclose(f); for (;;) ;')
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    program = [sys.executable, "-m", "inertia_module", "check", path.name]
+    with subprocess.Popen(
+        program, cwd=tmp_path, stderr=subprocess.PIPE, env=os.environ | {"TMPDIR": str(temporary)}
+    ) as running:
+        while not list(temporary.glob("*/begun")):
+            assert running.poll() is None
+            time.sleep(0.05)
+        assert len(processes_of("harness.examination")) == 1
+        running.send_signal(getattr(signal, name))
+    deadline = time.monotonic() + 10.0
+    while processes_of("harness.examination"):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert running.returncode != 0
+    if name != "SIGKILL":
+        assert list(temporary.iterdir()) == []
+
+
+# --- correct FMUs of others ---
+
+
+def test_a_correct_fmu_has_no_problems(fmu):
+    report = examined(fmu())
+    assert (report.problems, report.warnings) == ([], [])
+    assert report.facts["stepped to"] == "1 s in 100 steps"
+    assert report.outputs == {"y": 0.0, "flag": 1.0, "text": "late", "count": 100.0}
+
+
+# times of the default experiment, whether the last step may be shorter, steps, time reached
+DEFAULTS = {
+    "start": ('startTime="2" stopTime="4"', "true", 100, 4.0),
+    "its own step": ('startTime="1" stopTime="2" stepSize="0.25"', "false", 4, 2.0),
+    "a remainder is stepped": ('stopTime="1" stepSize="0.3"', "true", 4, 1.0),
+    "a remainder is left out": ('stopTime="1" stepSize="0.3"', "false", 3, 0.9),
+    "start without stop": ('startTime="5"', "true", 100, 6.0),
+    "seconds of an epoch": ('startTime="1.7e9" stopTime="1700000001" stepSize="0.1"', "true", 10, 1.7e9),
+    "a long one": ('stopTime="1e9"', "true", 100, 1e9),
+}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("case", DEFAULTS)
+def test_default_experiment_is_stepped_as_the_fmu_has_it(fmu, fmi, case):
+    times, variable, steps, end = DEFAULTS[case]
+    code = "return fabs(time - model.time) > 1e-6 ? 3 : 0"
+    report = examined(fmu(code, fmi=fmi, times=times, variable=variable))
+    assert (report.problems, report.warnings) == ([], [])
+    assert report.facts["stepped to"] == f"{end:g} s in {steps} steps"
+
+
+def test_internal_step_of_an_fmu_is_its_step(fmu):
+    report = examined(fmu(fmi=3, times='stopTime="10"', more='fixedInternalStepSize="1"'))
+    assert report.facts["stepped to"] == "10 s in 10 steps"
+
+
+def test_only_the_beginning_of_a_default_experiment_without_end_is_stepped(fmu):
+    report = examined(fmu(times='stopTime="1e8" stepSize="1e-3"'))
+    assert report.problems == []
+    assert report.facts["stepped to"] == "100 s in 100000 steps"
+    assert report.warnings == [
+        "its default experiment has 1e+11 steps (0 s to 1e+08 s by 0.001 s): only 100000 are made"
+    ]
+
+
+@pytest.mark.parametrize(
+    "times",
+    ['stopTime="INF"', 'stopTime="-1"', 'startTime="NaN"', 'stopTime="1" stepSize="0"', 'stopTime="0"'],
+)
+def test_times_that_make_no_experiment_are_one_problem(fmu, times):
+    (problem,) = examined(fmu(times=times)).problems
+    assert "an experiment must have finite times, a stop after its start, a positive step: " in problem
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_that_ends_the_simulation_is_correct(fmu, fmi):
+    code = "if (time > 0.5) { model.count = -1; return " + ("2; }" if fmi == 2 else "0; }")
+    report = examined(fmu(code, fmi=fmi))
+    assert report.problems == []
+    assert report.facts["stepped to"] == "0.51 s in 51 steps, where it ends the simulation"
+
+
+EARLY = "if ({}) {{ is_early = true; early_time = time + step / 2; }}"
+
+
+def test_event_mode_and_early_returns_are_tried_too(fmu):
+    code = EARLY.format("early_allowed && step > 0.009")
+    report = examined(fmu(code, fmi=3, more='hasEventMode="true"'))
+    assert report.problems == []
+    assert report.facts["stepped to"] == report.facts["with event mode"] == "1 s in 100 steps"
+    assert report.outputs["count"] == 200.0
+
+
+def test_a_return_that_is_too_early_is_one_problem(fmu):
+    (problem,) = examined(fmu(EARLY.format("time > 0.5"), fmi=3)).problems
+    assert problem.endswith("a step returns early, which the host has not allowed")
+    code = "if (early_allowed) { is_early = true; early_time = time; }"
+    (problem,) = examined(fmu(code, fmi=3, more='hasEventMode="true"')).problems
+    assert problem == (
+        "stepping it with event mode to 1 s fails: at time 0 s: the step to 0.01 s returns early 10000 times"
+    )
+
+
+def test_model_exchange_is_stepped_and_its_references_are_not_replayed(fmu):
+    files = references("time,y\n0,5\n")
+    report = examined(fmu(fmi=3, interface="ModelExchange", files=files, times='startTime="1" stopTime="3"'))
+    assert report.problems == []
+    assert report.warnings == ["its references are not replayed: the replay needs co-simulation"]
+    assert report.facts["stepped to"] == "3 s in 100 steps"
+    assert report.outputs["ramps"] == pytest.approx([3.0, 6.0, 9.0])
+
+
+def test_outputs_that_are_not_finite_are_problems_and_null_for_machines(fmu):
+    done = command("check", fmu("model.u = time > 0.5 ? NAN : 0"), "--json")
+    told = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert told["problems"] == ["output y is not finite at 0.52 s"]
+    assert told["outputs"]["y"] is None
+
+
+def test_an_fmu_that_moves_to_another_folder_is_found_again(fmu, tmp_path, monkeypatch):
+    files = references("time,y\n0,0\n1,0\n")
+    path = fmu('if (chdir("/")) return 3', files=files)
+    monkeypatch.chdir(tmp_path)
+    assert check_fmu(Path(path.name)).problems == []
+    done = command("check", path.name)
+    assert done.exit_code == 0, done.output
+
+
+def test_an_fmu_for_scheduled_execution_alone_is_correct_and_not_stepped(fmu):
+    report = examined(fmu(fmi=3, interface="ScheduledExecution"))
+    assert report.problems == []
+    assert report.facts["FMI"] == "3.0, scheduled execution"
+    assert report.warnings == ["it is not stepped: it is for scheduled execution alone"]
+
+
+def test_all_platforms_are_listed_also_those_of_fmi_3(fmu):
+    names = ("aarch64-linux", "aarch64-darwin", "wasm32-wasip2", "x86-windows", "riscv64-linux")
+    files = {f"binaries/{name}/foreign.bin": "" for name in names} | {"sources/foreign.c": ""}
+    platforms = examined(fmu(fmi=3, files=files)).facts["platforms"].split(", ")
+    assert set(platforms) >= {*names, "c-code"}
+
+
+def test_an_fmu_for_other_machines_names_the_library_that_is_missing(tmp_path, cache):
+    (problem,) = examined(packed(tmp_path / "other.fmu", [])).problems
+    assert re.match(r"it cannot be stepped on this machine: it has no binaries/\w+/foreign\.\w+$", problem)
+
+
+# --- references of others ---
+
+# results of FMUs with y = u = 0, or the inputs below; each is correct
+INPUTS = "time,u\n0,0\n0.5,0\n0.5,2\n1,4\n"
+CORRECT = {
+    "numbers": (2, "time,y,count\n0,0,0\n0.5,0,2\n1,0,4\n", None),
+    "booleans": (2, "time,flag\n0,false\n0.25,false\n0.5,true\n1,true\n", None),
+    "booleans as numbers": (2, "time,flag\n0,0\n0.5,1\n1,1\n", None),
+    "texts": (2, "time,text\n0,early\n0.25,early\n0.5,late\n1,late\n", None),
+    "binary data": (3, "time,data\n0,666f6f\n1,666f6f\n", None),
+    "an array": (3, "time,ramps\n0,0 0 0\n0.5,0.5 1 1.5\n1,1 2 3\n", None),
+    "elements of an array": (3, "time,ramps[1],ramps[3]\n0,0,0\n0.5,0.5,1.5\n1,1,3\n", None),
+    "between the steps": (3, "time,ramps[1],flag\n0.1,0.1,false\n0.4,0.4,true\n0.4,0.4,false\n", None),
+    "ends of lines and spaces": (2, "time , y    , flag  ,\n0 , 0 , false ,\n1    , 0 , true ,\n", None),
+    "semicolons and quotes": (2, '"time";"y"\n0;0\n1;0\n', None),
+    "an event in the inputs": (2, "time,y\n0,0\n0.5,0\n0.5,2\n0.75,2\n1,3\n", INPUTS),
+    "all of a reference": (3, "time,y,flag,text,count,ramps,data\n1,0,true,late,4,1 2 3,666f6f\n", None),
+}
+
+
+@pytest.mark.parametrize("case", CORRECT)
+def test_correct_results_of_all_types_have_no_problems(fmu, case):
+    fmi, results, inputs = CORRECT[case]
+    report = examined(fmu(fmi=fmi, files=references(results, inputs=inputs)))
+    assert (report.problems, report.warnings) == ([], [])
+    assert report.references
+
+
+WRONG = {
+    "a number": (
+        2,
+        "time,count\n0,0\n1,5\n",
+        "test: count deviates from its reference: 1 at 1 s, allowed 0.05",
+    ),
+    "a boolean": (
+        2,
+        "time,flag\n0,true\n1,true\n",
+        "test: flag deviates from its reference: 1 at 0 s, allowed 0.01",
+    ),
+    "a text": (
+        2,
+        "time,text\n0,early\n1,early\n",
+        "test: text deviates from its reference: 1 at 1 s, allowed 0",
+    ),
+    "data": (3, "time,data\n0,666f6f\n1,66\n", "test: data deviates from its reference: 1 at 1 s, allowed 0"),
+    "an element": (
+        3,
+        "time,ramps\n0,0 0 0\n1,1 2 4\n",
+        "test: ramps deviates from its reference: 1 at 1 s, allowed 0.04",
+    ),
+    "a name": (2, "time,x\n0,0\n", "experiment test fails: x must be a variable of the FMU"),
+    "an element that is not there": (
+        3,
+        "time,ramps[4]\n0,0\n",
+        "experiment test fails: ramps[4] must be an element",
+    ),
+    "a word for a number": (2, "time,y\n0,a\n", "experiment test fails: y must be numbers, is 'a' in row 1"),
+    "too few numbers": (
+        3,
+        "time,ramps\n0,1 2\n",
+        "experiment test fails: ramps must be 3 numbers, is '1 2' in row 1",
+    ),
+    "a short row": (
+        2,
+        "time,y\n0\n",
+        "experiment test fails: results.csv must have 2 cells in a row, has 1 in row 1",
+    ),
+    "no rows": (
+        2,
+        "time,y\n",
+        "experiment test fails: results.csv must have a heading row and rows of values",
+    ),
+    "times that go back": (2, "time,y\n1,0\n0,0\n", "experiment test fails: results.csv must have times"),
+    "no text": (2, b"time,y\n0,\xff\n", "experiment test fails: results.csv must be a CSV file in UTF-8"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_results_are_one_problem(fmu, case):
+    fmi, results, problem = WRONG[case]
+    (found,) = examined(fmu(fmi=fmi, files=references(results))).problems
+    assert found.startswith(problem)
+
+
+def test_start_of_an_experiment_is_its_own(fmu):
+    files = references("time,ramps\n2,2 4 6\n3,3 6 9\n", times='startTime="2" stopTime="3" stepSize="0.5"')
+    assert examined(fmu(fmi=3, files=files)).problems == []
+
+
+def test_texts_are_set_too(fmu):
+    files = references("time,y\n0,0\n1,0\n", inputs="time,in_text\n0,first\n0.5,second\n")
+    code = 'return model.text[0] && strcmp(model.text, time < 0.49 ? "first" : "second") ? 3 : 0'
+    assert examined(fmu(code, fmi=3, files=files)).problems == []
+
+
+ABSURD = {
+    "a stop": (
+        'startTime="0" stopTime="1e9" stepSize="1e-3"',
+        "at most 1000000 steps, has 1e+12: 0 s to 1e+09 s",
+    ),
+    "a step": ('startTime="0" stopTime="1" stepSize="1e-12"', "at most 1000000 steps, has 1e+12: 0 s to 1 s"),
+    "no number": ('startTime="0" stopTime="a"', "could not convert string to float: 'a'"),
+    "no end": ('startTime="0" stopTime="inf"', "an experiment must have finite times"),
+}
+
+
+@pytest.mark.parametrize("case", ABSURD)
+def test_absurd_times_of_an_experiment_are_one_problem(fmu, case):
+    times, words = ABSURD[case]
+    (problem,) = examined(fmu(files=references("time,y\n0,0\n1,0\n", times=times))).problems
+    assert problem.startswith("experiment test fails: ")
+    assert words in problem
+
+
+# --- files outside the FMU ---
+
+
+@pytest.mark.parametrize(
+    "place", ["absolute", "relative", "/dev/zero", "/dev/stdin", "a pipe", "a link", "a folder"]
+)
+def test_nothing_outside_the_fmu_is_read(fmu, tmp_path, cache, place):
+    secret, pipe = tmp_path / "secret.csv", tmp_path / "pipe"
+    secret.write_text(f"{SECRET}\ntime,y\n0,0\n")
+    os.mkfifo(pipe)
+    source = {
+        "absolute": secret,
+        "relative": "../" * 20 + str(secret),
+        "a pipe": pipe,
+        "a link": "linked.csv",
+        "a folder": ".",
+    }.get(place, place)
+    path = fmu(files=references("time,y\n0,0\n1,0\n", source=source))
+    if place == "a link":  # the FMU may make one when it runs
+        examined(path)
+        (folder,) = cache.glob("*/extra/*")
+        (folder / "linked.csv").symlink_to(secret)
+    report = examined(path)
+    (problem,) = report.problems
+    assert problem.startswith("experiment test fails: ")
+    assert "must be a file inside the FMU" in problem
+    assert SECRET not in str(report)
+
+
+def test_a_table_without_bound_is_not_read(fmu, monkeypatch):
+    content = "time,y\n" + "0,0\n" * 26_000_000
+    (problem,) = examined(fmu(files=references(content))).problems
+    assert problem.endswith("results.csv must have at most 100 MB, has 104 MB")
+
+
+# --- archives ---
+
+
+def link(name):
+    """An entry that is a symbolic link."""
+    entry = zipfile.ZipInfo(name)
+    entry.external_attr = (stat.S_IFLNK | 0o777) << 16
+    return entry
+
+
+ENTRIES = {
+    "absolute": ("/etc/evil", "'/etc/evil' must have a relative name, has an absolute one"),
+    "a drive": ("C:evil", "'C:evil' must have a relative name, has an absolute one"),
+    "a backslash": ("resources\\evil", r"'resources\\evil' must have forward slashes, has a backslash"),
+    "backslashes upwards": ("..\\..\\evil", r"'..\\..\\evil' must have forward slashes, has a backslash"),
+    "upwards": ("../evil", "'../evil' must lie in the archive: its name has '..'"),
+    "upwards within": ("a/../../evil", "'a/../../evil' must lie in the archive: its name has '..'"),
+    "a line end": ("a\nb", r"'a\nb' must have a name of printable characters"),
+    "a link": (link("resources/link"), "'resources/link' must be a file or a folder, is a symbolic link"),
+    "twice": (DESCRIPTION, f"'{DESCRIPTION}' must be there once (upper and lower case are the same)"),
+    "twice by case": ("MODELDescription.xml", "'MODELDescription.xml' must be there once"),
+    "twice by dots": (f"./{DESCRIPTION}", f"'./{DESCRIPTION}' must be there once"),
+    "file and folder": (f"{DESCRIPTION}/evil", f"'{DESCRIPTION}/evil' must be a file or a folder, is both"),
+}
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("case", ENTRIES)
+def test_entries_that_leave_their_folder_are_one_problem(tmp_path, cache, case):
+    entry, problem = ENTRIES[case]
+    path = packed(tmp_path / "a.fmu", [(entry, "/etc/passwd")])
+    (found,) = examined(path).problems
+    assert found.startswith(f"entry {problem}")
+    assert not cache.exists() or list(cache.iterdir()) == []
+
+
+def test_an_encrypted_entry_is_one_problem(tmp_path, cache):
+    path = packed(tmp_path / "a.fmu", [("resources/a", "a")])
+    content = bytearray(path.read_bytes())
+    content[content.rindex(b"PK\x01\x02") + 8] |= 1
+    path.write_bytes(content)
+    assert check_fmu(path).problems == ["entry 'resources/a' must not be encrypted"]
+
+
+def test_other_compression_than_the_standard_has_is_one_problem(tmp_path, cache):
+    entry = zipfile.ZipInfo("resources/a")
+    entry.compress_type = zipfile.ZIP_LZMA
+    path = packed(tmp_path / "a.fmu", [(entry, "a")])
+    assert examined(path).problems == [
+        "entry 'resources/a' must be stored or deflated, is compressed by method 14"
+    ]
+
+
+def bomb(path, files):
+    """An archive with 150 MB of zeros in each of some files."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as made:
+        made.writestr(DESCRIPTION, description())
+        for number in range(files):
+            with made.open(f"resources/{number}", "w") as stream:
+                for _ in range(150):
+                    stream.write(bytes(1_000_000))
+    return path
+
+
+def test_an_archive_that_unpacks_to_more_than_a_gigabyte_is_rejected_at_once(tmp_path, cache):
+    path = bomb(tmp_path / "a.fmu", 7)
+    (problem,) = examined(path).problems
+    assert problem == "the archive must unpack to at most 1 GB, unpacks to 1.05 GB"
+    assert list(cache.iterdir()) == []
+
+
+def test_an_entry_that_is_larger_than_it_claims_is_rejected(tmp_path, cache):
+    path = bomb(tmp_path / "a.fmu", 1)
+    content = path.read_bytes().replace((150_000_000).to_bytes(4, "little"), (1000).to_bytes(4, "little"))
+    path.write_bytes(content)
+    (problem,) = examined(path).problems
+    assert problem.startswith("entry 'resources/0' cannot be unpacked: ")
+    assert list(cache.iterdir()) == []
+
+
+def test_a_damaged_entry_is_one_problem_and_leaves_nothing(tmp_path, cache):
+    path = packed(tmp_path / "a.fmu", [("resources/a", os.urandom(10_000))])
+    content = bytearray(path.read_bytes())
+    content[content.index(b"resources/a") + 500] ^= 255
+    path.write_bytes(content)
+    (problem,) = examined(path).problems
+    assert problem.startswith("entry 'resources/a' cannot be unpacked: Bad CRC-32")
+    assert list(cache.iterdir()) == []
+
+
+ENTITIES = "".join(f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 10))
+DOCTYPES = {
+    "billion laughs": f'<!DOCTYPE a [<!ENTITY a0 "ha">{ENTITIES}]><a>&a9;</a>',
+    "a file": '<!DOCTYPE a [<!ENTITY a SYSTEM "file:///etc/passwd">]><a>&a;</a>',
+    "an endless file": '<!DOCTYPE a [<!ENTITY % a SYSTEM "file:///dev/zero"> %a;]><a/>',
+    "a schema": '<!DOCTYPE a SYSTEM "file:///dev/zero"><a/>',
+}
+
+
+@pytest.mark.parametrize("file", [DESCRIPTION, "sources/buildDescription.xml"])
+@pytest.mark.parametrize("case", DOCTYPES)
+def test_entities_in_descriptions_are_one_error(tmp_path, cache, case, file):
+    path = tmp_path / "a.fmu"
+    with zipfile.ZipFile(path, "w") as made:
+        for name, content in {DESCRIPTION: description(fmi=3), file: DOCTYPES[case]}.items():
+            made.writestr(name, content)
+    words = rf"a.fmu must be an FMU: {file} must have no document type \(DOCTYPE\), has one$"
+    with pytest.raises(FmuError, match=words):
+        examined(path)
+
+
+@pytest.mark.parametrize("case", DOCTYPES)
+def test_entities_in_experiments_are_one_problem(fmu, case):
+    files = references("time,y\n0,0\n")
+    files[next(name for name in files if name.endswith(".exp"))] = DOCTYPES[case]
+    assert examined(fmu(files=files)).problems == [
+        "its experiments with references cannot be read:"
+        " experiments.exp must have no document type (DOCTYPE), has one"
+    ]
+
+
+def test_files_that_are_no_fmus_are_one_line(tmp_path, cache):
+    pipe, text, empty, plain = (tmp_path / name for name in ("pipe", "text", "empty.fmu", "plain.fmu"))
+    os.mkfifo(pipe)
+    text.write_text("text")
+    empty.write_bytes(b"")
+    with zipfile.ZipFile(plain, "w") as made:
+        made.writestr("readme.txt", "no FMU")
+    cases = {
+        pipe: "is a device or a pipe",
+        "/dev/zero": "is a device or a pipe",
+        "/dev/null": "is a device or a pipe",
+        tmp_path: "is a folder",
+        tmp_path / "nothing": "there is no such file",
+        text / "a": "Not a directory",
+        text: "it must be a zip archive: File is not a zip file",
+        empty: "it must be a zip archive: File is not a zip file",
+        plain: "it must have a file modelDescription.xml at the top of its archive",
+    }
+    for path, words in cases.items():
+        is_one_line(command("check", path), f"{path} must be an FMU", words)
+
+
+def test_a_file_that_is_too_large_is_one_line(tmp_path, cache):
+    path = tmp_path / "large.fmu"
+    with path.open("wb") as stream:
+        stream.truncate(archive.MAX_UNPACKED + 1)
+    is_one_line(command("check", path), "large.fmu must be an FMU of at most 1 GB, is 1 GB")
+
+
+def test_time_limit_is_a_quantity(tmp_path):
+    for text in ("0", "-1 s", "a", "1 m", "inf"):
+        is_one_line(command("check", "a.fmu", "--timeout", text), "--timeout must be a number above 0 in s")
+    with pytest.raises(FmuError, match="timeout must be a positive number of seconds, is nan"):
+        check_fmu(tmp_path, float("nan"))
+    done = command("check", "-h")
+    assert "s, or with a unit" in " ".join(done.output.split())
+
+
+def test_a_process_that_cannot_start_is_one_line(tmp_path, cache, monkeypatch):
+    monkeypatch.setattr(check, "__package__", "no_package")
+    is_one_line(command("check", packed(tmp_path / "a.fmu", [])), "the process of the check cannot start: ")

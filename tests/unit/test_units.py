@@ -1,0 +1,92 @@
+"""Units as engineers write them, and the table of units in the documentation."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from inertia_module.common.units import _PRODUCTS, _SYMBOLS, KINDS, factor_between, number_of
+
+SCENES = Path(__file__).parents[2] / "docs" / "scenes.md"
+
+RPM, POUND_FOOT = 0.10471975511965977, 1.3558179483314004
+
+# a unit as it is written, the SI unit, the factor between both
+WRITTEN = [
+    *((unit, "rad/s", RPM) for unit in ("1/min", "1 / min", "/min", "min-1", "min^-1", "min⁻¹", "(1/min)")),
+    *((unit, "rad/s", RPM) for unit in ("U/min", "U min-1", "U·min⁻¹", "Umin", "Umin-1", "Umin⁻¹", "r/min")),
+    *((unit, "rad/s", RPM) for unit in ("RPM", "rpm", "rev/min")),
+    *((unit, "rad/s", 1.0) for unit in ("rad/s", "rad s^-1", "rad·s⁻¹", "rad/sec")),
+    *((unit, "rad/s", 0.017453292519943295) for unit in ("deg/s", "°/s", "º/s")),
+    *((unit, "rad/s2", 1.0) for unit in ("rad/s2", "rad/s^2", "rad/s²", "rad·s⁻²", "rad/s/s")),
+    *((unit, "rad/s2", RPM) for unit in ("rpm/s", "1/min/s", "U/min/s")),
+    *((unit, "Hz", 1.0) for unit in ("1/s", "s-1", "s⁻¹", "/s")),
+    ("1/min", "Hz", 1.0 / 60.0),
+    *((unit, "m/s", 1.0 / 3.6) for unit in ("km/h", "kmh", "kph", "km h⁻¹")),
+    ("mph", "m/s", 0.44704),
+    ("mi/h", "m/s", 0.44704),
+    ("ft", "m", 0.3048),
+    ("in", "m", 0.0254),
+    *((unit, "m", 1e-6) for unit in ("um", "µm", "μm")),
+    *((unit, "s", 1e-6) for unit in ("us", "µs", "μs")),
+    ("lb", "kg", 0.45359237),
+    *((unit, "m2", 1.0) for unit in ("m2", "m^2", "m²", "m**2")),
+    *((unit, "kg.m2", 1.0) for unit in ("kg·m²", "kg⋅m²", "kg m^2", "kg*m**2", "kgm2", "kgm²", "kg-m2")),
+    *((unit, "kg.m2", 1e-7) for unit in ("gcm²", "g.cm2", "g cm²")),
+    *((unit, "kg.m2", 0.45359237 * 0.3048**2) for unit in ("lb.ft2", "lb-ft²")),
+    *((unit, "N.m", 1.0) for unit in ("N·m", "N m", "Nm", "N-m", "N*m")),
+    ("Ncm", "N.m", 0.01),
+    ("mNm", "N.m", 0.001),
+    *((unit, "N.m", POUND_FOOT) for unit in ("lbf.ft", "lb.ft", "lb-ft", "ft-lb", "ftlb", "lbft", "lbf ft")),
+    *((unit, "N.m", POUND_FOOT / 12.0) for unit in ("in.lb", "in-lb", "lbin", "lbf·in")),
+    ("lb.ft/rad", "N.m/rad", POUND_FOOT),
+    *((unit, "N.m.s/rad", 1.0) for unit in ("Nm/(rad/s)", "Nms/rad", "N m s / rad", "N.m.(rad/s)^-1")),
+    *((unit, "N.m.s/rad", 1.0 / RPM) for unit in ("Nm/rpm", "Nm/(1/min)", "Nm/(U/min)")),
+    ("kW", "W", 1e3),
+    ("PS", "W", 735.49875),
+    ("hp", "W", 745.6998715822702),
+]
+
+
+@pytest.mark.parametrize(("unit", "si", "factor"), WRITTEN)
+def test_a_unit_is_read_as_engineers_write_it(unit, si, factor):
+    assert factor_between(unit, si) == pytest.approx(factor, rel=1e-14)
+    assert number_of(f"3 {unit}", si) == pytest.approx(3.0 * factor, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("unit", "si", "words"),
+    [
+        ("blink", "rad/s", r"blink is an unknown unit \(units of this kind: rad/s, rpm, .*1/min.*\)"),
+        ("blink", "N.m", r"blink is an unknown unit \(units of this kind: N\.m, .*Ncm.*lbf\.ft.*\)"),
+        ("blink", "J", r"\(units of this kind: J, kJ, .*kWh\)"),
+        ("blink", "kg.m2", r"\(units of this kind: kg\.m2, .*gcm2.*\)"),
+        ("blink", "N.s", "blink is an unknown unit$"),
+        ("kg", "rad/s", r"kg is not a unit for rad/s \(units of this kind: rad/s"),
+        # rad/s or rev/s?
+        ("1/s", "rad/s", r"1/s is not a unit for rad/s \(.* rev/s"),
+        ("Hz", "rad/s", "Hz is not a unit for rad/s"),
+        ("lb", "N.m", "lb is not a unit for N.m"),
+        ("1/min", "s", "1/min is not a unit for s"),
+        ("rad/s)", "rad/s", r"rad/s\) is an unknown unit|s\) is an unknown unit"),
+        ("(rad/s", "rad/s", r"\(rad is an unknown unit"),
+        ("N..m/", "N.m", "is an unknown unit"),
+        ("Nm2", "N.m", "Nm2 is not a unit for N.m"),
+    ],
+)
+def test_an_unknown_unit_is_rejected_with_the_units_of_its_kind(unit, si, words):
+    with pytest.raises(ValueError, match=words):
+        factor_between(unit, si)
+
+
+def test_each_unit_of_the_table_is_of_its_kind_and_no_unit_is_missing():
+    for units in KINDS.values():
+        assert all(factor_between(unit, units[0]) > 0.0 for unit in units)
+    written = " ".join(unit for units in KINDS.values() for unit in units)
+    symbols = set(re.findall(r"[A-Za-z%‰°]+\d?", written))
+    assert {*_SYMBOLS, *_PRODUCTS} - symbols <= {"1", "Nms", "Umin-1"}
+
+
+def test_the_documentation_has_the_table_of_units():
+    rows = re.findall(r"^\| ([^|`]+) \| `(.+)` \|$", SCENES.read_text(encoding="utf-8"), re.MULTILINE)
+    assert {kind: tuple(units.split("`, `")) for kind, units in rows} == KINDS
