@@ -84,9 +84,9 @@ from {package}.fmu.slave import {identifier}
 
 # where FMI 2.0 looks for what an FMU takes of the machine
 DEPENDENCIES = "documentation/externalDependencies.txt"
-NEEDED = """The process of the host must have the library of Python 3.11 or later in it, 64 bit; no packages.
-On Linux it takes glibc 2.32 or later, and libstdc++ of GCC 12 or later.
-The native FMU of this model needs nothing.
+NEEDED = """The host process must load the 64-bit library of Python 3.11 or later. No Python packages are necessary.
+On Linux the FMU requires glibc 2.32 or later and libstdc++ of GCC 12 or later.
+The native FMU of this model has no such requirements.
 """
 
 
@@ -106,7 +106,7 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
         what = f"{fmu.identifier} for {target.label}"
         kernel = build.attempt(f"compiled kernel in {what}", compiled, target)
         front = build.attempt(
-            f"front of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
+            f"wrapper library of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
         )
         if kernel is not None:
             kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel

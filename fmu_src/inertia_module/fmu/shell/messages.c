@@ -21,7 +21,7 @@ enum status choose_logging(struct instance *c, int on, size_t count, const char 
             found++;
         if (found == CATEGORIES)
             return report(c, ERROR, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
-                          " logSteps or logAll (got %.64s)", categories[n] ? categories[n] : "NULL");
+                          " logSteps or logAll (got %s)", categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
