@@ -99,6 +99,10 @@ class Answer:
     warnings: Sequence[str] = ()
 
 
+# commands with a journal of their results
+CONTINUED = ("sweep", "design")
+
+
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
     """Turn a function into a command: add --json, errors in one line and the exit code."""
 
@@ -109,6 +113,9 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         except (ValueError, RuntimeError, OSError, MemoryError) as error:
             aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
+        except KeyboardInterrupt:
+            aside("stopped; the same command continues" if work.__name__ in CONTINUED else "stopped")
+            raise typer.Exit(128 + signal.SIGINT) from None
         try:
             present(answer, as_json)
         except OSError as error:
@@ -774,6 +781,9 @@ def main() -> None:
         app()
     except SystemExit as leave:
         code = leave.code
+    except KeyboardInterrupt:
+        aside("stopped")
+        code = 128 + signal.SIGINT
     except OSError as error:  # of help, which is printed before any command runs
         error.filename = STANDARD_OUTPUT
         aside(f"error: {sentence_of(error)}")
