@@ -248,9 +248,9 @@ def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluste
 
 def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
     task = Task(fmu.read_bytes(), {}, print)
-    with pool(task, cluster.address) as client:
-        with pytest.raises(workers.ClusterError, match="a worker cannot do the task: TypeError: "):
-            list(evaluations(client, task.identity, [{}]))
+    sentence = "a worker cannot do the task: TypeError: "
+    with pool(task, cluster.address) as client, pytest.raises(workers.ClusterError, match=sentence):
+        list(evaluations(client, task.identity, [{}]))
 
 
 @pytest.mark.parametrize("number", [0, -1])
