@@ -84,9 +84,9 @@ from {package}.fmu.slave import {identifier}
 
 # where FMI 2.0 looks for what an FMU takes of the machine
 DEPENDENCIES = "documentation/externalDependencies.txt"
-NEEDED = """The process of the host must have the library of Python 3.11 or later in it, 64 bit; no packages.
-On Linux it takes glibc 2.32 or later, and libstdc++ of GCC 12 or later.
-The native FMU of this model needs nothing.
+NEEDED = """The process of the importer must contain the library of Python 3.11 or later, 64 bit.
+On Linux it requires glibc 2.32 or later and libstdc++ of GCC 12 or later.
+The native FMU of this model has no run-time requirements.
 """
 
 
