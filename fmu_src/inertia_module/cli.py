@@ -1,4 +1,4 @@
-"""The command ``inertia-module``: FMUs, scenes, jobs, what accuracy costs.
+"""The command ``inertia-module``: scenes, engineering tasks, FMUs.
 
 Common to all commands: errors in one line, --json, files, the exit code. Libraries and modules of the package
 are imported when a command runs: help needs none of them.
@@ -30,7 +30,7 @@ import typer
 
 import inertia_module
 
-from .common.errors import sentence_of
+from .common.errors import must_be, sentence_of
 from .common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from .common.terminal import progress_bar, terminal
 from .common.units import factor_between, number_of, split_quantity
@@ -50,13 +50,18 @@ def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> A
     return typer.Option(*names, metavar=metavar, help=text, **more)
 
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file.")]
-OutputFolder = Annotated[File, option("Folder to write to, made if missing.", "DIR", "--output", "-o")]
-FmuToRun = Annotated[File, option("FMU to run instead of the package's own.", "FILE.fmu")]
-Keys = Annotated[Texts, option("Instead of the scene's: load.torque='8 N.m'; repeat.", "KEY=VALUE", "--set")]
-Json = Annotated[bool, option("Print one JSON object for machines.", None, "--json")]
-Scheduler = Annotated[Text, option("Dask scheduler to use: tcp://host:8786.", "ADDRESS")]
-Workers = Annotated[int | None, option("Processes on this machine (one for each core).", "N", min=1)]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file (TOML).")]
+OutputFolder = Annotated[File, option("Output folder (created if missing).", "DIR", "--output", "-o")]
+FmuToRun = Annotated[File, option("FMU to use instead of the bundled one.", "FILE.fmu")]
+Keys = Annotated[
+    Texts,
+    option("Override a scene value, e.g. load.torque='8 N.m'; may be repeated.", "KEY=VALUE", "--set"),
+]
+Json = Annotated[bool, option("Print the result as JSON.", None, "--json")]
+Scheduler = Annotated[Text, option("Address of a Dask scheduler, e.g. tcp://host:8786.", "ADDRESS")]
+Workers = Annotated[
+    int | None, option("Number of local worker processes (default: one per core).", "N", min=1)
+]
 
 
 def aside(text: str) -> None:
@@ -165,7 +170,7 @@ def show(one: Shown) -> None:
 
 
 def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
-    """A quantity given on the command line, such as "2 s", in SI; limits: as of scene.keys.checked."""
+    """Convert an option such as "2 s" to SI and check its range; limits: see scene.keys.checked."""
     from .scene.keys import checked
 
     try:
@@ -175,25 +180,24 @@ def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> fl
 
 
 def turning(text: str) -> float:
-    """An input speed given on the command line, such as "3000 rpm", in rad/s; negative backwards."""
+    """Convert the option --speed, such as "3000 rpm", to rad/s; negative backwards."""
     from .contract.variables import LARGEST_SPEED
 
+    allowed = f"non-zero and at most {LARGEST_SPEED:g} rad/s, e.g. '3000 rpm'"
+    message = must_be("--speed", allowed, repr(text))
     try:
         omega1 = number_of(text, "rad/s")
-        if not 0.0 < abs(omega1) <= LARGEST_SPEED:
-            raise ValueError("it is at rest or too fast")
     except ValueError as error:
-        raise ValueError(
-            f"--speed must be a speed up to {LARGEST_SPEED:g} rad/s, not 0, such as '3000 rpm',"
-            f" is {text!r}: {error}"
-        ) from None
+        raise ValueError(f"{message}: {error}") from None
+    if not 0.0 < abs(omega1) <= LARGEST_SPEED:
+        raise ValueError(message)
     if not split_quantity(text)[1]:
-        aside(f"warning: --speed {text} has no unit, is taken as {speed_text(omega1)}")
+        aside(f"warning: --speed {text} has no unit; rad/s is used: {speed_text(omega1)}")
     return omega1
 
 
 def speed_text(omega1: float) -> str:
-    """A speed, rad/s, in the units in which speeds are given."""
+    """Write a speed, rad/s, in rad/s and rpm."""
     return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
 
 
@@ -202,9 +206,9 @@ def speed_text(omega1: float) -> str:
 
 @command
 def build(output: OutputFolder = None) -> Answer:
-    """Build the FMUs and the kernel for pages.
+    """Build the FMUs and the WebAssembly kernel for the viewer.
 
-    Each is whole or not there (in build/ without -o). Exit code 1 if one is skipped.
+    Files are written atomically (default folder: build/). Exits with code 1 if any file was skipped.
     """
     from .fmu.builder import build as build_fmus
 
@@ -219,17 +223,25 @@ def build(output: OutputFolder = None) -> Answer:
     return Answer(told, shown, failed=bool(built.skipped))
 
 
+# headings of properties of an FMU, by their names in JSON
+FACTS = {
+    "made by": "generation tool",
+    "stepped to": "simulated",
+    "with event mode": "simulated with event mode",
+}
+
+
 @command
 def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
     timeout: Annotated[
-        str, option("Time limit of the process that runs the FMU, s, or with a unit: '5 min'.", "TIME")
+        str, option("Time limit of the process that runs the FMU, e.g. '5 min'.", "TIME")
     ] = "60 s",
 ) -> Answer:
-    """Validate any FMU file, step it, replay the references in it.
+    """Validate an FMU, simulate it and check its reference results.
 
-    It is stepped with event mode too where it has one; references are those of FMI-LS-REF, with tolerances.
-    The FMU runs in a process of its own, with limits of time and memory. This is no sandbox.
+    Simulates it in event mode, too, if the FMU supports it. The reference results embedded in the FMU follow
+    FMI-LS-REF. The FMU runs in its own process with limits on time and memory. This is not a sandbox.
     """
     from .harness.check import check_fmu
 
@@ -237,8 +249,9 @@ def check(
     with progress_bar(f"check of {fmu.name}") as progress:
         report = check_fmu(fmu, limit or 0.0, progress)
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
-    shown: list[Shown] = [(str(fmu), report.facts)]
-    shown += [("deviations from its references", rows)] if rows else []
+    facts = {FACTS.get(name, name): text for name, text in report.facts.items()}
+    shown: list[Shown] = [(str(fmu), facts)]
+    shown += [("deviation from reference results", rows)] if rows else []
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
     told = {"fmu": str(fmu), **asdict(report)}
@@ -247,11 +260,11 @@ def check(
 
 @command
 def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> Answer:
-    """Export the mechanism of a scene: SSP, OSP, container FMU.
+    """Export the mechanism of a scene as SSP, OSP and container FMU.
 
-    They are in out/export/SCENE without -o. An elastic mechanism becomes two FMUs, the rigid module and
-    its shaft. Drive, load and controller stay here: their values at the start go along, as inputs of the
-    module and its shaft.
+    An elastic mechanism becomes two FMUs: the rigid module and its shaft. Drive, load and controller are
+    not exported; their start values become start values of the inputs. Default output folder:
+    out/export/SCENE.
     """
     from .export.systems import export as write
     from .scene.run import scene_plan
@@ -269,11 +282,11 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
 @command
 def new(
     name: Annotated[str, typer.Argument(help="Example to copy: planar, planar.py, urban, tutorial, ...")],
-    output: Annotated[File, option("Its file (NAME.toml).", "FILE", "--output", "-o")] = None,
+    output: Annotated[File, option("Output file (default: NAME.toml).", "FILE", "--output", "-o")] = None,
 ) -> Answer:
     """Copy an example to a new file.
 
-    What belongs to it goes along: a measurement, programs that it imports.
+    Also copies its data files and helper scripts.
     """
     from .common.examples import belonging
 
@@ -285,16 +298,17 @@ def new(
         copies[path.with_suffix(part.suffix) if same else path.with_name(part.name)] = part
     for copy in copies:
         if copy.exists():
-            raise ValueError(f"{copy} must be a new file, is there already: -o FILE writes another")
+            raise ValueError(f"{copy} already exists. Choose another name with -o.")
     for copy, original in copies.items():
         write_atomically(copy, original.read_bytes())
 
-    shown = [f"new: {copy}" for copy in copies] + [f"next: {line}" for line in _commands(source, path)]
+    shown = [*(f"created: {copy}" for copy in copies), "Next steps:"]
+    shown += [f"  {line}" for line in _commands(source, path)]
     return Answer({"files": [str(copy) for copy in copies]}, shown)
 
 
 def _commands(source: Path, path: Path) -> list[str]:
-    """Commands that an example is for, one after the other, with the path of its copy."""
+    """Return the commands to run after the copy of an example, in their order."""
     text = source.read_text(encoding="utf-8")
     if source.suffix == ".ipynb":
         return ["pip install 'inertia-module[jobs,notebook]' jupyterlab", f"jupyter lab {path}"]
@@ -310,16 +324,19 @@ def run(
     scene: SceneFile,
     output: OutputFolder = None,
     fidelity: Annotated[
-        Text, option("Instead of the scene's: kinematic, averaged, rigid, elastic, or auto to choose.")
+        Text,
+        option("Fidelity level: kinematic, averaged, rigid, elastic, or auto (chosen by --error).", "LEVEL"),
     ] = None,
-    error: Annotated[Text, option('Error allowed in the outputs, such as "1 %", for fidelity auto.')] = None,
+    error: Annotated[
+        Text, option("Maximum error of the outputs for fidelity auto, e.g. 1%.", "ERROR")
+    ] = None,
     fmu: FmuToRun = None,
-    view: Annotated[bool, option("Write page.html too: see view.", None, "--view")] = False,
+    view: Annotated[bool, option("Also write the animation page.html (see view).", None, "--view")] = False,
     keys: Keys = None,
 ) -> Answer:
-    """Run a scene: table, summary and plot.
+    """Run a scene and write its table, summary and plot.
 
-    Writes table.csv, summary.json and plot.png in a folder (out/SCENE without -o).
+    Writes table.csv, summary.json and plot.png. Default output folder: out/SCENE.
     """
     from .contract.variables import COMPUTED
     from .page.html import html_file, template
@@ -366,41 +383,43 @@ def _read(
     read = load_any_scene(scene, keys)
     if not isinstance(read, Scene):
         if view or fidelity is not None or error is not None:
-            raise ValueError("--fidelity, --error and --view must come with a scene of the module")
+            raise ValueError("--fidelity, --error and --view require a scene of the module")
         return read, None
     allowed = quantity_of("--error", error, "1", maximum=1.0, above=0.0)
     if fidelity is not None or (allowed is not None and read.chooses_fidelity):
         read = read.with_fidelity(fidelity or "auto", allowed)
     if not read.chooses_fidelity:
         if allowed is not None:
-            raise ValueError(f"--error = {error} must come with fidelity auto")
+            raise ValueError(f"--error = {error} requires fidelity auto")
         return read, None
-    with progress_bar("measuring the levels of fidelity") as progress:
+    with progress_bar("measuring the fidelity levels") as progress:
         return choose(read, progress)
 
 
 @command
 def view(
     scene: SceneFile,
-    output: Annotated[File, option("The page (out/SCENE/page.html).", "FILE.html", "--output", "-o")] = None,
-    show: Annotated[bool, option("Open it in the browser.", None, "--open")] = False,
+    output: Annotated[
+        File, option("Output file (default: out/SCENE/page.html).", "FILE.html", "--output", "-o")
+    ] = None,
+    show: Annotated[bool, option("Open the file in the browser.", None, "--open")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
-    """Write a scene as a page that shows the machine moving.
+    """Write an interactive 3-D animation of a scene (HTML).
 
-    It is one HTML file, with the kernel in it. What the page cannot integrate itself, a load that follows
-    the motion or a controller, is run here first and played in it.
+    The file contains the kernel and runs in a browser. Closed-loop scenes (with a controller, or a load that
+    depends on the motion) are simulated first and replayed.
     """
     from .contract.variables import COMPUTED
     from .page.html import checked_path, html_file, is_exact, template
     from .scene import Scene
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "the page")
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "--output")
     template()
     read, _ = _read(scene, keys)
     if not isinstance(read, Scene):
-        raise ValueError(f"{scene.name} must be a scene of the module, is one of a driven shaft")
+        raise ValueError(must_be(scene.name, "a scene of the module", "a driven shaft"))
     outcome = None
     if not is_exact(read):
         outcome, _ = _ran(read, fmu, COMPUTED)
@@ -411,7 +430,7 @@ def view(
 
 
 def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Sequence[str]) -> Answer:
-    """Write an HTML file of a scene, the page or the report; the answer tells where and how large it is."""
+    """Write an HTML file of a scene, the viewer or the report; return its path and size."""
     write_atomically(path, content)
     told = {"scene": str(scene), what: str(path), "bytes": len(content), "warnings": list(warnings)}
     return Answer(told, [f"{what}: {path} ({len(content) / 1e6:.1f} MB)"], warnings=warnings)
@@ -420,19 +439,21 @@ def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Seque
 @command
 def report(
     scene: SceneFile,
-    output: Annotated[File, option("File (out/SCENE/report.html).", "FILE.html", "--output", "-o")] = None,
+    output: Annotated[
+        File, option("Output file (default: out/SCENE/report.html).", "FILE.html", "--output", "-o")
+    ] = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
-    """Run a scene and write its report, to send or to print.
+    """Run a scene and write a printable HTML report.
 
-    It is one HTML file: what was asked, the mechanism, its parameters and their sources, curves, chart,
-    orders, loads, losses, duty of the freewheels, all warnings, and how to repeat it.
+    The report contains the inputs, the mechanism, its parameters and their sources, curves, torque converter
+    chart, orders, loads, losses, freewheel duty, all warnings, and how to reproduce it.
     """
     from .figures.report import RECORDED, report_file
     from .page.html import checked_path
 
-    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "the report")
+    path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "--output")
     read, choice = _read(scene, keys)
     chosen = choice.lines() if choice else []
     result, used = _ran(read, fmu, RECORDED)
@@ -448,16 +469,19 @@ def report(
 def tradeoff(
     scene: SceneFile,
     output: OutputFolder = None,
-    recommend: Annotated[Text, option('Tell the cheapest level for an error: "1 %".', "ERROR")] = None,
+    recommend: Annotated[
+        Text, option("Recommend the cheapest level that meets this error, e.g. 1%.", "ERROR")
+    ] = None,
     keys: Keys = None,
 ) -> Answer:
-    """Measure error against cost of a scene.
+    """Compare accuracy and run time of all fidelity levels.
 
-    Of each fidelity, method, tolerance or step, and communication step (out/tradeoff without -o).
+    Runs a scene with each fidelity, method, tolerance or step size, and communication step. Writes
+    tradeoff.csv and tradeoff.png. Default output folder: out/tradeoff.
     """
     from .fidelity import trials
 
-    with progress_bar("measuring the trade") as progress:
+    with progress_bar("comparing the fidelity levels") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
         read = inertia_module.load_scene(scene, keys)
@@ -483,24 +507,25 @@ def chart(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE.toml...", help="Scenes to compare.")],
     output: OutputFolder = None,
     speed: Annotated[
-        Text, option("Torques at this speed, and converter tables for lookup blocks: 3000 rpm.", "SPEED")
+        Text,
+        option("Input speed for torques and converter tables (lookup blocks), e.g. '3000 rpm'.", "SPEED"),
     ] = None,
     mapped: Annotated[
-        bool, option("Maps over ratio and speed up to that, and converter tables.", None, "--map")
+        bool, option("Also write maps over speed ratio and input speed, and converter tables.", None, "--map")
     ] = False,
     keys: Keys = None,
 ) -> Answer:
     """Draw torque converter charts of mechanisms.
 
-    A CSV each and one figure (out/chart without -o). Of mechanisms with losses the charts are those of
-    one input speed, and the efficiency over speed ratio and input speed is drawn.
+    Writes one CSV file per scene and one figure. With losses, a chart is for one input speed, and the figure
+    also shows the efficiency over speed ratio and input speed. Default output folder: out/chart.
     """
     from .harness import chart as steady
 
     folder = writable_folder(output or OUTPUT_FOLDER / "chart")
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
-        raise ValueError(f"scenes must be files of different names, are {', '.join(names)}")
+        raise ValueError(must_be("file names of the scenes", "different", ", ".join(names)))
     omega1 = None if speed is None else turning(speed)
     at, unit = omega1 or steady.NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
     read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
@@ -545,24 +570,33 @@ def chart(
 def orders(
     scene: SceneFile,
     output: OutputFolder = None,
-    of: Annotated[str, option("Orders of link1, cycles a turn of it, or of drive_angle.")] = "link1",
-    signals: Annotated[Texts, option("Output to look at; may be repeated.", "NAME", "--signal")] = None,
-    highest: Annotated[float | None, option("Highest order.", "ORDER")] = None,
-    turns: Annotated[float | None, option("Turns of that in a window: 1 / resolution.")] = None,
-    begin: Annotated[
-        Text, option("Begin of the time analysed: '2 s' (where it turns).", "TIME", "--from")
+    of: Annotated[
+        str, option("Reference angle: link1 (carrier) or drive_angle (planet shaft).", "ANGLE")
+    ] = "link1",
+    signals: Annotated[Texts, option("Output to analyse; may be repeated.", "NAME", "--signal")] = None,
+    highest: Annotated[float | None, option("Maximum order.", "ORDER")] = None,
+    turns: Annotated[
+        float | None, option("Window length in revolutions (order resolution = 1/N).", "N")
     ] = None,
-    end: Annotated[Text, option("End of it.", "TIME", "--to")] = None,
+    begin: Annotated[
+        Text,
+        option("Start of the analysed interval, e.g. '2 s' (default: start of rotation).", "TIME", "--from"),
+    ] = None,
+    end: Annotated[
+        Text, option("End of the analysed interval (default: end of the run).", "TIME", "--to")
+    ] = None,
     hz: Annotated[bool, option("Use Hz and rpm in output and figure.", None, "--hz")] = False,
-    mat: Annotated[bool, option("Write complex amplitudes as orders.mat.", None, "--mat")] = False,
-    uff: Annotated[bool, option("Write them as orders.uff (data sets 58).", None, "--uff")] = False,
+    mat: Annotated[bool, option("Also write complex amplitudes to orders.mat.", None, "--mat")] = False,
+    uff: Annotated[
+        bool, option("Also write complex amplitudes to orders.uff (data set 58).", None, "--uff")
+    ] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
-    """Find the orders of torques, speeds and forces of a scene.
+    """Run an order analysis of a scene.
 
-    Runs it and writes orders.csv, waterfall.csv (over the run), summary.json and orders.png in a folder
-    (out/orders/SCENE without -o).
+    Analyses torques, speeds and forces. Writes orders.csv, waterfall.csv (spectra over the run),
+    summary.json and orders.png. Default output folder: out/orders/SCENE.
     """
     from .common.extras import library
     from .figures.jobs import order_figure
@@ -600,23 +634,30 @@ def orders(
 @command
 def fit(
     measured: Annotated[
-        Path, typer.Argument(metavar="MEASURED.csv", help="Table over time, units in its headings.")
+        Path, typer.Argument(metavar="MEASURED.csv", help="Measured data over time, units in the headings.")
     ],
     scene: SceneFile,
-    free: Annotated[Texts, option("Key, or offset., gain., shift.COLUMN; repeat.", "NAME[=RANGE]")] = None,
-    columns: Annotated[
-        Texts, option("Column to compare (all that are outputs); repeat.", "NAME", "--column")
+    free: Annotated[
+        Texts,
+        option(
+            "Free parameter: a key, offset.COLUMN, gain.COLUMN or shift.COLUMN; may be repeated.",
+            "NAME[=RANGE]",
+        ),
     ] = None,
-    starts: Annotated[int, option("Points of the ranges to begin at.")] = 16,
-    seed: Annotated[int, option("Of these points: same seed, same result.")] = 0,
+    columns: Annotated[
+        Texts,
+        option("Column to compare (default: all outputs); may be repeated.", "NAME", "--column"),
+    ] = None,
+    starts: Annotated[int, option("Number of starting points.", "N")] = 16,
+    seed: Annotated[int, option("Random seed of the starting points.", "N")] = 0,
     output: OutputFolder = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
-    """Find the values of a scene's keys that fit a measurement.
+    """Fit scene parameters to measured data.
 
-    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Tells how sure they are. Writes fitted.toml (a scene),
-    residuals.csv, fit.json and fit.png in a folder (out/SCENE_fit without -o).
+    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Prints the fitted values with their intervals (95 %). Writes
+    fitted.toml (a scene), residuals.csv, fit.json and fit.png. Default output folder: out/SCENE_fit.
     """
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
@@ -644,23 +685,30 @@ def fit(
 @command
 def sweep(
     scene: SceneFile,
-    vary: Annotated[Texts, option("FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; repeat.", "NAME=RANGE")] = None,
-    sample: Annotated[Text, option("Instead of a grid: latin:200, sobol:256 points.", "KIND:COUNT")] = None,
-    sensitivity: Annotated[
-        int | None, option("Sobol indices from N (keys + 2) runs, N a power of 2.", "N")
+    vary: Annotated[
+        Texts,
+        option(
+            "Key and its values: FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C; may be repeated.", "NAME=RANGE"
+        ),
     ] = None,
-    figure: Annotated[Texts, option("Figure of the summary to plot; repeat.", "NAME")] = None,
-    seed: Annotated[int, option("Of the samples: same seed, same points.")] = 0,
+    sample: Annotated[
+        Text, option("Samples instead of a grid, e.g. latin:200 or sobol:256.", "KIND:COUNT")
+    ] = None,
+    sensitivity: Annotated[
+        int | None, option("Sobol indices from N (keys + 2) runs; N is a power of 2.", "N")
+    ] = None,
+    figure: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
     fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
 ) -> Answer:
-    """Run a scene over values of its keys.
+    """Run a parameter sweep.
 
-    Writes sweep.parquet, sweep.csv and plot.png in a folder (out/SCENE_sweep without -o). What is done is
-    in journal.jsonl of the folder and is not done again.
+    Writes sweep.parquet, sweep.csv and plot.png. Completed runs are stored in journal.jsonl and reused.
+    Default output folder: out/SCENE_sweep.
     """
     from .figures.jobs import sweep_figure
 
@@ -681,26 +729,30 @@ def sweep(
     files = {**found.files, "plot": write_figure(folder / "plot.png", sweep_figure(found, figure or ()))}
     numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
 
-    shown: list[Shown] = [(f"sweep of {scene.name}", {name: str(count) for name, count in numbers.items()})]
-    shown += [f"refused first: {one.point}: {one.refused}" for one in found.refused[:1]]
     runs = len(found.rows)
+    counts = {"runs": f"{runs} ({found.new} new)", "failed": str(len(found.refused))}
+    shown: list[Shown] = [(f"sweep of {scene.name}", counts)]
+    shown += [f"first failure: {one.point}: {one.refused}" for one in found.refused[:1]]
     shown += [f"{name}: not reached in {count} of {runs} runs" for name, count in found.unreached.items()]
     return Answer({"scene": str(scene), **numbers, "unreached": found.unreached}, shown, files)
 
 
 @command
 def design(
-    spec: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="Scene with [free] and [figures].")],
+    spec: Annotated[
+        Path,
+        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [figures]."),
+    ],
     output: OutputFolder = None,
     keys: Keys = None,
     fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
 ) -> Answer:
-    """Search the best designs within the limits of a specification.
+    """Optimise a design under constraints.
 
-    Writes pareto.csv, checked.csv (and .parquet), plot.png and each checked design as a scene, design_1.toml
-    and so on, in a folder (out/SPEC_design without -o).
+    Writes pareto.csv, checked.csv (and .parquet), plot.png and each verified design as a scene
+    (design_1.toml, ...). Default output folder: out/SPEC_design.
     """
     from .jobs.design import read_spec
 
@@ -731,8 +783,24 @@ app = typer.Typer(
     rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
     pretty_exceptions_enable=False,
 )
-for one in (build, check, export, orders, fit, new, run, tradeoff, chart, sweep, design, view, report):
-    app.command()(one)
+# commands in the order of work, and an example of each
+EXAMPLES = {
+    new: "new planar",
+    run: "run planar.toml --set imbalance_mass='1 kg'",
+    view: "view planar.toml --open",
+    report: "report planar.toml -o planar.html",
+    chart: "chart planar.toml reference.toml --speed '3000 rpm'",
+    orders: "orders orders.toml --highest 8",
+    sweep: "sweep planar.toml --vary imbalance_mass=0.5:2:7",
+    design: "design design_car.toml",
+    fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2",
+    tradeoff: "tradeoff planar.toml --recommend 1%",
+    export: "export planar.toml",
+    check: "check InertiaModule.fmu --timeout '5 min'",
+    build: "build -o build",
+}
+for work, example in EXAMPLES.items():
+    app.command(epilog=f"\b\nExample:\n  inertia-module {example}")(work)
 
 
 def _print_version(wanted: bool) -> None:
@@ -750,7 +818,7 @@ def options(
     """Inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU."""
 
 
-STANDARD_OUTPUT = "the standard output"
+STANDARD_OUTPUT = "standard output"
 
 
 def replace_closed_streams() -> None:

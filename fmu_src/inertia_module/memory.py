@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
 
-from .common.errors import Refused, did_you_mean, must_be
+from .common.errors import Refused, must_be, unknown
 from .compiling import CompilationUnavailable
 from .compiling import load as compiled
 from .contract.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
@@ -55,11 +55,11 @@ def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[ctypes.CD
         if kernel == "compiled":
             raise
         warnings.warn(
-            f"the kernel runs as plain Python, 100 times slower: no compiled kernel is available ({error})",
+            f"the kernel runs as plain Python, 100 times slower. No compiled kernel is available: {error}",
             RuntimeWarning,
             stacklevel=4,
         )
-        return None, f"plain Python, no compiled kernel is available ({error})"
+        return None, f"plain Python (no compiled kernel is available: {error})"
 
 
 @cache
@@ -175,7 +175,7 @@ class ModelInstance(Plant):
         variable = cls.model.by_name.get(name)
         if variable is None or variable.causality not in (INPUT, PARAMETER):
             names = (one.name for one in cls.model.with_causality(INPUT, PARAMETER))
-            raise Refused(f"{name} must be a parameter or an input {did_you_mean(name, names)}")
+            raise Refused(unknown("parameter or input", name, names))
         return variable
 
     def set(self, **values: float | str) -> None:
@@ -220,7 +220,7 @@ class ModelInstance(Plant):
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
-                raise Refused(f"the rate of {name} must be that of an input {did_you_mean(name, inputs)}")
+                raise Refused(unknown("input", name, inputs))
         for name, rate in rates.items():
             setattr(self.inputs, f"{name}_rate", rate)
             setattr(self.inputs, f"{name}_rate_given", 1.0)

@@ -1,4 +1,4 @@
-// The page put together: what is set, the run, the clock, the picture and the curves.
+// The viewer: settings, run, clock, animation and curves.
 
 import { byId } from "./common/dom";
 import { fromHash, toHash } from "./controls/link";
@@ -19,12 +19,12 @@ const SETTABLE = new Set([
   ...variables.filter((v) => v.causality === "input" || v.causality === "parameter").map((v) => v.name), "duration", "step",
 ]);
 
-/** The page. */
+/** The viewer. */
 export class App {
   readonly store: Store<Settings>;
   readonly player: Player;
   run: Run | null = null;
-  refusal = "";
+  error = "";
   busy = false;
   private readonly session: Session;
   private readonly picture: Picture;
@@ -45,10 +45,10 @@ export class App {
     this.panels = new Panels(this, this.curves, this.picture);
     this.session = new Session({
       run: (run) => { this.show(run); },
-      say: (refusal, warnings) => {
-        this.refusal = [refusal, linked.unknown.length > 0 ? `unknown settings in the link: ${linked.unknown.join(", ")}` : ""]
+      say: (error, warnings) => {
+        this.error = [error, linked.unknown.length > 0 ? `unknown settings in the link: ${linked.unknown.join(", ")}` : ""]
           .filter((text) => text !== "").join("; ");
-        this.panels.say(this.refusal, warnings);
+        this.panels.say(this.error, warnings);
       },
       busy: (busy) => { this.busy = busy; },
     });
@@ -95,7 +95,7 @@ export class App {
     this.player.set({ playing: !playing, ...(ended && { time: 0 }) });
   }
 
-  /** To the next or last switch of a freewheel. */
+  /** To the next or last switching event of a freewheel. */
   toSwitch(forwards: boolean): void {
     const time = this.run && nextSwitch(this.run, this.player.clock.time, forwards);
     if (time !== null) this.player.set({ time, playing: false, loop: null });
@@ -128,7 +128,7 @@ export class App {
   /** All that is shown, for tests and tinkerers. */
   state(): object {
     return {
-      ...this.player.clock, settings: this.store.get(), run: this.run, refusal: this.refusal, busy: this.busy || this.asked,
+      ...this.player.clock, settings: this.store.get(), run: this.run, error: this.error, busy: this.busy || this.asked,
       hash: this.hash(), imbalance: this.picture.imbalance(), play: this.picture.play,
       chart: this.curves.chartPoints(),
     };
@@ -137,7 +137,7 @@ export class App {
   /** A new run, or more of one. */
   private show(run: Run): void {
     this.run = run;
-    this.player.reach(lengthOf(run), run.complete || run.refusal !== null);
+    this.player.reach(lengthOf(run), run.complete || run.error !== null);
     this.picture.run(run);
     this.curves.show(run);
     this.want();

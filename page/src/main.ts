@@ -1,4 +1,4 @@
-// The page begins here. What can be called is there once the kernel is.
+// Entry of the viewer. Its functions exist once the kernel is ready.
 
 import { App } from "./app";
 import { START } from "./controls/scenes";
@@ -6,7 +6,7 @@ import { playable } from "./run/recorded";
 import { integrate, ready, simulate, variables } from "./run/run";
 
 const app = new App();
-// a link that is followed while the page is open; the page itself changes its address without this event
+// a link that is opened in the running viewer; the viewer changes its own address without this event
 addEventListener("hashchange", () => { location.reload(); });
 await ready;
 Object.assign(window, {

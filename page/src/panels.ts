@@ -30,11 +30,11 @@ export class Panels {
   private readonly now = instruments();
   private readonly audit = audit();
   private readonly sliders: Sliders;
-  private readonly sentence = byId("sentence");
+  private readonly message = byId("message");
   private readonly scenes: HTMLSelectElement;
   private readonly reset: HTMLButtonElement;
   private readonly showBoxes: (shown: Shown) => void;
-  private told = 0;
+  private updated = 0;
 
   constructor(private readonly app: App, curves: Curves, picture: Picture) {
     this.scenes = choice("Scene", [...SCENES].map(([name, { title }]) => [name, title]), app.store.get().scene, (name) => { app.choose(name); });
@@ -57,7 +57,7 @@ export class Panels {
     this.keys(picture);
   }
 
-  /** Show what is set. */
+  /** Show the settings. */
   settings(): void {
     const { app } = this;
     const { scene, changed, shown } = app.store.get();
@@ -70,16 +70,16 @@ export class Panels {
     this.showBoxes(shown);
   }
 
-  say(refusal: string, warnings: readonly string[]): void {
-    this.sentence.textContent = refusal === "" ? warnings.join("; ") : refusal;
-    this.sentence.classList.toggle("refused", refusal !== "");
+  say(error: string, warnings: readonly string[]): void {
+    this.message.textContent = error === "" ? warnings.join("; ") : error;
+    this.message.classList.toggle("error", error !== "");
   }
 
   stand(run: Run, time: number, playing: boolean): void {
     this.bar.show(lengthOf(run));
     const now = performance.now();
-    if (playing && now - this.told < 100) return;
-    this.told = now;
+    if (playing && now - this.updated < 100) return;
+    this.updated = now;
     this.now.show(run, time);
     this.audit.show(run, time);
   }

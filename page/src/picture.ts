@@ -1,4 +1,4 @@
-// The picture of a run: the machine as it stands at a time.
+// The animation of a run: the mechanism at one time.
 
 import { byId } from "./common/dom";
 import { holding, plays, pulseAround } from "./controls/pulses";
@@ -9,13 +9,13 @@ import { largest, lengthOf, nearest, shownName, valueAt } from "./run/sample";
 
 const AXES = ["x", "y", "z"] as const;
 const TORQUES = ["input_torque", "mesh_torque", "housing_torque", "output_torque"];
-/** The colour of a freewheel follows it so slowly that nothing flashes, s. */
+/** Time constant of the freewheel colour, without flashes, s. */
 const CALM = 0.15;
 
 export class Picture {
   private readonly view: View;
   private readonly holds = { housing: 0, output: 0 };
-  /** How much of its play each freewheel has left as it is drawn, 0 to 1. */
+  /** Displayed take-up angle remaining of each freewheel, 0 to 1. */
   readonly play = { housing: 0, output: 0 };
   private plays: Run | null = null;
   private built = "";
@@ -25,7 +25,7 @@ export class Picture {
   constructor(private readonly again: () => void) {
     const host = byId("machine");
     const canvas = host.querySelector("canvas");
-    if (!canvas) throw new Error("the page must have a canvas");
+    if (!canvas) throw new Error("internal error: missing canvas");
     this.view = new View(canvas, byId("labels"));
     this.view.controls.addEventListener("change", again);
     new ResizeObserver(() => { this.resize(host); }).observe(host);
@@ -47,7 +47,7 @@ export class Picture {
     this.again();
   }
 
-  /** The machine before there is a run of it, so that something is seen at once. */
+  /** Show the mechanism before its first run. */
   still(parameters: Parameters): void {
     const column = (): number => 0;
     this.view.build(parameters, true);
@@ -56,7 +56,7 @@ export class Picture {
     });
   }
 
-  /** The machine of a run; built anew only if it is another one. */
+  /** Show the mechanism of a run; build it again only if its parameters differ. */
   run(run: Run): void {
     const parameters = JSON.stringify(run.parameters);
     if (parameters !== this.built) {
@@ -68,12 +68,12 @@ export class Picture {
     this.view.scale(
       largest(run, AXES.map((axis) => `imbalance_acceleration_${axis}`)),
       largest(run, AXES.map((axis) => `shaking_force_${axis}`)), largest(run, TORQUES.map((name) => shownName(run, name))));
-    // the trail of the imbalance in the fixed frame is that of two pulses
+    // the trail of the unbalanced mass in the fixed frame covers two pulses
     const [from, to] = pulseAround(run, lengthOf(run) / 2);
     this.trail = 2 * (to - from) || lengthOf(run);
   }
 
-  /** Draw the machine; says whether it is still changing its colours. */
+  /** Draw the mechanism; return true while its colours change. */
   draw(run: Run, time: number, passed: number): boolean {
     const mode = holding(nearest(run, "contact_mode", time));
     const part = 1 - Math.exp(-passed / CALM);
@@ -96,7 +96,7 @@ export class Picture {
     return changing;
   }
 
-  /** Where imbalance 0 is as it is drawn, and where its arrow begins, m in the fixed frame: for tests. */
+  /** Displayed position of the reference mass and start of its arrow, m in the fixed frame: for tests. */
   imbalance(): { drawn: number[]; arrow: number[] } | null {
     return this.view.imbalance();
   }

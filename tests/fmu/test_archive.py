@@ -284,6 +284,7 @@ BUILDS = """
 import json
 import lzma
 import os
+import subprocess
 import sys
 from pathlib import Path
 

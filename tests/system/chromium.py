@@ -90,5 +90,5 @@ class Opened:
         self.page.get_by_role("button", name=name, exact=True).click()
 
     def simulate(self, options):
-        """Arrays by name from the page's own simulate, or the sentence it refuses with."""
+        """Arrays by name from the page's own simulate, or the error message."""
         return self.ask("simulate", options)

@@ -1,6 +1,6 @@
 // asked of the page of a scene
 ({
-  // arrays by name, or the sentence it refuses with
+  // arrays by name, or the error message
   simulate: options => {
     try {
       const found = window.inertiaModule.simulate(options);
@@ -14,18 +14,18 @@
     let calls = 0;
     window.inertiaModule.integrate(request, run => {
       calls++;
-      if (run.complete || run.refusal !== null) {
+      if (run.complete || run.error !== null) {
         const columns = Object.entries(run.columns).map(([name, array]) => [name, [...array]]);
         done({ ...run, columns: Object.fromEntries(columns), time: [...run.time], calls });
       }
     });
   }),
-  // speed at the end of the last of a thousand and one runs, as many refused in between
+  // speed at the end of the last of a thousand and one runs, as many rejected in between
   thousand: ([good, bad]) => {
     const { simulate } = window.inertiaModule;
     for (let n = 0; n < 1000; n++) {
       simulate(good);
-      try { simulate(bad); } catch { /* refused */ }
+      try { simulate(bad); } catch { /* rejected */ }
     }
     return simulate(good).omega_out.at(-1);
   },

@@ -22,7 +22,7 @@ from tests.system.programs import command, is_one_line, left
 from tests.unit import scenes
 
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")
-SENTENCE = "#sentence"
+MESSAGE = "#message"
 
 
 def set_field(page, name, text):
@@ -123,7 +123,7 @@ def test_every_scene_of_the_page_is_accepted(page):
         page.page.get_by_label("Scene", exact=True).select_option(name)
         page.page.wait_for_function("name => inertiaModule.state().settings.scene === name", arg=name)
         page.settled()
-        assert page.state("refusal") == ""
+        assert page.state("error") == ""
         assert np.isfinite(page.shown("omega_out")).all()
     assert page.errors == []
 
@@ -191,7 +191,7 @@ def test_link_restores_the_state_and_names_what_is_wrong_in_it(page):
     assert (page.shown("omega_out") == output).all()
     assert page.state("hash") == link
     page.at("#load_torque=much&colour=red&omega1=90")
-    assert page.page.locator(SENTENCE).inner_text() == (
+    assert page.page.locator(MESSAGE).inner_text() == (
         "unknown settings in the link: load_torque=much, colour=red"
     )
     assert page.shown("input_speed")[-1] == 90.0
@@ -206,11 +206,11 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
         ("duration", "-1", "a run must have between 1 and 60000 steps (got duration -1 s, step 0.0005 s)"),
     ):
         set_field(page, name, text)
-        page.page.wait_for_function(f"document.querySelector('{SENTENCE}').textContent !== ''")
-        assert page.page.locator(SENTENCE).inner_text() == sentence
+        page.page.wait_for_function(f"document.querySelector('{MESSAGE}').textContent !== ''")
+        assert page.page.locator(MESSAGE).inner_text() == sentence
         assert (page.shown("omega_out") == good).all()
         page.press("Reset")
-        page.page.wait_for_function(f"document.querySelector('{SENTENCE}').textContent === ''")
+        page.page.wait_for_function(f"document.querySelector('{MESSAGE}').textContent === ''")
     assert page.errors == []
 
 
@@ -456,8 +456,8 @@ def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
     run = still.ask("integrate", {**given, "duration": 1.0})
     assert not run["complete"]
     assert len(run["time"]) == len(run["columns"]["omega2"]) == 12
-    assert run["refusal"] == still.simulate(given)
-    assert run["refusal"].startswith("omega1 must be between ")
+    assert run["error"] == still.simulate(given)
+    assert run["error"].startswith("omega1 must be between ")
 
 
 def test_warnings_are_those_of_the_native_fmu(still, built):

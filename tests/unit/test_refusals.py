@@ -101,7 +101,7 @@ def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing
     assert refusal(module.rates) == "call start() before rates()"
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
         said = refusal(module.set, **{name: 1.0})
-        assert said.startswith(f"{name} must be a parameter or an input ("), name
+        assert said.startswith(f"unknown parameter or input {name!r}; "), name
     # one bad value keeps all others out
     said = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
     assert said == sentence(BY_NAME["tolerance"], 7.0)

@@ -215,7 +215,7 @@ def test_one_line_names_key_value_and_what_is_allowed(change, words):
 
 def test_bad_scene_file_is_named(tmp_path):
     file = tmp_path / "scene.toml"
-    assert_refused(r"scene.toml must be a scene file \(TOML\): No such file", load_scene, file)
+    assert_refused(r"^cannot read .*scene.toml: no such file or directory$", load_scene, file)
     file.write_text(OPEN + "[mechanism]\nz2 = 0")
     allowed = "must be a whole number between 1 and 1000000, is 0"
     assert_refused(f"^scene.toml: mechanism.z2 {allowed}$", load_scene, file)
@@ -224,5 +224,5 @@ def test_bad_scene_file_is_named(tmp_path):
 @pytest.mark.parametrize("name", ["housing_stiffness", "freewheel_stiffness"])
 def test_freewheels_that_wind_up_are_not_exported_as_rigid_ones(name):
     scene = read(OPEN + f'[mechanism]\nfidelity = "elastic"\n{name} = 6000')
-    assert_refused(f"^mechanism.{name} must be 0 for an export, is 6000: ", scene_plan, scene)
+    assert_refused(rf"^mechanism.{name} must be 0 for an export \(got 6000\)\. ", scene_plan, scene)
     assert scene_plan(read(OPEN + f"[mechanism]\n{name} = 6000")).part("module").values[name] == 6000.0

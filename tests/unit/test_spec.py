@@ -125,7 +125,7 @@ def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     assert spec.search.population == 8
     assert [limit.bound for limit in limits_of("stall_torque", spec.figures["stall_torque"], "N.m")] == [30.0]
     assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
-    words = r"spec.toml: .*populatoin.*did you mean population\?"
+    words = r"spec.toml: unknown key 'search.populatoin'; did you mean 'population'\?$"
     assert_refused(words, read_spec, path, ["search.populatoin=8"])
 
 

@@ -15,7 +15,7 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import did_you_mean, must_be
+from ..common.errors import must_be, unknown
 from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
 from ..contract.variables import DRIVE_ANGLE, LINK1_ANGLE, SINCE_START
 from ..harness.fmu import Closing, Fmu, FmuError, RestartedFmu, as_names
@@ -37,19 +37,19 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
 
 
 def _motion_of(fmu: Fmu) -> tuple[str, ...]:
-    """Names of the motion that the FMU has start parameters for: refused where these are not all of it."""
+    """Return the names of the motion; raise FmuError if the FMU lacks start parameters for a part of it."""
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise FmuError(
-            "with state = 'motion' input_hold must be zero_order, is linear: that goes on from the last two"
-            " inputs; state = 'whole' has them"
+            "input_hold must be zero_order with state = 'motion' (got linear). Linear extrapolation depends"
+            " on the last two inputs. Use state = 'whole'."
         )
     table, fidelity = DRIVEN_SHAFT.by_name, RIGID
     if "fidelity" in fmu.variables:
         table, fidelity = INERTIA_MODULE.by_name, int(fmu["fidelity"])
     if fidelity == ELASTIC:
         raise FmuError(
-            "with state = 'motion' fidelity must be one of kinematic, averaged, rigid, is elastic: that has"
-            " no start parameters for all of its motion; state = 'whole' needs none"
+            "fidelity must be kinematic, averaged or rigid with state = 'motion' (got elastic). Not every"
+            " speed and angle of elastic has a start parameter. Use state = 'whole'."
         )
     started = [one for name, one in table.items() if f"{name}_start" in table]
     motion = sorted(one.name for one in started if not any(fidelity in need.lacking for need in one.needs))
@@ -57,17 +57,17 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
 
 
 def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
-    """Refuse outputs of a system that do not follow from its motion."""
+    """Raise FmuError for outputs of a system that do not follow from its motion."""
     for name in names:
         variable = INERTIA_MODULE.by_name.get(name) or DRIVEN_SHAFT.by_name.get(name)
         follows = variable.follows if variable is not None else ""
         if follows == SINCE_START:
-            why = "is a sum since the start, which does not follow from the motion"
+            why = "is a cumulative value since the start"
         elif follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
-            why = f"depends on {follows}, which is no state here ({', '.join(motion)})"
+            why = f"depends on {follows}, which is not a state here ({', '.join(motion)})"
         else:
             continue
-        raise FmuError(f"with output {name} state must be 'whole', is 'motion': it {why}")
+        raise FmuError(f"state must be 'whole' with output {name} (got 'motion'): the output {why}")
 
 
 class _Motion:
@@ -119,14 +119,14 @@ def numbers_of(data: bytes) -> Array:
 
 
 def bytes_of(numbers: Array) -> bytes:
-    """Unpack the bytes of numbers_of, refused where it has not given them: a state that has been changed."""
+    """Unpack the bytes of numbers_of; raise ValueError for numbers that it has not returned."""
     whole = (numbers >= 0.0) & (numbers < 2.0 ** (8 * _BYTES)) & (numbers == np.floor(numbers))
     count = (len(numbers) - 1) * _BYTES
     if not whole.all() or not count - _BYTES < numbers[0] <= count:
         place = int(np.argmin(whole))
         raise ValueError(
-            f"a whole state must be one that the system has given, is changed: number {place} is"
-            f" {numbers[place]:.17g} (state = 'motion' has one that can be changed)"
+            f"a whole state must be unchanged (number {place} is {numbers[place]:.17g})."
+            " States of state = 'motion' can be changed."
         )
     return numbers[1:].astype("<u4").tobytes()[: int(numbers[0])]
 
@@ -196,18 +196,17 @@ class FmuSystem(Closing):
 
 
 def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
-    """Refuse inputs of a system that are none of the FMU, or that have no effect with its drive."""
+    """Raise FmuError for inputs that the FMU does not have, or that have no effect with its drive."""
     known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
         if name not in known:
-            raise FmuError(f"input {name} must be one of the FMU {did_you_mean(name, known)}")
+            raise FmuError(unknown("input", name, known))
     idle, needed, drive = "drive_torque", "omega1", "speed"
     if _is_driven_by_torque(fmu):
         idle, needed, drive = "omega1", "drive_torque", "torque"
     if idle in inputs:
-        raise FmuError(
-            f"with drive = {drive} an input must be {needed}, is {idle}: that has no effect after the start"
-        )
+        demand = must_be("an input", f"{needed} with drive = {drive}", idle)
+        raise FmuError(f"{demand}. {idle} has no effect after the start.")
 
 
 def fmu_system(
@@ -242,7 +241,7 @@ def fmu_system(
         The system, its start, and what closes it.
 
     Raises:
-        FmuError: the FMU, a name or a value is refused, or the FMU has no such state.
+        FmuError: the FMU, a name or a value is invalid, or the FMU has no such state.
         ValueError: step is not positive, or state is neither of the two.
     """
     if not (math.isfinite(step) and step > 0.0):

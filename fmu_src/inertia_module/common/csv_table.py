@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import Refused, did_you_mean
+from .errors import Refused, cannot_read, must_be, suggestion, unknown
 from .files import MAX_TEXT_SIZE, read_file
 from .units import parse_unit
 from .written_numbers import Reading, booleans, readings
@@ -45,15 +45,15 @@ def _text_of(path: Path | str) -> str:
     try:
         content = read_file(Path(path), MAX_TEXT_SIZE)
     except OSError as error:
-        hint = ": write / instead of \\" if "\\" in name and isinstance(error, FileNotFoundError) else ""
-        raise TableError(f"{name} must be a CSV file: {error.strerror}{hint}") from error
+        hint = ". Write / instead of \\." if "\\" in name and isinstance(error, FileNotFoundError) else ""
+        raise TableError(f"{cannot_read(name, error)}{hint}") from error
     encoding = "utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:
         text = content.decode(encoding)
     except UnicodeDecodeError:
         text = content.decode("latin-1")
     if "\0" in text:
-        raise TableError(f"{name} must be a CSV file, it is no text: save the table as CSV")
+        raise TableError(f"{cannot_read(name, 'not a text file')}. Save the table as CSV.")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -116,14 +116,14 @@ class CsvTable:
             self._headings = [name for name, _ in headings]
             lines, self._columns = self._read_columns(text, line)
         except csv.Error as error:
-            raise TableError(f"{self.path} must be a CSV file: {error}") from error
+            raise TableError(cannot_read(self.path, f"invalid CSV: {error}")) from error
         self.names = [name for name in dict.fromkeys(self._headings) if name]
         self.units = {name: unit for name, unit in headings if name and unit}
         first = self._columns[self._headings.index(keys[0]) if keys else 0][:1]
         if first and _is_unit(first[0]):
             self._take_units(lines.pop(0), [column.pop(0) for column in self._columns])
         if not lines:
-            raise TableError(f"{self.path} must have a row of numbers below its headings in line {line}")
+            raise TableError(f"{self.path}: no rows below the headings in line {line}")
         self.lines = np.array(lines)
         self._decimal_signs: dict[str, str] = {}
 
@@ -147,15 +147,13 @@ class CsvTable:
                 if not (stated and line == 1) and (number or not is_comment):
                     ranked.append((rank, separator, line, headings))
         if not ranked:
-            raise TableError(f"{self.path} must have a row of headings and rows of numbers, is empty")
+            raise TableError(cannot_read(self.path, "no headings and no numbers"))
         _, separator, line, headings = max(ranked)
         names = [name for name, _ in headings if name]
         for key in keys:
             if key not in names:
-                raise TableError(
-                    f"{self.path} must have a column {key} {did_you_mean(key, names)}, its headings are taken"
-                    f" from line {line}"
-                )
+                missing = f"missing column {key!r}{suggestion(key, names)}"
+                raise TableError(f"{self.path}: {missing} (headings from line {line})")
         return separator, line, headings
 
     def _body(self, text: str, line: int) -> Iterator[tuple[int, list[str]]]:
@@ -187,9 +185,10 @@ class CsvTable:
         """Make a row as long as the headings; cells without a heading must be empty."""
         width = len(self._headings)
         if any(cell.strip() for cell in row[width:]):
+            demand = must_be("the number of cells", f"{width}, as in the headings", f"{len(row)}")
             raise TableError(
-                f"{self.path} line {line} must have {width} cells, as the headings, has {len(row)}"
-                " (where numbers have decimal commas, semicolons separate the columns)"
+                f"{self.path} line {line}: {demand}. Separate columns by semicolons if numbers have decimal"
+                " commas."
             )
         row[width:] = []
         row += [""] * (width - len(row))
@@ -199,10 +198,8 @@ class CsvTable:
         for name, cell in zip(self._headings, row, strict=True):
             unit = cell.strip("[]() ")
             if name and unit and self.units.setdefault(name, unit) != unit:
-                raise TableError(
-                    f"{self.path} line {line}: the unit of {name} must be {self.units[name]}, as in its"
-                    f" heading, is {unit}"
-                )
+                demand = must_be(f"the unit of {name}", f"{self.units[name]}, as in its heading", unit)
+                raise TableError(f"{self.path} line {line}: {demand}")
 
     def place(self, row: int) -> str:
         """Return the file and the line of a row, for messages."""
@@ -214,10 +211,10 @@ class CsvTable:
         """Return the cells of a column."""
         places = [place for place, heading in enumerate(self._headings) if heading == name]
         if not places:
-            raise TableError(f"{self.path} must have a column {name} {did_you_mean(name, self.names)}")
+            raise TableError(f"{self.path}: {unknown('column', name, self.names)}")
         if len(places) > 1:
             numbers = " and ".join(str(place + 1) for place in places)
-            raise TableError(f"{self.path}: {name} must be the name of one column, is of columns {numbers}")
+            raise TableError(f"{self.path}: {must_be(name, 'the name of one column', f'columns {numbers}')}")
         return self._columns[places[0]]
 
     def _readings(self, cells: Sequence[str]) -> list[Reading]:
@@ -250,7 +247,7 @@ class CsvTable:
         if falling.size:
             before, after = values[falling[0] : falling[0] + 2]
             raise TableError(
-                f"{self.place(falling[0] + 1)}: {name} must not go back, is {after:g} after {before:g}"
+                f"{self.place(falling[0] + 1)}: {name} must not decrease (got {after:g} after {before:g})"
             )
         return values
 
@@ -269,10 +266,8 @@ class CsvTable:
             return grouped
         row = next(n for n, cell in enumerate(cells) if plain.decimal in cell)
         values = f"{plain.values[row]:.15g} or {grouped.values[row]:.15g}"
-        raise TableError(
-            f"{self.place(row)}: {name} must be a number with one meaning, {cells[row].strip()!r} can be"
-            f" {values}; write {values}"
-        )
+        demand = must_be(name, "a number with one meaning", repr(cells[row].strip()))
+        raise TableError(f"{self.place(row)}: {demand}. Write {values}.")
 
     def _decimal_sign(self, name: str) -> str:
         """Return the decimal sign of a column; "" if it has none, has two meanings, or is not numbers."""
@@ -293,15 +288,16 @@ class CsvTable:
             others = (n for n in range(row) if re.search(r"[.,'_\s]", cells[n].strip()))
             other = next(others, max(row - 1, 0))
             model = cells[other].strip()
-            error = f"{start} written as {model!r} in line {self.lines[other]}, is {cell!r}"
+            error = f"{start} written like {model!r} in line {self.lines[other]} (got {cell!r})"
             values = [f"{reading.values[0]:.15g}" for reading in readings([model]) if reading.is_complete]
-            return TableError(f"{error} ({model!r} can be {' or '.join(values)})" if values[1:] else error)
-        error = f"{start} a finite number, is {cell!r}"
+            both = f". {model!r} can mean {' or '.join(values)}." if values[1:] else ""
+            return TableError(f"{error}{both}")
+        error = f"{start} a finite number (got {cell!r})"
         decimal = readings([cell])[-1]
         if decimal.is_complete:
             number = f"{decimal.values[0]:.15g}"
             error += (
-                f": {number} with a decimal comma, but in this file commas separate columns and groups of"
-                f" three digits; write {number}, or separate columns by semicolons"
+                ". In this file commas separate columns and groups of three digits."
+                f" Write {number}, or separate columns by semicolons."
             )
         return TableError(error)

@@ -1,19 +1,24 @@
-"""The error of the package, of which all others are kinds, and the sentence it says."""
+"""The errors of the package and their messages.
+
+Forms: "NAME must be ALLOWED (got VALUE)", "unknown KIND 'NAME'; did you mean 'OTHER'?" and
+"cannot read FILE: REASON". A remedy follows as a sentence of its own.
+"""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 Value = TypeVar("Value")
 
-# of names that are told where none is like the one given
+# number of available names that a message lists
 LISTED = 12
 
 
 class Refused(ValueError):
-    """Refusal: the message names the value and what is allowed. Nothing has changed."""
+    """Invalid value, name or call: the message contains the value and the allowed range. Nothing changes."""
 
 
 def sentence_of(error: BaseException) -> str:
@@ -22,7 +27,7 @@ def sentence_of(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
         text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     if isinstance(error, MemoryError):
-        text = f"there is not enough memory: {text}" if text else "there is not enough memory"
+        text = f"out of memory: {text}" if text else "out of memory"
     return " ".join(text.split())
 
 
@@ -38,39 +43,97 @@ def listed(names: Iterable[str]) -> str:
     return f"{', '.join(every[:LISTED])}{more}"
 
 
+def alternatives(words: Sequence[str]) -> str:
+    """Return words as alternatives: "a", "a or b", "a, b or c"."""
+    *others, last = words
+    return " or ".join([", ".join(others), last] if others else [last])
+
+
+def _nearest(name: Any, names: Sequence[str]) -> list[str]:
+    """Return up to three names that contain a name, or else the one name that is similar to it."""
+    text = str(name).lower()
+    longer = sorted((other for other in names if text in other.lower()), key=len)[:3] if text else []
+    return longer or difflib.get_close_matches(text, names, n=1)
+
+
+def hint(name: Any, names: Iterable[str]) -> str:
+    """Return the similar names for the end of a message: "; did you mean 'omega1'?"; "" if none is similar.
+
+    Args:
+        name: the unknown name.
+        names: valid names.
+    """
+    near = _nearest(name, list(dict.fromkeys(names)))
+    return f"; did you mean {alternatives([repr(other) for other in near])}?" if near else ""
+
+
+def suggestion(name: Any, names: Iterable[str]) -> str:
+    """Return the similar names for the end of a message, or else the first names: "; available: a, b".
+
+    Args:
+        name: the unknown name.
+        names: valid names.
+    """
+    valid = list(dict.fromkeys(names))
+    return hint(name, valid) or f"; available: {listed(valid) or 'none'}"
+
+
+def unknown(kind: str, name: Any, names: Iterable[str]) -> str:
+    """Return the message for an unknown name: "unknown unit 'kgg'; did you mean 'kg'?".
+
+    Args:
+        kind: noun for the names, such as "unit".
+        name: the unknown name.
+        names: valid names; the message lists the first ones if none is similar.
+    """
+    return f"unknown {kind} {str(name)!r}{suggestion(name, names)}"
+
+
+def cannot_read(path: Path | str, reason: BaseException | str) -> str:
+    """Return the message for a file that cannot be read: "cannot read a.toml: no such file or directory".
+
+    Args:
+        path: of the file.
+        reason: noun phrase or clause, or the error; of an error of the system only its text is used.
+    """
+    text = (isinstance(reason, OSError) and reason.strerror) or " ".join(str(reason).split())
+    is_word = text[1:2].islower()
+    return f"cannot read {path}: {text[:1].lower() + text[1:] if is_word else text}"
+
+
 def did_you_mean(name: Any, known: Iterable[str]) -> str:
-    """Suggest, in brackets, names for one that is not known: the nearest ones, or else which there are."""
-    names, given = list(dict.fromkeys(known)), str(name).lower()
-    near = sorted((one for one in names if given in one.lower()), key=len)[:3] if given else []
-    near = near or difflib.get_close_matches(given, names, n=1)
-    if near:
-        *others, last = near
-        return f"(did you mean {' or '.join([', '.join(others), last] if others else [last])}?)"
+    """Suggest names in brackets: "(did you mean omega1?)" or "(there are a, b)"."""
+    names = list(dict.fromkeys(known))
+    if near := _nearest(name, names):
+        return f"(did you mean {alternatives(near)}?)"
     return f"(there are {listed(names)})" if names else "(there are none)"
 
 
 class UnknownName(Refused, KeyError):
-    """A name that is not there."""
+    """Unknown name."""
 
-    __str__ = Exception.__str__  # that of KeyError puts quotes around the sentence
+    __str__ = Exception.__str__  # KeyError would put quotes around the message
 
 
 class Named(dict[str, Value]):
-    """Values by name, which tell a name that is not there, and why one that might be there is missing.
+    """Values by name; the error for a missing name suggests others, or has the reason.
 
-    What they are is such as "a number of the summary".
+    Args:
+        values: by name.
+        kind: noun for the names, such as "metric".
+        missing: reasons by name of values that some runs have.
     """
 
     def __init__(
-        self, values: Mapping[str, Value], what: str, missing: Mapping[str, str] | None = None
+        self, values: Mapping[str, Value], kind: str, missing: Mapping[str, str] | None = None
     ) -> None:
         super().__init__(values)
-        self.what, self.missing = what, missing or {}
+        self.kind, self.missing = kind, missing or {}
 
     def __missing__(self, name: str) -> Value:
-        reason = self.missing.get(name) or f"must be {self.what} {did_you_mean(name, self)}"
-        raise UnknownName(f"{name} {reason}")
+        reason = self.missing.get(name)
+        raise UnknownName(f"{name}: {reason}" if reason else unknown(self.kind, name, self))
 
 
 class FmuError(Refused):
-    """The FMU cannot be loaded, or refused parameters, inputs or a step: its own message."""
+    """The FMU cannot be loaded, or rejects parameters, inputs or a step: its own message."""

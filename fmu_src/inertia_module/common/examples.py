@@ -6,7 +6,7 @@ import re
 from functools import cache
 from pathlib import Path
 
-from .errors import Refused, did_you_mean
+from .errors import Refused, unknown
 from .files import PACKAGE_FOLDER
 
 # in a wheel they are in the package, in a clone beside it
@@ -32,7 +32,7 @@ def example(name: str) -> Path:
     files = {path.name: path for path in examples().values()}
     found = examples().get(name) or files.get(name)
     if found is None:
-        raise Refused(f"the example must be one that there is, is {name} {did_you_mean(name, examples())}")
+        raise Refused(unknown("example", name, examples()))
     return found
 
 

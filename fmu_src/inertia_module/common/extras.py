@@ -17,5 +17,5 @@ def library(module: str, extra: str, name: str = "") -> Any:
     except ImportError as error:
         missing = name or module.partition(".")[0].replace("_", "-")
         raise NotInstalled(
-            f"{missing} is not installed ({error}): pip install 'inertia-module[{extra}]'"
+            f"{missing} is not installed ({error}). Run pip install 'inertia-module[{extra}]'."
         ) from None

@@ -46,7 +46,7 @@ def sources(*patterns: str) -> dict[str, bytes]:
     for pattern in patterns:
         paths = [path for path in PACKAGE_FOLDER.glob(pattern) if path.is_file()]
         if not paths:
-            raise FileNotFoundError(f"the package has no file {pattern}")
+            raise FileNotFoundError(f"missing file of the package: {pattern}")
         found |= {path.relative_to(PACKAGE_FOLDER).as_posix(): path.read_bytes() for path in paths}
     return found
 
@@ -60,18 +60,18 @@ def content_hash(files: Mapping[str, bytes]) -> str:
 
 
 def writable_folder(folder: Path) -> Path:
-    """The folder, if files can be written to it or it can be made; else an OSError. It is not made yet."""
-    demand = f"{folder} must be a folder that can be written to"
+    """Return the folder if files can be written to it or it can be created; raise OSError otherwise."""
+    failure = f"cannot write to {folder}"
     try:
         # a link to nothing is there too
         there = (one for one in (folder, *folder.absolute().parents) if one.exists() or one.is_symlink())
         place = next(there)
         if not place.is_dir():
-            raise OSError(f"{demand}: {place} is not a folder")
+            raise OSError(f"{failure}: {place} is not a folder")
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:
-        raise error if error.errno is None else OSError(f"{demand}: {error.strerror}") from error
+        raise error if error.errno is None else OSError(f"{failure}: {error.strerror}") from error
     return folder
 
 
@@ -86,11 +86,11 @@ def read_file(path: Path, limit: int) -> bytes:
         OSError: it cannot be read, is a device or a pipe, or is larger.
     """
     if path.exists() and not (path.is_file() or path.is_dir()):
-        raise OSError(errno.EINVAL, "it is a device or a pipe, no regular file", str(path))
+        raise OSError(errno.EINVAL, "not a regular file (a device or a pipe)", str(path))
     with path.open("rb") as stream:
         content = stream.read(limit + 1)
     if len(content) > limit:
-        raise OSError(errno.EFBIG, f"it is larger than {limit / 1e6:g} MB", str(path))
+        raise OSError(errno.EFBIG, f"larger than {limit / 1e6:g} MB", str(path))
     return content
 
 

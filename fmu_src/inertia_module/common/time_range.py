@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .csv_table import TableError
+from .errors import must_be
 
 # rows from which on a table is a record and no drawing by hand
 RECORD_ROWS = 20
@@ -26,10 +27,10 @@ Array = NDArray[np.float64]
 
 
 def likely_cause(first: float) -> str:
-    """Return how to mend times that do not belong to a run; first: time of the first row, s."""
-    unit = "name their unit, such as ms, if they are not in s"
+    """Return the remedy for times outside a run; first: time of the first row, s."""
+    unit = "write their unit, such as ms, in the heading if it is not s"
     if first > DATES:
-        return f"they look like seconds since 1970; subtract the first time from all, or {unit}"
+        return f"the times look like seconds since 1970; subtract the first time from all, or {unit}"
     shift = f"subtract {first:.12g} s from all times, or " if first > 0.0 else ""
     return f"{shift}{unit}"
 
@@ -52,9 +53,8 @@ def time_warnings(name: str, times: Array, columns: Iterable[Array], stop_time: 
     ranges = f"0 to {stop_time:.12g} s"
     own = f"{first:.12g} to {last:.12g} s"
     if first > stop_time or last < 0.0:
-        raise TableError(
-            f"times of {name} must be within the run, {ranges}, are {own}: {likely_cause(first)}"
-        )
+        demand = must_be(f"times of {name}", f"within the run, {ranges}", own)
+        raise TableError(f"{demand}: {likely_cause(first)}")
     steps = np.flatnonzero(np.any([np.diff(values) != 0.0 for values in columns] or [[False]], axis=0))
     if not steps.size:
         return []
@@ -63,8 +63,8 @@ def time_warnings(name: str, times: Array, columns: Iterable[Array], stop_time: 
     # a shorter run of a table whose changes come later is meant so
     if used < MIN_USED_SHARE * (end - begin) and stop_time < MIN_USED_SHARE * end:
         return [
-            f"{name} changes from {begin:.12g} to {end:.12g} s, and the run, {ranges}, uses less than"
-            f" {100.0 * MIN_USED_SHARE:g} % of that: {likely_cause(first)}"
+            f"{name} changes from {begin:.12g} to {end:.12g} s, but the run, {ranges}, uses less than"
+            f" {100.0 * MIN_USED_SHARE:g} % of this range: {likely_cause(first)}"
         ]
     held = (max(first, 0.0) + max(stop_time - last, 0.0)) / stop_time
     if times.size >= RECORD_ROWS and held > MAX_HELD_SHARE:

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
+from .errors import hint, suggestion, unknown
+
 Dimension = dict[str, int]
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
@@ -168,7 +170,7 @@ def _measure(part: str) -> tuple[float, Dimension, int]:
     if match is not None and match[1].startswith("("):
         return (*parse_unit(match[1][1:-1]), int(match[2] or 1))
     if match is None or match[1] not in _SYMBOLS:
-        raise ValueError(f"{part or 'an empty factor'} is an unknown unit")
+        raise ValueError(f"unknown unit {part!r}")
     return (*_SYMBOLS[match[1]], int(match[2] or 1))
 
 
@@ -202,12 +204,11 @@ def _readings(unit: str) -> Iterator[str]:
         yield re.sub(r"\blb\b", "lbf", plain)
 
 
-def units_like(unit: str) -> str:
-    """List the units of the same kind in brackets; "" for a kind that is not in the table."""
+def units_like(unit: str) -> tuple[str, ...]:
+    """Return the units of the same kind; the unit alone for a kind that is not in the table."""
     dimension = parse_unit(unit)[1]
     alike = [units for units in KINDS.values() if parse_unit(units[0])[1] == dimension]
-    units = next((units for units in alike if unit in units), alike[0] if alike else ())
-    return f" (units of this kind: {', '.join(units)})" if units else ""
+    return next((units for units in alike if unit in units), alike[0] if alike else (unit,))
 
 
 @lru_cache(256)
@@ -233,18 +234,17 @@ def factor_between(unit: str, wanted: str) -> float:
             if dimension == needed:
                 return factor / to
     except ValueError as error:
-        raise ValueError(f"{error}{units_like(wanted)}") from None
-    kind = "a pure number" if wanted == "1" else wanted
-    raise ValueError(f"{unit} is not a unit for {kind}{units_like(wanted)}")
+        raise ValueError(f"{error}{suggestion(unit, units_like(wanted))}") from None
+    raise ValueError(f"incompatible unit {unit!r}; available: {', '.join(units_like(wanted))}")
 
 
 def split_quantity(text: str) -> tuple[float, str]:
     """The number and the unit ("" if there is none) of a string such as '1000 rpm'; else a ValueError."""
     match = _NUMBER.match(text)
     if match is None:
-        raise ValueError("it is not a number with a unit")
+        raise ValueError("not a number with a unit")
     if re.search(r"\d,\d", text):
-        raise ValueError("a number has a decimal point and no commas")
+        raise ValueError("use a decimal point and no commas")
     return float(match[1]), match[2]
 
 
@@ -262,11 +262,12 @@ def allowed_number(
 
 
 def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = None) -> float:
-    """The number, in the SI unit given, that a variable takes for a value; it may yet be out of its range.
+    """Return the number that a variable takes for a value. The range of the variable is not checked.
 
     Args:
         value: a number, a string with a unit of the same dimension, or the name of an item.
-        unit: of the variable. items: numbers by name, where it is an enumeration or a Boolean.
+        unit: SI unit of the variable.
+        items: numbers by name of an enumeration or a Boolean.
 
     Raises:
         ValueError: it is none of these, or not finite.
@@ -274,17 +275,31 @@ def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = N
     factor = 1.0
     if isinstance(value, str) and items is not None:
         if value not in items:
-            raise ValueError(f"there is no {value!r}")
+            raise ValueError(unknown("item", value, items))
         value = items[value]
     elif isinstance(value, str):
         value, own = split_quantity(value)
         factor = factor_between(own or unit, unit)
     elif isinstance(value, bool) and items is not BOOLEANS:
-        raise ValueError("it is not a number")
+        raise ValueError("not a number")
     try:
         number = float(value) * factor
     except (TypeError, ValueError):
-        raise ValueError("it is not a number") from None
+        raise ValueError("not a number") from None
     if not math.isfinite(number):
-        raise ValueError("it is not finite")
+        raise ValueError("not finite")
     return number
+
+
+def with_reason(message: str, error: ValueError, value: Any, items: Mapping[str, float] | None = None) -> str:
+    """Append the reason of number_of to a message; for an unknown item only the item that was meant.
+
+    Args:
+        message: "NAME must be ALLOWED (got VALUE)", where ALLOWED has the items.
+        error: of number_of.
+        value: the invalid value.
+        items: numbers by name of an enumeration or a Boolean.
+    """
+    if items is not None and isinstance(value, str):
+        return f"{message}{hint(value, items)}"
+    return f"{message}: {error}"

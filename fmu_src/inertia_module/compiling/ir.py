@@ -35,7 +35,7 @@ def tool_versions(*packages: str) -> dict[str, bytes]:
             versions[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
             raise CompilationUnavailable(
-                f"{package} is not installed; it comes with the extra inertia-module[fast]"
+                f"{package} is not installed. Run pip install 'inertia-module[fast]'."
             ) from None
     return {name: version.encode() for name, version in versions.items()}
 
@@ -65,7 +65,7 @@ def _translate(model: Model) -> bytes:
         command = [sys.executable, "-m", f"{__package__}.lowered", model.name, str(path)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:
-            raise CompilationUnavailable(f"numba fails: {done.stderr.strip()[-2000:]}")
+            raise CompilationUnavailable(f"numba failed: {done.stderr.strip()[-2000:]}")
         return path.read_bytes()
 
 

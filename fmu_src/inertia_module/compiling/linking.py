@@ -78,7 +78,7 @@ def run_tool(tool: str, arguments: Sequence[str], folder: Path) -> None:
     command = [*COMPILER, tool, *arguments]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise CompilationUnavailable(f"{tool} fails: {done.stderr.strip()[-2000:]}")
+        raise CompilationUnavailable(f"{tool} failed: {done.stderr.strip()[-2000:]}")
 
 
 def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:

@@ -24,7 +24,7 @@ def _library(model: Model) -> Path:
         path = SHIPPED / f"{here().folder}{here().suffix}"
         if not path.is_file():
             there = ", ".join(sorted(found.stem for found in SHIPPED.iterdir()))
-            raise CompilationUnavailable(f"this FMU has compiled kernels for {there} alone")
+            raise CompilationUnavailable(f"this FMU has compiled kernels only for {there}")
         return path
     fmu = ready_made(f"{model.name}.fmu")
     if fmu is not None:

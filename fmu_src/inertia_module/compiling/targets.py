@@ -78,4 +78,6 @@ def here() -> Target:
         if target.label.startswith(own) and sys.maxsize > 2**32:
             return target
     known = ", ".join(target.label for target in TARGETS)
-    raise CompilationUnavailable(f"there is machine code for {known}, not for {sys.platform} here")
+    raise CompilationUnavailable(
+        f"unsupported platform {platform.machine()}-{sys.platform}; available: {known}"
+    )

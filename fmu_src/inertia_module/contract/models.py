@@ -86,7 +86,7 @@ class Model:
     @cached_property
     def by_name(self) -> dict[str, Variable]:
         """The variables by their names."""
-        return Named({variable.name: variable for variable in self.variables}, f"a variable of {self.name}")
+        return Named({variable.name: variable for variable in self.variables}, f"variable of {self.name}")
 
     @property
     def symbol(self) -> str:

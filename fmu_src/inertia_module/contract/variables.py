@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..common.errors import Refused, must_be
-from ..common.units import BOOLEANS, number_of, parse_unit
+from ..common.units import BOOLEANS, number_of, parse_unit, with_reason
 from ..kernel import inputs
 from ..kernel.codes import AVERAGED, KINEMATIC, RIGID
 from ..kernel.equations.losses import CAUSES
@@ -213,8 +213,9 @@ class Variable:
         """
         try:
             number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
-        except ValueError:
-            raise Refused(must_be(self.name, self.allowed, repr(value))) from None
+        except ValueError as error:
+            message = must_be(self.name, self.allowed, repr(value))
+            raise Refused(with_reason(message, error, value, self.items)) from None
         if not self.accepts(number):
             raise Refused(must_be(self.name, self.allowed, number))
         return number

@@ -190,7 +190,7 @@ def read_rows(path: Path) -> list[Row]:
     """Read rows that write_rows has written; of another table a ValueError."""
     table = csv.DictReader(path.read_text().splitlines())
     if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
-        raise ValueError(f"{path} must begin with the headings {', '.join(_HEADS)}")
+        raise ValueError(f"{path}: the first headings must be {', '.join(_HEADS)}")
     rows = []
     for line in table:
         fidelity, method, setting, step, failure = (line.pop(name) for name in (*_HEADS, "failure"))
@@ -301,7 +301,7 @@ def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choic
             f"best: {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "no level was measured"
         )
         asked = f"error = {error:g} in {', '.join(wanted)}"
-        raise Refused(f"{asked} is not reached by any fidelity level; {best}")
+        raise Refused(f"no fidelity level reaches {asked}; {best}")
     higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     much = 0.1 * min(error, chosen.worst(wanted))
     finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]

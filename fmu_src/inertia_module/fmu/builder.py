@@ -1,4 +1,4 @@
-"""Builds all FMUs and the kernel for pages, each of them whole or not at all; a wheel brings them along."""
+"""Builds all FMUs and the WebAssembly kernel of the viewer, each file atomically; a wheel includes them."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def build(
     files: Sequence[NativeFmu | PythonFmu | WebKernel] = (*FMUS, WEB_KERNEL),
     targets: Sequence[Target] = TARGETS,
 ) -> Build:
-    """Build FMUs and the kernel for pages into a folder, each of them whole or not at all.
+    """Build FMUs and the WebAssembly kernel of the viewer into a folder, each file atomically.
 
     Args:
         folder: where to; made if it is not there. progress: told each stage as it begins.
@@ -104,10 +104,12 @@ def current_fmu(
         targets = [target for target in TARGETS if target.folder == here().folder]
         path = (folder or cache_folder() / "fmus" / fmu.guid().strip("{}")) / fmu.file_name
     except CompilationUnavailable as reason:
-        raise RuntimeError(f"{fmu.file_name} cannot be built: {reason}") from None
+        raise RuntimeError(f"cannot build {fmu.file_name}: {reason}") from None
     if not is_current(path, fmu, targets):
-        progress(f"{path.name} is built for this platform alone; 'inertia-module build' does for all")
+        progress(
+            f"{path.name} is built for this platform only. Run 'inertia-module build' for all platforms."
+        )
         skipped = build(path.parent, progress, [fmu], targets).skipped
         if skipped:
-            raise RuntimeError(f"{path.name} cannot be built: {next(iter(skipped.values()))}")
+            raise RuntimeError(f"cannot build {path.name}: {next(iter(skipped.values()))}")
     return path

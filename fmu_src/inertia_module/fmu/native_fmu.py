@@ -89,7 +89,7 @@ class NativeFmu(NamedTuple):
         """The content of its file for those of the platforms that can be compiled for."""
         made_for = self.guid()
         if not is_cached(self.model):
-            build.progress("translating the kernel for compilation, once: about a minute")
+            build.progress("translating the kernel for compilation (once, about a minute)")
             llvm_text(self.model)
 
         def compiled_for(target: Target) -> bytes | None:

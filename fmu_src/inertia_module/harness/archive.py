@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from ..common.errors import FmuError
+from ..common.errors import FmuError, cannot_read, must_be
 
 # limits of an archive and of its content together, bytes
 MAX_UNPACKED = 1_000_000_000
@@ -52,15 +52,14 @@ def regular_file(path: Path) -> Path:
     try:
         status = path.stat()
     except (OSError, ValueError) as error:
-        missing = isinstance(error, FileNotFoundError)
-        reason = "there is no such file" if missing else getattr(error, "strerror", None) or str(error)
-        raise FmuError(f"{path} must be an FMU file: {reason}") from error
+        raise FmuError(cannot_read(path, error)) from error
     if stat.S_ISDIR(status.st_mode):
-        raise FmuError(f"{path} must be an FMU file, is a folder")
+        raise FmuError(must_be(str(path), "an FMU file", "a folder"))
     if not stat.S_ISREG(status.st_mode):
-        raise FmuError(f"{path} must be an FMU file, is a device or a pipe")
+        raise FmuError(must_be(str(path), "an FMU file", "a device or a pipe"))
     if status.st_size > MAX_UNPACKED:
-        raise FmuError(f"{path} must be an FMU of at most {_size(MAX_UNPACKED)}, is {_size(status.st_size)}")
+        allowed = f"an FMU of at most {_size(MAX_UNPACKED)}"
+        raise FmuError(must_be(str(path), allowed, _size(status.st_size)))
     return path
 
 
@@ -88,9 +87,9 @@ def open_archive(content: bytes) -> zipfile.ZipFile:
     try:
         archive = zipfile.ZipFile(io.BytesIO(content))
     except UNREADABLE_ARCHIVE as error:
-        raise FmuError(f"it must be a zip archive: {error}") from error
+        raise FmuError(f"not a zip archive: {error}") from error
     if DESCRIPTION not in archive.namelist():
-        raise FmuError(f"it must have a file {DESCRIPTION} at the top of its archive")
+        raise FmuError(f"no {DESCRIPTION} at the top level of the archive")
     return archive
 
 
@@ -102,14 +101,12 @@ def checked_entries(archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
     """
     entries = archive.infolist()
     if len(entries) > MAX_ENTRIES:
-        raise ArchiveError([f"the archive must have at most {MAX_ENTRIES} entries, has {len(entries)}"])
+        raise ArchiveError([must_be("number of entries", f"at most {MAX_ENTRIES}", str(len(entries)))])
     problems = [f"entry {entry.orig_filename!r} {fault}" for entry in entries if (fault := _fault(entry))]
     problems += _collisions(entries)
     total = sum(entry.file_size for entry in entries)
     if total > MAX_UNPACKED:
-        problems.insert(
-            0, f"the archive must unpack to at most {_size(MAX_UNPACKED)}, unpacks to {_size(total)}"
-        )
+        problems.insert(0, must_be("unpacked size", f"at most {_size(MAX_UNPACKED)}", _size(total)))
     if problems:
         more = len(problems) - MAX_PROBLEMS
         raise ArchiveError(problems[:MAX_PROBLEMS] + [f"and {more} more problems of entries"] * (more > 0))
@@ -117,38 +114,38 @@ def checked_entries(archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
 
 
 def _fault(entry: zipfile.ZipInfo) -> str:
-    """Return the sentence about a name, a kind or a compression that is not allowed, or ""."""
+    """Return the message about a name, a kind or a compression that is not allowed, or ""."""
     name, kind = entry.orig_filename, stat.S_IFMT(entry.external_attr >> 16)
     if "\\" in name:
-        return "must have forward slashes, has a backslash"
+        return "must use forward slashes in its name (got a backslash)"
     if ":" in name or name.startswith("/"):
-        return "must have a relative name, has an absolute one"
+        return "must have a relative name (got an absolute one)"
     if ".." in name.split("/"):
-        return "must lie in the archive: its name has '..'"
+        return "must lie in the archive (got '..' in its name)"
     if not PurePosixPath(name).parts or any(ord(letter) < ord(" ") for letter in name):
         return "must have a name of printable characters"
     if kind not in (0, stat.S_IFREG, stat.S_IFDIR):
-        return f"must be a file or a folder, is a {'symbolic link' if kind == stat.S_IFLNK else 'device'}"
+        return f"must be a file or a folder (got a {'symbolic link' if kind == stat.S_IFLNK else 'device'})"
     if entry.flag_bits & ENCRYPTED:
         return "must not be encrypted"
     if entry.compress_type not in METHODS:
-        return f"must be stored or deflated, is compressed by method {entry.compress_type}"
+        return f"must be stored or deflated (got compression method {entry.compress_type})"
     return ""
 
 
 def _collisions(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
-    """Yield sentences about entries that would overwrite another one; file systems may ignore case."""
+    """Yield messages about entries that would overwrite another one; file systems may ignore case."""
     files: set[PurePosixPath] = set()
     for entry in entries:
         path = PurePosixPath(entry.filename.casefold())
         if not entry.is_dir():
             if path in files:
-                yield f"entry {entry.filename!r} must be there once (upper and lower case are the same)"
+                yield f"entry {entry.filename!r} must be unique (letter case is ignored)"
             files.add(path)
     for entry in entries:
         path = PurePosixPath(entry.filename.casefold())
         if not files.isdisjoint(path.parents) or (entry.is_dir() and path in files):
-            yield f"entry {entry.filename!r} must be a file or a folder, is both"
+            yield f"entry {entry.filename!r} must be a file or a folder (got both)"
 
 
 def unpack(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
@@ -180,7 +177,7 @@ def _chunks(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]
             while chunk := packed.read(CHUNK):
                 left -= len(chunk)
                 if left < 0:
-                    raise zipfile.BadZipFile("it is larger than the archive claims")
+                    raise zipfile.BadZipFile("larger than the size in the archive")
                 yield chunk
     except UNREADABLE_ARCHIVE as error:
         raise ArchiveError([f"entry {entry.filename!r} cannot be unpacked: {error}"]) from error
@@ -214,11 +211,12 @@ def read_inside(folder: Path, path: Path) -> bytes:
     """
     resolved, name = path.resolve(), os.path.relpath(os.path.normpath(path), folder)
     if not resolved.is_relative_to(folder.resolve()):
-        raise FmuError(f"{name} must be a file inside the FMU")
+        raise FmuError(cannot_read(name, "not inside the FMU"))
     if not resolved.is_file():
-        raise FmuError(f"{name} must be a file inside the FMU: there is no such file")
+        raise FmuError(cannot_read(name, "no such file in the FMU"))
     if resolved.stat().st_size > MAX_FILE:
-        raise FmuError(f"{name} must have at most {_size(MAX_FILE)}, has {_size(resolved.stat().st_size)}")
+        size = _size(resolved.stat().st_size)
+        raise FmuError(cannot_read(name, must_be("its size", f"at most {_size(MAX_FILE)}", size)))
     return resolved.read_bytes()
 
 
@@ -233,7 +231,7 @@ def reject_entities(content: bytes, name: str) -> None:
     """
 
     def reject(*_: object) -> None:
-        raise FmuError(f"{name} must have no document type (DOCTYPE), has one")
+        raise FmuError(cannot_read(name, "a document type (DOCTYPE) is not allowed"))
 
     parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = reject

@@ -56,14 +56,14 @@ def check_fmu(
         raise FmuError(journal.error.replace(str(file), str(path)))
     if not journal.stage and end.code:
         *_, reason = end.errors.strip().splitlines() or [f"exit code {end.code}"]
-        raise FmuError(f"the process of the check cannot start: {reason}")
+        raise FmuError(f"cannot start the process of the check: {reason}")
     report = journal.report
     if not journal.is_done:
         report.problems.append(_verdict(journal, end, timeout, memory))
     if end.output.strip():
-        report.problems.append(f"it prints to the standard output: {_beginning(end.output)}")
+        report.problems.append(f"the FMU prints to standard output: {_beginning(end.output)}")
     if end.errors.strip():
-        report.warnings.append(f"it prints to the error output: {_beginning(end.errors)}")
+        report.warnings.append(f"the FMU prints to standard error: {_beginning(end.errors)}")
     report.problems, report.warnings = listed(report.problems), listed(report.warnings)
     report.facts = {heading: line_of(text) for heading, text in report.facts.items()}
     return report
@@ -75,17 +75,17 @@ def _beginning(text: str) -> str:
 
 
 def _verdict(journal: Journal, end: End, timeout: float, memory: int) -> str:
-    """Return the sentence about a process that has not come to its end."""
+    """Return the message about a process that has not completed."""
     stage = journal.stage or "starting"
     if end.code is None:
-        place = "" if journal.time is None else f" (at {journal.time:g} s of simulation time)"
-        return f"{stage} takes longer than {timeout:g} s{place}; --timeout allows more"
+        place = "" if journal.time is None else f" (simulation time {journal.time:g} s)"
+        return f"{stage}: time limit of {timeout:g} s exceeded{place}. Set a longer one with --timeout."
     if end.code >= 0:
-        return f"{stage}: the FMU ends the process of its host, with exit code {end.code}"
+        return f"{stage}: the FMU exits the process of its host with code {end.code}"
     try:
         cause = signal.Signals(-end.code).name
     except ValueError:
         cause = f"signal {-end.code}"
     if end.memory > NEARLY_ALL * memory:
-        cause += f", for lack of memory: {memory / 1e9:g} GB are allowed"
+        cause += f", out of memory: the limit is {memory / 1e9:g} GB"
     return f"{stage}: the FMU crashes ({cause})"

@@ -82,7 +82,7 @@ def _make_place(place: Path) -> None:
     place.mkdir(parents=True, exist_ok=True, mode=0o700)
     status = place.lstat()
     if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "getuid") and status.st_uid != os.getuid()):
-        raise PermissionError("it must be a folder of this user")
+        raise PermissionError("not a folder of this user")
 
 
 def _make(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:

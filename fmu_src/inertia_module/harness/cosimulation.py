@@ -198,7 +198,7 @@ def _advance(instance: Any, begin: float, end: float, events: bool) -> bool:
             raise FmuError(f"at time {time:.9g} s: {error}") from error
         is_event, _, is_early, reached = answer
         if is_early and not events:
-            raise FmuError(f"at time {time:.9g} s: a step returns early, which the host has not allowed")
+            raise FmuError(f"at time {time:.9g} s: the step returns early, but early return is not allowed")
         time = reached if is_early else end
         if events and is_event:
             instance.enterEventMode()
@@ -223,7 +223,7 @@ def _update(instance: Any) -> bool:
         needs_update, ends, *_ = instance.updateDiscreteStates()
         if ends or not needs_update:
             return bool(ends)
-    raise FmuError(f"its discrete states need more than {MAX_REPETITIONS} updates in one event")
+    raise FmuError(f"more than {MAX_REPETITIONS} updates of discrete states in one event")
 
 
 def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sample) -> bool:

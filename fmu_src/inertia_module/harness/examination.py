@@ -1,4 +1,4 @@
-"""Examination of an FMU in a process of its own: validation, steps, replay of its references.
+"""Examination of an FMU in a process of its own: validation, simulation, replay of its references.
 
 Native code of an FMU may do anything to its process. The report is therefore written to a journal at each
 stage, and `check` watches the process and judges its end.
@@ -22,7 +22,7 @@ from fmpy import platform as host
 from fmpy import platform_tuple, sharedLibraryExtension
 from fmpy.validation import validate_fmu
 
-from ..common.errors import FmuError
+from ..common.errors import FmuError, cannot_read
 from .archive import MAX_UNPACKED, ArchiveError, read_archive
 from .copies import unpacked
 from .cosimulation import Array, Plan, Values, run
@@ -47,7 +47,7 @@ def examine(path: Path, journal: Journal) -> Report:
         FmuError: the file is no FMU.
     """
     report = journal.report
-    journal.begin("unpacking it")
+    journal.begin("unpacking the FMU")
     content = read_archive(path)
     try:
         folder = Path(unpacked(content))
@@ -55,8 +55,8 @@ def examine(path: Path, journal: Journal) -> Report:
         report.problems += error.problems
         return report
     except FmuError as error:
-        raise FmuError(f"{path} must be an FMU: {error}") from error
-    journal.begin("reading it")
+        raise FmuError(cannot_read(path, error)) from error
+    journal.begin("reading the FMU")
     description = read_description(path, validate=False)
     report.facts = _facts(description, folder)
     report.problems += validate_fmu(str(folder))
@@ -66,7 +66,7 @@ def examine(path: Path, journal: Journal) -> Report:
         if getattr(description.coSimulation, "hasEventMode", False):
             _step(description, folder, journal, events=True)
         if tests and description.coSimulation is None:
-            report.warnings.append("its references are not replayed: the replay needs co-simulation")
+            report.warnings.append("reference results are not checked: this requires co-simulation")
             tests = []
         for experiment in tests:
             replay(description, folder, journal, experiment)
@@ -88,7 +88,7 @@ def _facts(description: Any, folder: Path) -> dict[str, str]:
     return {
         "model": str(description.modelName),
         "FMI": f"{description.fmiVersion}, {' and '.join(_kinds(description)) or 'no interface'}",
-        "made by": description.generationTool or "not named",
+        "made by": description.generationTool or "unspecified",
         "platforms": ", ".join(_platforms(folder)) or "none",
         "variables": str(len(description.modelVariables)),
     }
@@ -105,12 +105,12 @@ def _can_step(description: Any, folder: Path, report: Report) -> bool:
     """Return True if an FMU can be stepped on this machine; otherwise the report has the reason."""
     interface = description.coSimulation or description.modelExchange
     if interface is None:  # the FMU is correct
-        report.warnings.append("it is not stepped: it is for scheduled execution alone")
+        report.warnings.append("the FMU is not simulated: it supports scheduled execution only")
         return False
     place = platform_tuple if description.fmiVersion[0] == "3" else host
     library = PurePosixPath("binaries", place, f"{interface.modelIdentifier}{sharedLibraryExtension}")
     if not (folder / library).is_file():
-        report.problems.append(f"it cannot be stepped on this machine: it has no {library}")
+        report.problems.append(f"the FMU cannot be simulated on this machine: no {library}")
         return False
     return True
 
@@ -120,7 +120,7 @@ def _experiments(folder: Path, report: Report) -> list[Experiment]:
     try:
         return experiments(folder)
     except UNREADABLE as error:
-        report.problems.append(f"its experiments with references cannot be read: {error}")
+        report.problems.append(cannot_read("the reference experiments", error))
         return []
 
 
@@ -162,8 +162,8 @@ def _default_times(description: Any, report: Report) -> Array:
     span = span_of(description, {})
     if span.steps > MAX_STEPS:
         report.warnings.append(
-            f"its default experiment has {span.steps:.4g} steps"
-            f" ({span.start:g} s to {span.stop:g} s by {span.step:g} s): only {MAX_STEPS} are made"
+            f"only {MAX_STEPS} of {span.steps:.4g} steps of the default experiment are simulated"
+            f" ({span.start:g} s to {span.stop:g} s by {span.step:g} s)"
         )
         span = Span(span.start, span.start + MAX_STEPS * span.step, span.step, span.is_variable)
     return span.times(MAX_STEPS)
@@ -174,23 +174,25 @@ def _step(description: Any, folder: Path, journal: Journal, events: bool = False
     report, log = journal.report, Log()
     outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
     mode = " with event mode" * events
-    journal.begin(f"stepping it{mode}")
+    journal.begin(f"simulation{mode}")
     try:
         times = _default_times(description, report)
-        journal.begin(f"stepping it{mode} to {times[-1]:g} s")
+        journal.begin(f"simulation{mode} to {times[-1]:g} s")
         samples = _Samples(journal, times)
         tolerance = getattr(description.defaultExperiment, "tolerance", None)
         plan = Plan(times, outputs, float(tolerance) if tolerance else None, events=events)
         ended = run(description, str(folder), plan, log, samples.take)
     except Exception as error:
-        report.problems.append(f"{journal.stage} fails: {'; '.join(listed(log.errors)) or reason_of(error)}")
+        report.problems.append(f"{journal.stage} failed: {'; '.join(listed(log.errors)) or reason_of(error)}")
         return
     finally:
         report.warnings += listed(log.warnings)
-    report.problems += [f"it logs an error: {message}" for message in listed(log.errors)]
-    report.problems += [f"output {name} is not finite at {t:g} s" for name, t in samples.not_finite.items()]
+    report.problems += [f"the FMU logs an error: {message}" for message in listed(log.errors)]
+    report.problems += [
+        f"output {name} is not finite at t = {t:g} s" for name, t in samples.not_finite.items()
+    ]
     report.facts["with event mode" if events else "stepped to"] = (
-        f"{samples.time:g} s in {samples.count} steps" + ended * ", where it ends the simulation"
+        f"{samples.time:g} s in {samples.count} steps" + ended * "; the FMU ends the simulation"
     )
     report.outputs |= {name: _plain(values) for name, values in samples.last.items()}
 
@@ -257,9 +259,9 @@ def main(path: str, file: str, memory: str) -> None:
     except FmuError as error:
         journal.error = str(error)
     except Exception as error:
-        journal.report.problems.append(f"{journal.stage} fails: {reason_of(error)}")
+        journal.report.problems.append(f"{journal.stage} failed: {reason_of(error)}")
     if _identity(1) != output:
-        journal.report.problems.append("it closes the standard output of its process")
+        journal.report.problems.append("the FMU closes the standard output of its process")
     journal.is_done = True
     journal.write()
     _flush()

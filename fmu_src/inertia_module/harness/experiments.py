@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, did_you_mean
+from ..common.errors import FmuError, cannot_read, must_be, unknown
 from ..common.units import BOOLEANS, factor_between, number_of
 from .archive import parse_inside, read_inside
 
@@ -152,13 +152,12 @@ def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
     try:
         numbers = [number_of(_number(word), variable.unit or "1", items) for word in words]
     except ValueError as error:
-        raise FmuError(
-            f"{variable.name} must be a number in {variable.unit or '1'}, is {value!r}: {error}"
-        ) from None
+        demand = must_be(variable.name, f"a number in {variable.unit or '1'}", repr(value))
+        raise FmuError(f"{demand}: {error}") from None
     if variable.type not in REALS and not all(number.is_integer() for number in numbers):
-        raise FmuError(f"{variable.name} must be a whole number, is {value!r}")
+        raise FmuError(must_be(variable.name, "an integer", repr(value)))
     if len(numbers) != size_of(variable):
-        raise FmuError(f"{variable.name} must have {size_of(variable)} numbers, has {len(numbers)}")
+        raise FmuError(must_be(variable.name, f"{size_of(variable)} numbers", str(len(numbers))))
     return numbers
 
 
@@ -182,9 +181,9 @@ def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
         try:
             return variable, int(np.ravel_multi_index(index, variable.shape))
         except ValueError:
-            raise FmuError(f"{name} must be an element of {match[1]}, which has {variable.shape}") from None
+            raise FmuError(f"{name} must be an element of {match[1]} (shape {variable.shape})") from None
     if name not in variables:
-        raise FmuError(f"{name} must be a variable of the FMU {did_you_mean(name, variables)}")
+        raise FmuError(unknown("variable", name, variables))
     return variables[name], None
 
 
@@ -204,7 +203,7 @@ def _column(heading: str, cells: Sequence[str], variables: Mapping[str, Any]) ->
     try:
         factor = 1.0 if unit is None else factor_between(unit, own_unit)
     except ValueError as error:
-        raise FmuError(f"{heading} must be in {own_unit} or a unit of the same kind: {error}") from None
+        raise FmuError(f"heading {heading!r}: {error}") from None
     if variable.type in TEXTS:
         return Column(variable, None, list(cells))
     number, rows = 1 if element is not None else size_of(variable), []
@@ -213,9 +212,9 @@ def _column(heading: str, cells: Sequence[str], variables: Mapping[str, Any]) ->
         try:
             numbers = [BOOLEANS[word] if word in BOOLEANS else float(word) for word in words]
         except ValueError:
-            raise FmuError(f"{name} must be numbers, is {cell!r} in row {row}") from None
+            raise FmuError(must_be(f"{name} in row {row}", "numbers", repr(cell))) from None
         if len(numbers) != number:
-            raise FmuError(f"{name} must be {number} numbers, is {cell!r} in row {row}")
+            raise FmuError(must_be(f"{name} in row {row}", f"{number} numbers", repr(cell)))
         rows.append(numbers)
     return Column(variable, element, np.array(rows, dtype=float).reshape(len(cells), number) * factor)
 
@@ -238,25 +237,26 @@ def read_table(folder: Path, file: Path, variables: Mapping[str, Any]) -> Table:
         reader = csv.reader(io.StringIO(text), delimiter=next((d for d in ";\t" if d in first), ","))
         rows = [[cell.strip() for cell in row] for row in reader if any(cell.strip() for cell in row)]
     except (UnicodeDecodeError, csv.Error) as error:
-        raise FmuError(f"{file.name} must be a CSV file in UTF-8: {error}") from error
+        raise FmuError(cannot_read(file.name, f"invalid CSV: {error}")) from error
     if len(rows) < 2:
-        raise FmuError(f"{file.name} must have a heading row and rows of values, has {len(rows)} rows")
+        demand = must_be("number of rows", "at least 2, with the headings", str(len(rows)))
+        raise FmuError(cannot_read(file.name, demand))
     if not rows[0][-1]:  # separators at the ends of the rows
         rows = [row[: len(rows[0]) - 1] for row in rows]
     headings = rows.pop(0)
     for number, row in enumerate(rows, 1):
         if len(row) != len(headings):
-            raise FmuError(
-                f"{file.name} must have {len(headings)} cells in a row, has {len(row)} in row {number}"
-            )
+            demand = must_be(f"number of cells in row {number}", str(len(headings)), str(len(row)))
+            raise FmuError(cannot_read(file.name, demand))
     if len(set(headings)) < len(headings):
-        raise FmuError(f"{file.name} must have different headings, has {', '.join(headings)}")
+        raise FmuError(cannot_read(file.name, must_be("headings", "unique", ", ".join(headings))))
     times, *columns = map(list, zip(*rows, strict=True))
     try:
         time = np.array(times, dtype=float)
     except ValueError:
-        raise FmuError(f"{file.name} must have times in its first column, has {headings[0]}") from None
+        demand = must_be("the first column", "times", headings[0])
+        raise FmuError(cannot_read(file.name, demand)) from None
     if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
-        raise FmuError(f"{file.name} must have times that do not decrease")
+        raise FmuError(cannot_read(file.name, "times must be finite and must not decrease"))
     cells = zip(headings[1:], columns, strict=True)
     return Table(time, {heading: _column(heading, column, variables) for heading, column in cells})

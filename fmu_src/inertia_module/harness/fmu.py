@@ -12,10 +12,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, Refused, did_you_mean
+from ..common.errors import FmuError, Refused, cannot_read, must_be, unknown
 from ..common.files import read_file
 from ..common.terminal import Progress
-from ..common.units import BOOLEANS, allowed_number, number_of
+from ..common.units import BOOLEANS, allowed_number, number_of, with_reason
 from ..memory import Plant, Run
 
 __all__ = ["Fmu", "FmuError", "Plant", "RestartedFmu", "run"]
@@ -83,7 +83,7 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
         return (names,)
     if isinstance(names, Iterable):
         return tuple(names)
-    raise Refused(f"names must be a string or a list of strings, are {names!r}")
+    raise Refused(must_be("names", "a string or a list of strings", repr(names)))
 
 
 def fmu_file(path: Path | str | None) -> Path:
@@ -120,7 +120,7 @@ def read_description(path: Path, validate: bool = True) -> Any:
     try:
         description = read_model_description(unpacked(content), validate=validate)
     except Exception as error:
-        raise FmuError(f"{path} must be an FMU: {error}") from error
+        raise FmuError(cannot_read(path, error)) from error
     of_fmi_2 = {name: type_2 for type_2, name in TYPES_3.items()}
     for variable in description.modelVariables:
         variable.type = of_fmi_2.get(variable.type, variable.type)
@@ -144,13 +144,14 @@ def _number_for(variable: Any, value: Any) -> float:
     if variable.type == "Real":
         allowed = allowed_number(unit)
     else:
-        allowed = f"one of {', '.join(items)}" if items else "a whole number of 32 bits"
+        allowed = f"one of {', '.join(items)}" if items else "a 32-bit integer"
     try:
         number = number_of(value, unit, items)
     except ValueError as error:
-        raise FmuError(f"{variable.name} must be {allowed}, is {value!r}: {error}") from None
+        message = must_be(variable.name, allowed, repr(value))
+        raise FmuError(with_reason(message, error, value, items)) from None
     if variable.type != "Real" and not (number.is_integer() and abs(number) <= largest):
-        raise FmuError(f"{variable.name} must be {allowed}, is {value!r}")
+        raise FmuError(must_be(variable.name, allowed, repr(value)))
     return number
 
 
@@ -205,8 +206,8 @@ class Fmu(Plant, Closing):
         variables: fmpy's, by name. units: unit of each variable that has one.
 
     Raises:
-        FmuError: the file is no such FMU, a name is unknown, or a value is refused. All methods raise it for
-            names that there are not, for what the FMU refuses or has not, and once the instance is closed.
+        FmuError: the file is not such an FMU, a name is unknown, or a value is invalid. All methods raise it
+            for unknown names, for calls that the FMU rejects or does not support, and after close.
     """
 
     def __init__(
@@ -245,7 +246,8 @@ class Fmu(Plant, Closing):
 
         description = read_description(self.path)
         if description.fmiVersion not in ("2.0", "3.0") or description.coSimulation is None:
-            raise FmuError(f"{self.path} must be an FMU for co-simulation of FMI 2.0 or 3.0")
+            kind = f"FMI {description.fmiVersion}{'' if description.coSimulation else ', no co-simulation'}"
+            raise FmuError(must_be(str(self.path), "an FMU for co-simulation of FMI 2.0 or 3.0", kind))
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.units = {name: variable.unit for name, variable in self.variables.items() if variable.unit}
         try:
@@ -269,7 +271,7 @@ class Fmu(Plant, Closing):
     def _call(self, function: str, *arguments: Any) -> Any:
         """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
         if self._instance is None:
-            raise FmuError(f"{self.path.name} is closed: {function} needs an instance that is open")
+            raise FmuError(f"{self.path.name} is closed: {function} requires an open instance")
         errors = self._log.errors
         errors.clear()
         try:
@@ -290,11 +292,10 @@ class Fmu(Plant, Closing):
         """Return the variable of this name; raise FmuError if there is none, or if it is no single number."""
         variable = self.variables.get(name)
         if variable is None:
-            hint = did_you_mean(name, self.variables)
-            raise FmuError(f"{name} must be a variable of {self.path.name} {hint}")
+            raise FmuError(f"{self.path.name}: {unknown('variable', name, self.variables)}")
         if not is_number(variable):
             kind = f"an array of {variable.type}" if variable.dimensions else f"a {variable.type}"
-            raise FmuError(f"{name} must be a number, is {kind} in {self.path.name}")
+            raise FmuError(f"{self.path.name}: {must_be(name, 'a number', kind)}")
         return variable
 
     def _references(self, names: str | Sequence[str]) -> list[int]:
@@ -342,7 +343,8 @@ class Fmu(Plant, Closing):
         """Advance by a communication step, s.
 
         Raises:
-            FmuError: the FMU refused the step; its state is as it was. Ended: it ends the simulation.
+            FmuError: the FMU rejects the step and keeps its state.
+            Ended: the FMU ends the simulation.
         """
         try:
             self._call("doStep", self.time - self._epoch, step)
@@ -408,7 +410,7 @@ class Fmu(Plant, Closing):
         """Take over a kept state of get_state, and its time."""
         # some FMUs crash on a state that is not theirs
         if not isinstance(kept, Kept) or kept.fmu is not self:
-            raise FmuError("a state must be one of get_state of this instance")
+            raise FmuError("a state must be from get_state of this instance")
         self._call("setFMUstate", kept.state)
         self.time, self._epoch = kept.time, kept.epoch
 
@@ -420,13 +422,13 @@ class Fmu(Plant, Closing):
     def restore(self, saved: bytes, time: float | None = None) -> None:
         """Take over a saved state, at the time, s, that it belongs to; None leaves that as it is."""
         if not isinstance(saved, bytes):
-            raise FmuError(f"a state must be the bytes that save gave, is {type(saved).__name__}")
+            raise FmuError(must_be("a state", "the bytes of save()", type(saved).__name__))
         before = self.get_state()
         try:
             after = Kept(self, self._call("deSerializeFMUstate", saved))
             self._call("setFMUstate", after.state)
         except FmuError:
-            # the Python FMU else refuses all steps from now on
+            # otherwise the Python FMU would reject all further steps
             self._call("setFMUstate", before.state)
             raise
         if time is not None:

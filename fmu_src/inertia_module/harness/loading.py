@@ -124,4 +124,4 @@ class Slave(FMU3Slave):  # type: ignore[misc]
         return self._ended
 
     def setRealInputDerivatives(self, *arguments: Any) -> None:
-        raise NotImplementedError("FMI 3.0 has no derivatives of inputs")
+        raise NotImplementedError("FMI 3.0 does not support input derivatives")

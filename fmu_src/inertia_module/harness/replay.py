@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, did_you_mean
+from ..common.errors import FmuError, unknown
 from .cosimulation import Array, Plan, Values, run
 from .experiments import RELATIVE_DEVIATION, TEXTS, Column, Experiment, Table, read_table, value_of
 from .fmu import Log
@@ -38,18 +38,18 @@ def replay(description: Any, folder: Path, journal: Journal, experiment: Experim
         recorder = _Recorder(journal, plan)
         ended = run(description, str(folder), plan, log, recorder.take)
         if log.errors:
-            raise FmuError("it logs an error")
+            raise FmuError("the FMU logs an error")
     except Exception as error:
         reason = "; ".join(listed(log.errors)) or reason_of(error)
-        report.problems.append(f"experiment {experiment.name} fails: {reason}")
+        report.problems.append(f"experiment {experiment.name} failed: {reason}")
         return
     if ended:
-        report.facts[experiment.name] = f"{recorder.times[-1]:g} s, where it ends the simulation"
+        report.facts[experiment.name] = f"{recorder.times[-1]:g} s; the FMU ends the simulation"
     for deviation in deviations(experiment, expected, recorder.table()):
         report.references.append(deviation)
         if deviation.deviation > deviation.allowed:
             report.problems.append(
-                f"{experiment.name}: {deviation.variable} deviates from its reference: {deviation}"
+                f"{experiment.name}: {deviation.variable} deviates from its reference by {deviation}"
             )
 
 
@@ -59,7 +59,7 @@ def _plan(
     """Return the run of an experiment; its results end it if it has no stop time."""
     for name in experiment.parameters:
         if name not in variables:
-            raise FmuError(f"{name} must be a variable of the FMU {did_you_mean(name, variables)}")
+            raise FmuError(unknown("variable", name, variables))
     start = [
         (variables[name], value_of(variables[name], text)) for name, text in experiment.parameters.items()
     ]

@@ -41,7 +41,7 @@ class Deviation:
     time: float
 
     def __str__(self) -> str:
-        return f"{self.deviation:.2g} at {self.time:g} s, allowed {self.allowed:g}"
+        return f"{self.deviation:.2g} at t = {self.time:g} s (tolerance {self.allowed:g})"
 
 
 @dataclass
@@ -80,7 +80,7 @@ def listed(messages: Iterable[str]) -> list[str]:
 def reason_of(error: BaseException) -> str:
     """Return the reason of a failure as one line."""
     if isinstance(error, MemoryError):
-        return "it needs more memory than it may have"
+        return "the memory limit is exceeded"
     return " ".join(str(error).split()) or type(error).__name__
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.csv_table import CsvTable, TableError
 from ..common.equality import ByContent
-from ..common.errors import did_you_mean
+from ..common.errors import must_be, suggestion, unknown
 from ..common.extras import library
 from ..common.files import write_atomically, write_figure, write_text
 from ..common.units import factor_between
@@ -73,20 +73,20 @@ class Result(ByContent):
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
-            raise TableError(f"columns must include {TIME} {did_you_mean(TIME, arrays)}")
+            raise TableError(f"missing column {TIME!r}{suggestion(TIME, arrays)}")
         given = dict(units or {})
         arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
         n = arrays[TIME].size
         for name, values in arrays.items():
             if values.shape != (n,):
-                raise TableError(f"{name} must have shape ({n},), that of {TIME}, has {values.shape}")
+                raise TableError(must_be(f"shape of {name}", f"({n},), as of {TIME}", str(values.shape)))
         finite = np.isfinite(list(arrays.values()))
         if not finite.all():
             (column, row), names = np.argwhere(~finite)[0], list(arrays)
-            raise TableError(f"{names[column]} must be finite, is {arrays[names[column]][row]} in row {row}")
+            raise TableError(must_be(f"{names[column]} in row {row}", "finite", arrays[names[column]][row]))
         if (np.diff(arrays[TIME]) < 0).any():
             row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
-            raise TableError(f"{TIME} must not go back, is {arrays[TIME][row]} in row {row}")
+            raise TableError(f"{TIME} must not decrease (got {arrays[TIME][row]} in row {row})")
         ordered = {TIME: arrays.pop(TIME), **arrays}
         return cls(ordered, {TIME: "s", **given}, origin)
 
@@ -115,7 +115,7 @@ class Result(ByContent):
         if name in self.columns:
             return self.columns[name]
         unread = self.origin.unread if self.origin else {}
-        raise TableError(unread.get(name) or f"{name} must be a column {did_you_mean(name, self.columns)}")
+        raise TableError(unread.get(name) or unknown("column", name, self.columns))
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns
@@ -232,9 +232,7 @@ def _factor(name: str, unit: str, wanted: str) -> float:
     try:
         return factor_between(unit, wanted)
     except ValueError as error:
-        raise TableError(
-            f"{name} [{unit}] must be in {wanted} or in a unit of the same kind: {error}"
-        ) from None
+        raise TableError(f"{name} must be in {wanted} or a compatible unit: {error}") from None
 
 
 def heading(name: str, unit: str) -> str:

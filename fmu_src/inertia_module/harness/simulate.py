@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, did_you_mean, listed, must_be
+from ..common.errors import Refused, listed, must_be, unknown
 from ..common.terminal import Progress, progress_bar
 from ..common.time_range import time_warnings
 from ..common.units import split_quantity
@@ -38,7 +38,8 @@ def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result
             number, unit = split_quantity(values) if isinstance(values, str) else (values, "")
             columns[name] = np.atleast_1d(np.asarray(number, dtype=float))
         except (TypeError, ValueError) as error:
-            raise TableError(f"{name} must be numbers, or a string with a unit: {error}") from None
+            demand = must_be(name, "numbers, or a string with a unit", repr(values))
+            raise TableError(f"{demand}: {error}") from None
         if unit:
             units[name] = unit
     columns.setdefault(TIME, np.zeros(1))
@@ -51,10 +52,10 @@ def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Res
     """Return the unit of a column in an FMU, "" for none; a TableError if the FMU cannot take its values."""
     variable = variables.get(name)
     if variable is None:
-        hint = did_you_mean(name, (n for n, v in variables.items() if v.causality in ("input", "output")))
-        raise TableError(f"column {name} must be an input or an output of {file} {hint}")
+        names = (other for other, v in variables.items() if v.causality in ("input", "output"))
+        raise TableError(f"{file}: {unknown('input or output', name, names)}")
     if variable.causality == "parameter" and variable.variability != "tunable":
-        raise TableError(f"column {name} must be in parameters: {file} keeps it for the whole run")
+        raise TableError(f"{name} is a fixed parameter of {file}. Set it with parameters, not as a column.")
     unit = variable.unit or ("1" if name in table.units else "")
     # raises what is wrong with the column
     table.converted({name: unit}) if unit else table[name]
@@ -83,7 +84,7 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     if unused and not inputs:
         raise next(iter(unused.values()))
     if unused and origin:
-        text = f"{origin.path}: columns that are no inputs or readable outputs of {file} are not used: "
+        text = f"{origin.path}: columns that are not inputs or outputs of {file} are ignored: "
         warnings.warn(text + listed(unused), stacklevel=3)
     table = table.without(unused.keys()).converted({name: unit for name, unit in units.items() if unit})
     names = {name: name if name in (TIME, *inputs) else f"{name}_measured" for name in table.names}
@@ -118,8 +119,8 @@ def drive(
         (steps + 1,) each; it is shorter if the FMU itself ends the simulation.
 
     Raises:
-        FmuError: the FMU refused something. TableError: the inputs are no table, not of this FMU, or not
-            within the run.
+        FmuError: the FMU rejects a value or a step.
+        TableError: the inputs are not a table, not inputs of this FMU, or not within the run.
         Refused: stop_time or step is not positive; all of these are kinds of it.
     """
     times = communication_points(stop_time, step)
@@ -133,7 +134,7 @@ def drive(
     start = {name: float(values[0]) for name, values in held.items()}
     with contextlib.ExitStack() as stack:
         fmu = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
-        report = progress or stack.enter_context(progress_bar(f"driving {fmu.path.name}"))
+        report = progress or stack.enter_context(progress_bar(f"simulating {fmu.path.name}"))
         rows = np.empty((times.size, len(table.names) + len(outputs)))
         rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
         try:
@@ -145,7 +146,7 @@ def drive(
 
 
 def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> None:
-    """Refuse a communication step with which a run has more than MAX_STEPS steps.
+    """Raise Refused for a communication step with which a run has more than MAX_STEPS steps.
 
     Args:
         stop_time: stop time, s.
@@ -171,7 +172,7 @@ def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
     """
     for name, value in (("stop_time", stop_time), ("step", step)):
         if not (isinstance(value, Real) and math.isfinite(value) and value > 0.0):
-            raise Refused(f"{name} must be a positive number of seconds, is {value!r}")
+            raise Refused(must_be(name, "a positive number of seconds", repr(value)))
     check_number_of_steps(stop_time, step)
     count = max(math.ceil(stop_time / step - 1e-9), 1)
     times = np.arange(count + 1, dtype=np.float64) * step

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError
+from ..common.errors import FmuError, must_be
 
 # steps of an experiment that names no step
 STEPS = 100
@@ -48,11 +48,11 @@ class Span(NamedTuple):
         """
         text = f"{self.start:g} s to {self.stop:g} s by {self.step:g} s"
         if not (0.0 < self.steps < math.inf):
-            raise FmuError(
-                f"an experiment must have finite times, a stop after its start, a positive step: {text}"
-            )
+            allowed = "finite, the stop time after the start time and the step positive"
+            raise FmuError(must_be("times of an experiment", allowed, text))
         if self.steps > most + ROUNDING:
-            raise FmuError(f"an experiment must have at most {most} steps, has {self.steps:.4g}: {text}")
+            number = f"{self.steps:.4g}: {text}"
+            raise FmuError(must_be("number of steps of an experiment", f"at most {most}", number))
         whole = max(math.floor(self.steps + ROUNDING), 1)
         is_shorter = self.is_variable and self.steps > whole + ROUNDING
         times = self.start + np.arange(whole + 1, dtype=np.float64) * self.step
@@ -61,7 +61,7 @@ class Span(NamedTuple):
         elif abs(self.steps - whole) <= ROUNDING or self.is_variable:
             times[-1] = self.stop
         if not (np.diff(times) > 0.0).all():
-            raise FmuError(f"a step must change the time: {text}")
+            raise FmuError(must_be("step", "large enough to change the time", text))
         return times
 
 

@@ -90,8 +90,8 @@ def _value(scene: Scene, name: str, given: Any) -> float | str:
     try:
         scene.with_keys({name: value})
     except SceneError as error:
-        # what begins otherwise may be right with other values of other keys
-        if str(error).startswith(name):
+        # other errors may vanish with other values of other keys
+        if f"{error.key}.".startswith(f"{name}."):
             raise
     if isinstance(value, float):
         return value

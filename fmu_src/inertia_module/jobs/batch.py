@@ -70,7 +70,7 @@ def batch(
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
         for _ in pool.map(run_one, np.ndindex(shape)):
             pass
-    return Named({**dict(zip(names, ends, strict=True)), "refused": refused}, "an output of the batch")
+    return Named({**dict(zip(names, ends, strict=True)), "refused": refused}, "batch output")
 
 
 def _readable(variable: Variable, values: ArrayLike) -> AnyArray:

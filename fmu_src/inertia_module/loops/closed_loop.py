@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import must_be
 from ..common.terminal import Progress
 from ..contract.variables import BY_NAME
 from ..harness.fmu import as_names, run
@@ -44,9 +45,8 @@ def connect(systems: Sequence[Any]) -> Any:
     for system in systems:
         for label in system.output_labels:
             if label in origin:
-                raise ValueError(
-                    f"{label} must be given by one system, is given by {origin[label]} and by {system.name}"
-                )
+                both = f"{origin[label]} and {system.name}"
+                raise ValueError(must_be(label, "the output of one system only", both))
             origin[label] = system.name
     given, labels = list(origin), [label for system in systems for label in system.input_labels]
     wanted = [label for label in dict.fromkeys(labels) if label not in origin]
@@ -62,7 +62,7 @@ def connect(systems: Sequence[Any]) -> Any:
         )
     if len({system.dt for system in systems}) > 1:
         steps = ", ".join(f"{system.name} {system.dt:g} s" for system in systems)
-        raise ValueError(f"systems must have one step, have {steps}")
+        raise ValueError(must_be("steps of the systems", "equal", steps))
     if all(isinstance(system, Sources) for system in systems):
         signals = {name: signal for system in systems for name, signal in system.signals.items()}
         return Sources(signals, systems[0].dt)
@@ -93,7 +93,7 @@ def _surroundings(systems: Sequence[Sampled], wanted: Sequence[str], given: Sequ
                     values[outputs], following[states] = part(time, x[states], now)
             if settled:
                 return values[len(wanted) :], following
-        raise ValueError(f"systems must have no algebraic loop, have one among {', '.join(given)}")
+        raise ValueError(f"algebraic loop among {', '.join(given)}")
 
     names = [f"{system.name}_{label}" for system in systems for label in system.state_labels]
     return Sampled("surroundings", systems[0].dt, wanted, given, law, names)
@@ -144,8 +144,9 @@ class ClosedLoop:
         self._outputs = [name for name in dict.fromkeys(as_names(outputs)) if name not in signals]
         self._driven = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
         if not self._driven:
+            inputs = ", ".join(PLANT_INPUTS)
             raise ValueError(
-                f"surroundings must give at least one of {', '.join(PLANT_INPUTS)}, give {', '.join(signals)}"
+                f"no output drives an input of the FMU ({inputs}); outputs: {', '.join(signals)}"
             )
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
@@ -158,14 +159,12 @@ class ClosedLoop:
 
         Raises:
             ValueError: the stop time is not a whole number of steps.
-            FmuError: the FMU refuses a value or a step.
+            FmuError: the FMU rejects a value or a step.
         """
         number, first = whole_steps(stop_time, self.step), 1 + len(self._outputs)
         if not number:
-            raise ValueError(
-                f"stop_time must be a whole number of communication steps of {self.step:g} s, and at least"
-                f" one, is {stop_time:g} s"
-            )
+            allowed = f"a positive multiple of the communication step {self.step:g} s"
+            raise ValueError(must_be("stop_time", allowed, f"{stop_time:g} s"))
         rows = np.empty((number + 1, len(self.names)))
         rows[:, 0] = np.arange(number + 1) * self.step
         if isinstance(self.surroundings, Sources):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..common.errors import must_be
 from .engine import Governor
 from .sources import Sampled
 
@@ -40,7 +41,7 @@ def pi_speed_controller(
     governor = Governor(proportional_gain, integral_gain, step)
     low, high = limits
     if not low < high:
-        raise ValueError(f"limits must be a lower and a higher one, are {low:g} and {high:g}")
+        raise ValueError(must_be("limits", "a minimum below a maximum", f"{low:g} and {high:g}"))
 
     def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
         commanded, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])

@@ -35,8 +35,8 @@ def check_drag(name: str, torques: Sequence[float]) -> None:
     """
     if min(torques) < 0.0:
         raise ValueError(
-            f"{must_be(name, 'at least 0 N.m', min(torques))}: drag is the size of the torque against the"
-            " motion; reverse the sign of a negative motoring torque (as VECTO writes it)"
+            f"{must_be(name, 'at least 0 N.m', min(torques))}. Drag is the magnitude of the torque against"
+            " the motion. Reverse the sign of a negative motoring torque (the convention of VECTO)."
         )
 
 
@@ -44,7 +44,7 @@ def check_rising(speed: Sequence[float]) -> None:
     """Raise a ValueError if speeds, rad/s, do not increase: a torque over the speed has no steps."""
     for before, after in pairwise(speed):
         if not before < after:
-            raise ValueError(f"speed must increase, {after:g} comes after {before:g}")
+            raise ValueError(must_be("speed", "strictly increasing", f"{after:g} after {before:g}"))
 
 
 @dataclass(frozen=True)
@@ -101,11 +101,11 @@ class Governor:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.sample_time) and self.sample_time > 0.0):
-            raise ValueError(f"sample_time must be a positive number of seconds, is {self.sample_time}")
+            raise ValueError(must_be("sample_time", "a positive number of seconds", self.sample_time))
         for name in ("proportional_gain", "integral_gain"):
             gain = getattr(self, name)
             if not (math.isfinite(gain) and gain >= 0.0):
-                raise ValueError(f"{name} must be a finite number from 0, is {gain}")
+                raise ValueError(must_be(name, "finite and at least 0", gain))
 
     def sample(
         self,

@@ -83,7 +83,7 @@ class Load(NamedTuple):
         return self.inertia if self.coupling is None else 0.0
 
     def check_step(self, shaft_inertia: float) -> None:
-        """Refuse a step that is too long: the torque of the load is held while the shaft moves.
+        """Reject a step that is too long: the load torque is constant while the shaft moves.
 
         Behind an elastic coupling, in the order of ClosedLoop, no swing of shaft and load may grow, and the
         damping may not turn the shaft round within a step.
@@ -99,8 +99,8 @@ class Load(NamedTuple):
             inertia = self.inertia + shaft_inertia
             if step * self.friction > inertia:
                 raise ValueError(
-                    f"with viscous_friction = {self.friction:g} N.m.s/rad the step must be at most inertia"
-                    f" over friction, {inertia / self.friction:g} s, is {step:g} s"
+                    f"the step must be at most inertia / friction = {inertia / self.friction:g} s with"
+                    f" viscous_friction = {self.friction:g} N.m.s/rad (got {step:g} s)"
                 )
             return
         a, b = sample_coupled(self.inertia, self.coupling, 0.0, step)
@@ -114,9 +114,9 @@ class Load(NamedTuple):
         growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
         if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
             raise ValueError(
-                f"with stiffness = {stiffness:g} N.m/rad, damping = {damping:g} N.m.s/rad and a shaft of"
-                f" {shaft_inertia:g} kg.m2 the step must be shorter, is {step:g} s; a softer coupling or more"
-                " inertia on the shaft helps too"
+                f"the step must be shorter with stiffness = {stiffness:g} N.m/rad, damping = {damping:g}"
+                f" N.m.s/rad and a shaft inertia of {shaft_inertia:g} kg.m2 (got {step:g} s)."
+                " A softer coupling or a larger shaft inertia also helps."
             )
 
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.errors import must_be
+
 __all__ = ["Sampled", "Table", "source"]
 
 
@@ -29,20 +31,16 @@ class Table:
         self.points = np.asarray(points, dtype=np.float64)
         self.values = np.asarray(values, dtype=np.float64)
         if self.points.ndim != 1 or self.points.shape != self.values.shape or self.points.size == 0:
-            raise ValueError(
-                "a table must have one value a point, and at least one, has"
-                f" {self.points.size} points and {self.values.size} values"
-            )
+            sizes = f"{self.points.size} points and {self.values.size} values"
+            raise ValueError(must_be("a table", "one value for each point, and not empty", sizes))
         for number in (*self.points, *self.values):
             if not np.isfinite(number):
-                raise ValueError(f"numbers of a table must be finite, one is {number}")
+                raise ValueError(must_be("numbers of a table", "finite", number))
         backward = np.flatnonzero(np.diff(self.points) < 0.0)
         if backward.size:
             before, after = self.points[backward[0] : backward[0] + 2]
-            raise ValueError(
-                f"points of a table must increase, or be equal for a step, {after:g} comes after {before:g}"
-            )
-
+            allowed = "increasing, or equal for a step"
+            raise ValueError(must_be("points of a table", allowed, f"{after:g} after {before:g}"))
         self.lists: tuple[list[float], list[float]] = self.points.tolist(), self.values.tolist()
 
     def __call__(self, points: float | NDArray[np.float64]) -> NDArray[np.float64]:

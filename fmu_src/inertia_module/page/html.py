@@ -40,17 +40,17 @@ OVER_ROWS: dict[str, Callable[..., Any]] = {"_mean": np.mean, "_peak": np.max}
 
 
 def template() -> str:
-    """The page without data, refused where it has not been made."""
+    """Return the viewer without data; raise Refused if it has not been built."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise Refused(
-            "the page has not been built yet: `make page` in a clone builds it, and the wheel has it"
+            "the viewer has not been built. Run `make page` in a clone, or install the wheel."
         ) from None
 
 
 def checked_path(path: Path, what: str) -> Path:
-    """The path, refused where no HTML file, the page or the report, can be written."""
+    """Return the path of an HTML file; raise Refused if it cannot be written."""
     if path.suffix.lower() != ".html":
         raise Refused(must_be(what, "a file with the ending .html", str(path)))
     if path.is_dir():

@@ -1,4 +1,4 @@
-"""Keys of a scene: quantities in SI within a range, columns, tables by their keys, refused in one line."""
+"""Keys of a scene: quantities in SI within a range, columns, tables; errors are one line."""
 
 from __future__ import annotations
 
@@ -16,18 +16,23 @@ from pydantic_core import core_schema
 
 from ..common.csv_table import CsvTable, TableError
 from ..common.equality import hash_of
-from ..common.errors import Refused, did_you_mean, must_be
+from ..common.errors import Refused, hint, must_be, suggestion
 from ..common.time_range import time_warnings
-from ..common.units import allowed_number, number_of
+from ..common.units import allowed_number, number_of, with_reason
 from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
 from ..loops.sources import Signal, Table
 
 # --- quantities, alone, in lists and in columns ---
 
 # remedy for a path of Windows in TOML
-SLASHES = "write / instead of \\, or put the path in single quotes"
+SLASHES = "Write / instead of \\, or put the path in single quotes."
 # the fidelity is to be chosen from measurements
 AUTO = "auto"
+
+
+def _must_be(allowed: str, value: Any) -> str:
+    """Return the message for a bad value without its name."""
+    return must_be("", allowed, repr(value)).lstrip()
 
 
 def checked(
@@ -37,8 +42,8 @@ def checked(
     maximum: float | None = None,
     above: float | None = None,
 ) -> float:
-    """Convert a quantity to SI and check its range; the ValueError is to be said after its name."""
-    sentence = f"must be {allowed_number(unit, minimum, maximum, above)}, is {value!r}"
+    """Convert a quantity to SI and check its range; the message of the ValueError lacks its name."""
+    sentence = _must_be(allowed_number(unit, minimum, maximum, above), value)
     try:
         number = number_of(value, unit)
     except ValueError as error:
@@ -103,11 +108,11 @@ def in_range(variable: Variable) -> InUnit:
         if variable.name == "fidelity" and value == AUTO:
             return AUTO
         also = f", or {AUTO}" if variable.name == "fidelity" else ""
-        sentence = f"must be {variable.allowed}{also}, is {value!r}"
+        sentence = _must_be(f"{variable.allowed}{also}", value)
         try:
             number = number_of(value, variable.unit or "1", variable.items)
         except ValueError as error:
-            raise ValueError(f"{sentence}: {error}") from None
+            raise ValueError(with_reason(sentence, error, value, variable.items)) from None
         if not variable.accepts(number):
             raise ValueError(sentence)
         return number
@@ -125,7 +130,7 @@ def fields_of(variables: Sequence[Variable]) -> Any:
 
 
 class Strict(BaseModel):
-    """Base of all tables of a scene: unknown keys are refused."""
+    """Base of all tables of a scene; rejects unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -157,9 +162,8 @@ _ESCAPED = re.compile(r"[\x00-\x1f]")
 def _path_of(file: str, folder: Path) -> Path:
     """Return the path of a file of a scene, whose backslashes have not become other characters."""
     if _ESCAPED.search(file):
-        raise ValueError(
-            f"file must be a path, is {file!r}: a backslash in double quotes begins an escape; {SLASHES}"
-        )
+        demand = must_be("file", "a path", repr(file))
+        raise ValueError(f"{demand}. In double quotes a backslash starts an escape sequence. {SLASHES}")
     return folder / file
 
 
@@ -187,7 +191,7 @@ class Tabulated(Strict):
             return data
         points, values = columns = cls.columns()
         if not data.keys().isdisjoint(columns):
-            raise ValueError(f"give either 'file' or '{points}' and '{values}', not both")
+            raise ValueError(f"only one of file and ({points}, {values}) is allowed (got both)")
         try:
             path = _path_of(str(data["file"]), (info.context or {}).get("folder", Path()))
             table = CsvTable(path, columns)
@@ -223,8 +227,8 @@ class ConstantOrTable(Strict):
         """The quantity, constant or over time, in SI."""
         constant, over_time = getattr(self, self.SIGNAL), getattr(self, f"{self.SIGNAL}_over_time")
         if (constant is None) == (over_time is None):
-            given = "neither is" if constant is None else "both are"
-            raise ValueError(f"one of {self.SIGNAL} and {self.SIGNAL}_over_time must be given, {given}")
+            number = "none" if constant is None else "both"
+            raise ValueError(f"one of {self.SIGNAL} and {self.SIGNAL}_over_time is required (got {number})")
         signal: Signal = constant if over_time is None else over_time.signal()
         return signal
 
@@ -276,7 +280,16 @@ _ALLOWED = {
 
 
 class SceneError(Refused):
-    """A scene that cannot be run: one line that names the key, the value and what is allowed."""
+    """Invalid scene: one line with the key, the value and the allowed range.
+
+    Args:
+        message: the line.
+        key: dotted key that is invalid with any values of the other keys, else "".
+    """
+
+    def __init__(self, message: str, key: str = "") -> None:
+        super().__init__(message)
+        self.key = key
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
@@ -315,10 +328,15 @@ def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) 
     if len(models) == 1 and others and location[-2] == _kind(models[0]):
         table, kinds = ".".join(parents), " or ".join(repr(_kind(model)) for model in others)
         return (
-            f"{key} = {value!r} must not be given with {table}.kind = {location[-2]!r}, it belongs to kind"
-            f" {kinds} {did_you_mean(location[-1], known)}"
+            f"{key} = {value!r} is not allowed with {table}.kind = {location[-2]!r}, only with kind"
+            f" {kinds}{hint(location[-1], known)}"
         )
-    return f"{key} = {value!r}: there is no such key {did_you_mean(location[-1], known)}"
+    return f"unknown key {key!r}{suggestion(location[-1], known)}"
+
+
+def _is_combination(error: Any) -> bool:
+    """Return True if an error of pydantic is of keys that contradict each other."""
+    return error["type"] == "value_error" and isinstance(error["ctx"]["error"], Refused)
 
 
 def _line(scene: type[BaseModel], error: Any) -> str:
@@ -329,15 +347,15 @@ def _line(scene: type[BaseModel], error: Any) -> str:
     if kind == "extra_forbidden":
         return _no_such_key(scene, error["loc"], value)
     if kind == "missing":
-        return f"{key} must be given, is missing"
+        return f"missing key {key!r}"
     if kind == "union_tag_not_found":
         kinds = ", ".join(repr(_kind(model)) for model in models)
-        return f"{key}.kind must be one of {kinds}, is missing"
+        return f"missing key '{key}.kind'. It must be one of {kinds}."
     if kind == "union_tag_invalid":
         return must_be(f"{key}.kind", f"one of {context['expected_tags']}", repr(context["tag"]))
     if kind == "value_error":
         reason = context["error"]
-        if isinstance(reason, Refused):
+        if _is_combination(error):
             return str(reason)
         if isinstance(value, Cell):
             return f"{value.table.place(value.row)}: {'.'.join(keys[:-1])} {reason}"
@@ -363,7 +381,7 @@ def keys_of(given: Keys) -> dict[str, Any]:
     for text in given or ():
         name, _, value = (part.strip() for part in text.partition("="))
         if not (name and value):
-            raise SceneError(f"what is set must be given as KEY=VALUE, is {text!r}")
+            raise SceneError(f"expected KEY=VALUE (got {text!r})")
         try:
             found[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
@@ -382,7 +400,7 @@ def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str
 
 
 def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
-    """Tables as a scene of a kind, refused in one line: the key, the value and what is allowed.
+    """Check tables as a scene of a kind; an error has the key, the value and the allowed range in one line.
 
     Args:
         tables: as read from TOML, or Scene.tables; some may be checked ones.
@@ -396,4 +414,5 @@ def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path())
         # an unknown key before others: what is missing may only be misspelt
         first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
         more = f" (and {len(others)} more)" if others else ""
-        raise SceneError(" ".join(_line(model, first).split()) + more) from None
+        key = "" if _is_combination(first) else ".".join(_walk(model, first["loc"])[0])
+        raise SceneError(" ".join(_line(model, first).split()) + more, key) from None

@@ -216,12 +216,12 @@ class EngineDrive(ConstantOrTable, AnyDrive):
         return loops.torque_driven(parameters, self.inertia)
 
     def check_step(self, step: float, inertia: float) -> None:
-        """Refuse a step over which the governor's torque, held, would reverse the sign of the speed error."""
+        """Reject a step over which the constant governor torque would reverse the sign of the speed error."""
         gain = self.governor.proportional_gain
         if step * gain > inertia:
             raise ValueError(
-                f"with drive.governor.proportional_gain = {gain:g} N.m.s/rad the step must be at most inertia"
-                f" over gain, {inertia / gain:g} s, is {step:g} s"
+                f"the step must be at most inertia / gain = {inertia / gain:g} s with"
+                f" drive.governor.proportional_gain = {gain:g} N.m.s/rad (got {step:g} s)"
             )
 
     def systems(self, step: float) -> list[Any]:

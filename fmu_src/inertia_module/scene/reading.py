@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import Refused
+from ..common.errors import Refused, cannot_read
 from ..common.extras import library
 from ..common.files import read_text
 from .keys import SLASHES, Keys, Model, SceneError, changed, keys_of, validated
@@ -17,7 +17,7 @@ from .shaft import ShaftScene
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """The tables of a scene file, not checked, refused if it is no TOML."""
+    """Return the tables of a scene file, not checked; raise SceneError if the text is not TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -25,10 +25,10 @@ def _tables(text: str) -> dict[str, Any]:
         place = re.search(r"line (\d+)", said)
         line = text.split("\n")[int(place[1]) - 1] if place else ""
         comma = re.search(r"=\s*[-+]?\d+,\d", line)
-        cause = ": a number has a decimal point and no commas" if comma else ""
+        cause = ". Use a decimal point and no commas in numbers." if comma else ""
         if "\\" in line and re.search("Unescaped|hex", said):
-            cause = f": a backslash in double quotes begins an escape; {SLASHES}"
-        raise SceneError(f"the scene is no TOML: {said}{cause}") from None
+            cause = f". In double quotes a backslash starts an escape sequence. {SLASHES}"
+        raise SceneError(f"invalid TOML: {said}{cause}") from None
 
 
 def load_scene(path: Path | str, keys: Keys = None) -> Scene:
@@ -50,10 +50,10 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
     try:
         text = read_text(path)
     except OSError as error:
-        raise SceneError(f"{path} must be a scene file (TOML): {error.strerror}") from None
+        raise SceneError(cannot_read(path, error)) from None
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1
-        raise SceneError(f"{path} must be a scene file (TOML) in UTF-8: line {line} is not") from None
+        raise SceneError(cannot_read(path, f"line {line} is not UTF-8")) from None
     try:
         tables = _tables(text)
         for name, value in keys_of(keys).items():

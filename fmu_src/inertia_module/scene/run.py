@@ -24,6 +24,7 @@ from ..harness.simulate import Fmu, Result
 from ..kernel.codes import ELASTIC, RIGID
 from ..loops import ClosedLoop, initial_inputs
 from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
+from .headings import heading
 from .keys import SceneError, scene_time_warnings
 from .schema import Scene
 
@@ -157,7 +158,7 @@ def freewheel_duty(
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
             level = ENUMERATIONS["Fidelity"][fidelity][0]
-            return {}, {DUTY: f"is not known: fidelity {level} {need.reason}"}
+            return {}, {DUTY: f"is not available: fidelity {level} {need.reason}"}
     for name, torque in zip(FREEWHEELS, ("housing_torque_peak", "torque_peak"), strict=True):
         if parameters.get(f"{name}_freewheel", 1.0):
             count = engagements(table, name)
@@ -197,9 +198,9 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
             time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
             found[time_to(speed)] = Quantity(time, "s")
         elif vehicle_speed[0] >= speed:
-            remarks[time_to(speed)] = f"is none: the run begins at {shown[0]:.4g} km/h"
+            remarks[time_to(speed)] = f"not available (the run starts at {shown[0]:.4g} km/h)"
         else:
-            remarks[time_to(speed)] = f"is not reached: {shown.max():.4g} km/h is the most"
+            remarks[time_to(speed)] = f"not reached (maximum {shown.max():.4g} km/h)"
     return found, remarks
 
 
@@ -240,7 +241,7 @@ def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
     """
     remarks, time, excess = {}, table.time, out_of_tolerance(table, cycle)
     if time[-1] < cycle.duration * (1.0 - 1e-9):
-        remarks["stop_time"] = f"is {time[-1]:g} s, {cycle.name} is {cycle.duration:g} s long"
+        remarks["stop_time"] = f"is {time[-1]:g} s, but {cycle.name} lasts {cycle.duration:g} s"
     edges = np.flatnonzero(np.diff(excess != 0.0, prepend=False, append=False))
     begins, ends = edges[::2], np.minimum(edges[1::2], len(time) - 1)
     long = time[ends] - time[begins] > TIME_TOLERANCE + 1e-9
@@ -251,9 +252,9 @@ def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
     far = float(table["vehicle_speed"][worst] - cycle.speed_at(time[worst])) / KILOMETRE_PER_HOUR
     occasions = "once, at" if long.sum() == 1 else f"{long.sum()} times, first at"
     remarks["vehicle_speed"] = (
-        f"does not follow {cycle.name}: it is out of tolerance for longer than {TIME_TOLERANCE:g} s"
-        f" ({occasions} {time[begins[long][0]]:.6g} s); at {time[worst]:.6g} s it is {abs(far):.3g} km/h too"
-        f" {'fast' if far > 0.0 else 'slow'}"
+        f"does not follow {cycle.name}: out of tolerance for more than {TIME_TOLERANCE:g} s at a time"
+        f" ({occasions} {time[begins[long][0]]:.6g} s); largest deviation {abs(far):.3g} km/h too"
+        f" {'fast' if far > 0.0 else 'slow'} at {time[worst]:.6g} s"
     )
     return remarks
 
@@ -339,7 +340,7 @@ class SceneResult(ByContent):
     def summary(self) -> dict[str, float]:
         """Numbers of the run by name."""
         values = {name: quantity.value for name, quantity in self.quantities.items()}
-        return Named(values, "a number of the summary", self.remarks)
+        return Named(values, "metric of the summary", self.remarks)
 
     @property
     def units(self) -> dict[str, str]:
@@ -366,7 +367,7 @@ class SceneResult(ByContent):
         numbers = {name: f"{value:.6g} {unit}".rstrip() for name, (value, unit) in self.quantities.items()}
         for name, limit in self.limits.items():
             numbers[name] += f", limit {limit:.6g}"
-        return {name.replace("_", " "): text for name, text in (numbers | self.remarks).items()}
+        return {heading(name): text for name, text in (numbers | self.remarks).items()}
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.record[name]
@@ -401,7 +402,7 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     """Start of a scene, whose fidelity is chosen: parameters, with the tolerance, and inputs of the FMU."""
     if scene.chooses_fidelity:
         raise SceneError(
-            "mechanism.fidelity must be one by name, or be chosen first (fidelity.trials.choose), is 'auto'"
+            "mechanism.fidelity must be a named level (got 'auto'). Choose one with fidelity.trials.choose."
         )
     values = scene.parameters()
     if scene.accuracy.tolerance is not None:
@@ -420,8 +421,8 @@ def scene_plan(scene: Scene) -> Plan:
     for name in ("housing_stiffness", "freewheel_stiffness"):
         if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:
             raise SceneError(
-                f"mechanism.{name} must be 0 for an export, is {values[name]:g}: an elastic mechanism becomes"
-                " a rigid module and a shaft, and neither has freewheels that wind up"
+                f"mechanism.{name} must be 0 for an export (got {values[name]:g}). An elastic mechanism is"
+                " exported as a rigid module and a shaft. Neither has freewheel compliance."
             )
     return make_plan(scene.title, values, inputs, scene.run.communication_step, scene.run.stop_time)
 
@@ -464,7 +465,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
     except Refused:  # without both freewheels there is no stall
         return {}
-    above = f"is above stall: {load:.4g} N.m, the mechanism gives {stall:.4g} N.m at {speed:.4g} rad/s"
+    above = f"exceeds the stall torque of {stall:.4g} N.m at {speed:.4g} rad/s ({load:.4g} N.m)"
     return {"load_torque": above} if load > stall else {}
 
 
@@ -502,7 +503,7 @@ def _run_on(
     quantities = summarise(record, scene.cycle, wall_time, times | duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     above = [
-        f"{name.replace('_', ' ')} is above its limit, {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
+        f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
         for name, limit in limits.items()
         if duty[name].value > limit
     ]

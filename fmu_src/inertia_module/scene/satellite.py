@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
+from ..common.errors import must_be
 from ..common.units import allowed_number
 from ..contract.variables import default_parameters
 from .keys import InUnit, SceneError, Strict, checked, quantity
@@ -24,7 +25,7 @@ def _density(value: Any) -> float:
         return checked(value, "kg/m3", above=0.0)
     except ValueError:
         allowed = f"one of {', '.join(MATERIALS)}, or its density, {allowed_number('kg/m3', above=0.0)}"
-        raise ValueError(f"must be {allowed}, is {value!r}") from None
+        raise ValueError(f"must be {allowed} (got {value!r})") from None
 
 
 Length = Annotated[float, quantity("m", maximum=1e3, above=0.0)]
@@ -54,18 +55,16 @@ class Satellite(Strict):
         for name in FOLLOWING:
             if name in given:
                 raise SceneError(
-                    f"mechanism.{name} must not be given with [mechanism.satellite], which it follows from,"
-                    f" is {given[name]:g}"
+                    f"mechanism.{name} is not allowed with [mechanism.satellite] (got {given[name]:g})."
+                    " It is calculated from the satellite."
                 )
         known = {**default_parameters(), **given}
         planar = known["layout"] != 0.0
         pitch = known["satellite_radius"] if planar else known["wheel_radius"] * known["z6"] / known["z17"]
         radius, width, thickness = self.weight_radius, self.width, self.weight_width
         if radius > pitch:
-            raise SceneError(
-                "mechanism: satellite.weight_radius must be at most the pitch radius of the satellite ="
-                f" {pitch:g} m, is {radius:g} m"
-            )
+            allowed = f"at most {pitch:g} m, the pitch radius of the satellite"
+            raise SceneError(must_be("mechanism: satellite.weight_radius", allowed, f"{radius:g} m"))
         gear = self.material * math.pi * pitch**2 * width
         weight = (self.weight_material or self.material) * math.pi * radius**2 * thickness / 2.0
         mass, moment = gear + weight, weight * 4.0 * radius / (3.0 * math.pi)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BaseModel, Field, create_model, model_validator
 
 from .. import loops
-from ..common.errors import Refused, did_you_mean
+from ..common.errors import Refused, must_be, unknown
 from ..contract import variables
 from ..contract.variables import BY_NAME, with_causality
 from ..harness.simulate import check_number_of_steps, whole_steps
@@ -37,7 +37,7 @@ from .satellite import Satellite
 Mechanism: type[BaseModel] = create_model(
     "Mechanism",
     __base__=Strict,
-    __doc__="Parameters of the module that differ from the defaults (scene R1).",
+    __doc__="Parameters of the module that differ from the defaults (reference case R1).",
     **fields_of([one for one in with_causality(variables.PARAMETER) if one.name != "tolerance"]),
     satellite=(Satellite | None, None),
 )
@@ -118,20 +118,17 @@ class Run(Strict):
     outputs: list[str] = Field(default=[one.name for one in with_causality(variables.OUTPUT)], min_length=1)
 
     def check_outputs(self, known: Sequence[str]) -> None:
-        """Refuse an output that is not one of those known."""
+        """Raise SceneError for an output that is not among these names."""
         for name in self.outputs:
             if name not in known:
-                hint = did_you_mean(name, known)
-                raise SceneError(f"run.outputs must be computed by the scene, has {name!r} {hint}")
+                raise SceneError(f"run.outputs: {unknown('output', name, known)}")
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
         check_number_of_steps(self.stop_time, self.communication_step, "run.communication_step")
         if not whole_steps(self.stop_time, self.communication_step):
-            raise SceneError(
-                "run.stop_time must be a whole number of run.communication_step ="
-                f" {self.communication_step:g} s, is {self.stop_time:g} s"
-            )
+            allowed = f"a whole multiple of run.communication_step = {self.communication_step:g} s"
+            raise SceneError(must_be("run.stop_time", allowed, f"{self.stop_time:g} s"))
         return self
 
 
@@ -215,7 +212,7 @@ class Scene(Strict):
         return {name: one[name] for one in given for name in PLANT_INPUTS if name in one}
 
     def replaced(self, **tables: Mapping[str, Any]) -> Scene:
-        """The scene with other keys, checked anew and refused as by load_scene.
+        """The scene with other keys, checked again; raises as load_scene.
 
         Args:
             tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
@@ -225,7 +222,7 @@ class Scene(Strict):
         )
 
     def with_keys(self, keys: Mapping[str, Any]) -> Scene:
-        """The scene with other values by dotted key, checked anew and refused as by load_scene.
+        """The scene with other values by dotted key, checked again; raises as load_scene.
 
         Args:
             keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
@@ -281,7 +278,7 @@ class Scene(Strict):
 
     @model_validator(mode="after")
     def _check(self) -> Scene:
-        """Refuse tables that contradict each other; the module itself looks at all parameters together."""
+        """Reject tables that contradict each other; the module itself checks all parameters together."""
         self._check_drive()
         self._check_choice()
         self._check_vehicle()
@@ -300,44 +297,40 @@ class Scene(Strict):
         return self
 
     def _check_drive(self) -> None:
-        """Refuse a drive that contradicts [controller] or mechanism.drive."""
+        """Reject a drive that contradicts [controller] or mechanism.drive."""
         kind, needed, given = self.drive.kind, self.drive.mode, self.given.get("drive")
         if self.controller is None and kind in (PiController.DRIVE, PiTorqueController.DRIVE):
-            raise SceneError(f"drive.kind = {kind!r} must come with a [controller], there is none")
+            raise SceneError(f"drive.kind = {kind!r} requires a table [controller]")
         if self.controller is not None and kind != self.controller.DRIVE:
-            raise SceneError(
-                f"with controller.kind = {self.controller.kind!r} drive.kind must be"
-                f" {self.controller.DRIVE!r}, is {kind!r}"
-            )
+            allowed = f"{self.controller.DRIVE!r} with controller.kind = {self.controller.kind!r}"
+            raise SceneError(must_be("drive.kind", allowed, repr(kind)))
         if given is not None and given != needed:
             names = {number: name for name, number, _ in variables.ENUMERATIONS["Drive"]}
             other = "speed" if needed == DRIVE_TORQUE else "torque"
-            raise SceneError(
-                f"with drive.kind = {kind!r} mechanism.drive must be {names[needed]!r}, which the scene sets"
-                f" itself, is {names[int(given)]!r}; it needs a drive.kind that gives a {other}"
-            )
+            allowed = f"{names[needed]!r} with drive.kind = {kind!r}"
+            demand = must_be("mechanism.drive", allowed, repr(names[int(given)]))
+            raise SceneError(f"{demand}. Omit it, or use a drive.kind that prescribes a {other}.")
 
     def _check_choice(self) -> None:
-        """Refuse a fidelity to be chosen without an error to choose it by, or with what is chosen too."""
+        """Reject fidelity 'auto' without an allowed error, or with parameters that it chooses."""
         if not self.chooses_fidelity:
             return
         if self.accuracy.error is None:
-            raise SceneError(
-                "with mechanism.fidelity = 'auto' accuracy.error must be given, such as '1 %', is missing"
-            )
+            raise SceneError("mechanism.fidelity = 'auto' requires accuracy.error, e.g. '1 %'")
         chosen = {f"mechanism.{name}": self.given.get(name) for name in ("method", "max_step")}
         for name, value in {**chosen, "accuracy.tolerance": self.accuracy.tolerance}.items():
             if value is not None:
                 raise SceneError(
-                    f"with mechanism.fidelity = 'auto' {name} must not be given, is {value:g}: it is chosen"
-                    " too, from accuracy.error"
+                    f"{name} is not allowed with mechanism.fidelity = 'auto' (got {value:g})."
+                    " It follows from accuracy.error."
                 )
 
     def _check_vehicle(self) -> None:
-        """Refuse a controller that can only drive a vehicle with another load."""
+        """Reject another load with a controller that requires a vehicle."""
         if self.controller is None or self.load.kind == "vehicle":
             return
         cycle = self.controller.reference.kind == "cycle"
         for key, given in (("reference.kind = 'cycle'", cycle), ("brake", self.controller.brake is not None)):
             if given:
-                raise SceneError(f"with controller.{key} load.kind must be 'vehicle', is {self.load.kind!r}")
+                allowed = f"'vehicle' with controller.{key}"
+                raise SceneError(must_be("load.kind", allowed, repr(self.load.kind)))

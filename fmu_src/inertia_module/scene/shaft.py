@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.errors import Refused
+from ..common.errors import Refused, must_be
 from ..common.terminal import Progress
 from ..contract.models import DRIVEN_SHAFT
 from ..contract.variables import LOCAL, OUTPUT, PARAMETER
@@ -123,9 +123,10 @@ class ShaftScene(Strict):
             if criterion is None:
                 continue
             if stands_for in values:
-                raise SceneError(f"one of shaft.{name} and shaft.{stands_for} must be given, both are")
+                raise SceneError(f"only one of shaft.{name} and shaft.{stands_for} is allowed (got both)")
             if not isinstance(self.drive, SteppingDrive):
-                raise SceneError(f"with shaft.{name} drive.kind must be 'stepping', is {self.drive.kind!r}")
+                allowed = f"'stepping' with shaft.{name}"
+                raise SceneError(must_be("drive.kind", allowed, repr(self.drive.kind)))
             per_time = criterion / self.drive.T
             values[stands_for] = inertia * (per_time**2 if name == "nu" else 2.0 * per_time)
         return values

@@ -10,7 +10,7 @@ export const CURVES = {
   grey: "#858d96",
 } as const;
 
-/** Of the parts of the machine, and of what is drawn on it; a part and its curve are of one kind. */
+/** Colours of the parts and of the annotations; a part and its curve have the same colour. */
 export const PARTS = {
   link1: "#3f7fb5",
   drive: "#7fb2d6",

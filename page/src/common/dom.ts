@@ -1,4 +1,4 @@
-// Elements of the page in a line each.
+// Elements of the document, one line each.
 
 type Child = Node | string;
 
@@ -12,14 +12,14 @@ export function element<Name extends keyof HTMLElementTagNameMap>(
   return found;
 }
 
-/** The element of the page with this id. */
+/** The element with this id. */
 export function byId(id: string): HTMLElement {
   const found = document.getElementById(id);
-  if (!found) throw new Error(`the page must have an element ${id}`);
+  if (!found) throw new Error(`internal error: missing element '${id}'`);
   return found;
 }
 
-/** A button with a word on it, or a sign and a name for those who do not see it; the name is what it does. */
+/** A button with a word or a sign, and its action as accessible name. */
 export function button(sign: string, name: string, press: () => void): HTMLButtonElement {
   const word = /[a-z]/i.test(sign);
   const found = element("button", { type: "button", title: name, ...(!word && { "aria-label": name }) }, sign);
@@ -40,7 +40,7 @@ export function choice(
 
 export interface Tick {
   readonly root: HTMLElement;
-  /** Show whether it is ticked without telling of it. */
+  /** Set the tick without notification. */
   show: (ticked: boolean) => void;
 }
 

@@ -8,7 +8,7 @@ export function unitText(unit: string): string {
   return SUPERSCRIPTS.reduce((text, [from, to]) => text.replace(from, to), unit);
 }
 
-/** The unit in which a reader sets what the table has in another, and how many of it are one of the table's: angles in degrees. */
+/** Unit of a setting if it differs from the table, and its conversion factor: angles in degrees. */
 export function readUnit(unit: string): { text: string; factor: number } {
   return unit === "rad" ? { text: "deg", factor: 180 / Math.PI } : { text: unitText(unit), factor: 1 };
 }
@@ -23,7 +23,7 @@ export function numberText(value: number, digits = 4): string {
   return text.replace("-", "−");
 }
 
-/** A number with so many decimals that its place does not jump while it runs. */
+/** A number with a fixed number of decimals, so that the text does not move. */
 export function steadyText(value: number, largest: number): string {
   if (!Number.isFinite(value)) return "–";
   if (largest < 1e-9) return "0";
@@ -31,14 +31,14 @@ export function steadyText(value: number, largest: number): string {
   return value.toFixed(decimals).replace("-", "−");
 }
 
-/** A name of the table as it is spoken: "imbalance_mass" is imbalance mass. */
+/** A name of the table in words: "imbalance_mass" is imbalance mass. */
 export function spoken(name: string): string {
   return name.replaceAll("_", " ");
 }
 
 const GREEK: readonly (readonly [RegExp, string])[] = [[/omega/g, "ω"], [/epsilon/g, "ε"], [/gamma/g, "γ"], [/ out\b/g, "3"]];
 
-/** What stands beside a field: the name; a symbol also with what it means, as the table has it. */
+/** Label of a field: its name; for a symbol also its description from the table. */
 export function labelOf(name: string, description: string): string {
   const text = GREEK.reduce((so, [from, to]) => so.replace(from, to), spoken(name));
   if (text.replace(/\d|start/g, "").trim().length > 2) return text;

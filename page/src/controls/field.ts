@@ -9,11 +9,11 @@ const STEPS = 400;
 
 export interface Field {
   readonly root: HTMLElement;
-  /** Show a value without telling of it. */
+  /** Show a value without notification. */
   show(value: number): void;
 }
 
-/** What is chosen from a list: enumerations and switches. */
+/** A choice from a list: enumerations and switches. */
 function listField(variable: Variable, change: (value: number) => void): Field {
   const id = `set-${variable.name}`;
   const select = element("select", { id, name: variable.name });
@@ -51,8 +51,8 @@ function numberField(variable: Variable, change: (value: number) => void): Field
     if (whole) return value - from;
     return STEPS * (powers ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from));
   };
-  const show = (given: number): void => {
-    const value = given * factor;
+  const show = (si: number): void => {
+    const value = si * factor;
     number.value = String(Number(value.toPrecision(7)));
     slider.value = String(partOf(value));
     slider.setAttribute("aria-valuetext", `${number.value} ${unit}`);
@@ -65,7 +65,7 @@ function numberField(variable: Variable, change: (value: number) => void): Field
   });
   number.addEventListener("change", () => {
     const value = Number(number.value.trim().replace(",", ".").replace("−", "-"));
-    // what is no number at all goes to the kernel as such, and is refused in its words
+    // text that is not a number goes to the kernel as NaN, which rejects it with its message
     slider.value = String(partOf(value));
     change(number.value.trim() === "" ? NaN : value / factor);
   });

@@ -1,4 +1,4 @@
-// What the reader takes along: the run as CSV, the scene as TOML.
+// Downloads: the run as CSV, the scene as TOML.
 
 import { variables, type Input, type Run } from "../run/run";
 import type { Scene } from "../run/start";
@@ -49,7 +49,7 @@ function loadKeys(load: Input): string[] {
   return [`torque_over_time = { time = [${load.times.join(", ")}], torque = [${load.values.join(", ")}] }`];
 }
 
-/** A scene file of what is shown, for `inertia-module run`. Numbers are in SI units. */
+/** A scene file of the displayed settings, for `inertia-module run`. Numbers are in SI units. */
 export function toml(scene: Scene, changed: Settings["changed"]): string {
   const { inputs, step, duration } = requestOf(scene, changed);
   const byTorque = currentValue(scene, changed, "drive") === 1;

@@ -8,7 +8,7 @@ export interface Group {
   readonly title: string;
   readonly names: readonly string[];
   readonly open?: boolean;
-  /** Whether the group has a meaning with these values. */
+  /** Return true if the group has an effect with these values. */
   readonly counts?: (value: Value) => boolean;
 }
 
@@ -26,7 +26,7 @@ for (const title of [...OPEN, ...Object.keys(COUNTS)]) {
   if (!titles.includes(title)) throw new Error(`there is no group ${title}`);
 }
 
-/** All groups of what can be set, in the order of the table. */
+/** All groups of settings, in the order of the table. */
 export const GROUPS: readonly Group[] = titles.map((title) => ({
   title,
   names: settable.filter((v) => v.group === title).map((v) => v.name),
@@ -34,7 +34,7 @@ export const GROUPS: readonly Group[] = titles.map((title) => ({
   counts: COUNTS[title] ?? (() => true),
 }));
 
-/** How far a slider reaches where neither the start value nor the nominal one says it, in the unit of the table. */
+/** Maximum of a slider without start or nominal value, in the unit of the table. */
 const REACH: Readonly<Record<string, readonly [number, number]>> = {
   omega1: [0, 400], drive_torque: [-20, 100], load_torque: [-20, 100], modules: [1, 6], satellites: [1, 6],
   a: [0, 2], b: [0.2, 2], c: [0, 4], epsilon: [-Math.PI, Math.PI], gamma: [-Math.PI, Math.PI], shaft_angle: [0.3, 2.8],
@@ -61,7 +61,7 @@ export interface Reach {
   readonly powers: boolean;
 }
 
-/** What the slider of a variable reaches; the field beside it takes any number. */
+/** Range of the slider of a variable; the field next to it accepts any number. */
 export function reachOf(variable: Variable): Reach {
   const powers = POWERS[variable.name];
   if (powers) return { from: powers[0], to: powers[1], powers: true };

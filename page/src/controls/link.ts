@@ -1,4 +1,4 @@
-// The state in the address of the page, so that a link shows the same.
+// The state of the viewer in its address, for links.
 
 import type { TraceFrame } from "../machine/trace";
 import type { Shown } from "../machine/view";
@@ -30,7 +30,7 @@ export function toHash({ settings, time, speed }: Linked): string {
   return `#${parts.toString()}`;
 }
 
-/** What an address says. What it does not know, or a number that is none, it leaves out and names. */
+/** Read the state from an address. Unknown names and invalid numbers are listed and ignored. */
 export function fromHash(
   hash: string, scenes: readonly string[], names: ReadonlySet<string>,
 ): Linked & { unknown: string[] } {

@@ -1,4 +1,4 @@
-// The clock of the page: plays a run, slowly.
+// The clock of the viewer: plays a run in slow motion.
 
 export interface Clock {
   /** s, in the run */
@@ -6,18 +6,18 @@ export interface Clock {
   playing: boolean;
   /** Seconds of the run in a second. */
   speed: number;
-  /** Beginning and end of what is repeated, s; null: the whole run. */
+  /** Start and end of the repeated interval, s; null: the whole run. */
   loop: [number, number] | null;
 }
 
-/** Plays, pauses and jumps; says when something has changed. */
+/** Plays, pauses and jumps; notifies of changes. */
 export class Player {
   readonly clock: Clock = { time: 0, playing: false, speed: 0.05, loop: null };
   private length = 0;
 
   constructor(private readonly changed: () => void) {}
 
-  /** How far the run goes, s; the clock may be beyond what is not yet its end. */
+  /** End of the run so far, s; the clock may be beyond it while the run grows. */
   reach(length: number, ended: boolean): void {
     this.length = length;
     if (ended && this.clock.time > length) this.clock.time = length;

@@ -4,13 +4,13 @@ import { geometry } from "../machine/geometry";
 import type { Run } from "../run/run";
 import { indexAt, lengthOf } from "../run/sample";
 
-/** Contact modes of the table: held, free, driving, held and driving. */
+/** Contact modes of the table: locked, free, driving, locked and driving. */
 export function holding(mode: number): { housing: boolean; output: boolean } {
   return { housing: mode === 0 || mode === 3, output: mode === 2 || mode === 3 };
 }
 
-/** The run with the play that each freewheel has left, 0 to 1 of its engagement angle, as its columns: the play follows the angle
- *  by which a freewheel overruns from point to point, and is used up while it holds. */
+/** The run with the take-up angle remaining of each freewheel as columns, 0 to 1 of its engagement angle. It follows the angle
+ *  by which a freewheel overruns from point to point, and is 0 while it is locked. */
 export function plays(run: Run): Run {
   const at = (name: string, n: number): number => run.columns[name]?.[n] ?? 0;
   const { k } = geometry(run.parameters);
@@ -28,7 +28,7 @@ export function plays(run: Run): Run {
   return { ...run, columns: { housing: playOf("housing", link2), output: playOf("output", (n) => hub(n) - link2(n)) } };
 }
 
-/** Times at which a freewheel locks or lets go, s: the first points after it. */
+/** Times at which a freewheel locks or releases, s: the first points after it. */
 export function switches(run: Run): number[] {
   const modes = run.columns.contact_mode ?? new Float64Array();
   return Array.from(run.time).filter((_, n) => n > 0 && modes[n] !== modes[n - 1]);
@@ -42,7 +42,7 @@ export function nextSwitch(run: Run, at: number, forwards: boolean): number | nu
   return next ?? null;
 }
 
-/** Beginning and end of the pulse around a time: from one locking of the output freewheel to the next, else a turn of the drive. */
+/** Start and end of the pulse around a time: from one engagement of the output freewheel to the next, else one revolution of the pinion shaft. */
 export function pulseAround(run: Run, at: number): [number, number] {
   const modes = run.columns.contact_mode ?? new Float64Array();
   const begins = Array.from(run.time).filter(
@@ -53,7 +53,7 @@ export function pulseAround(run: Run, at: number): [number, number] {
   return turnAround(run, at);
 }
 
-/** Beginning and end of the turn of the drive around a time, as far as the run has it. */
+/** Start and end of the pinion-shaft revolution around a time, within the run. */
 function turnAround(run: Run, at: number): [number, number] {
   const angles = run.columns.q ?? new Float64Array();
   const now = indexAt(run.time, at);

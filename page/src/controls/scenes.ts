@@ -4,7 +4,7 @@ import { readStart, type Scene, type Start } from "../run/start";
 
 export const START: Start = readStart();
 
-/** All scenes by name, that of the page first; it stands for a preset of its name. */
+/** All scenes by name, the scene of the file first; it replaces a preset of the same name. */
 export const SCENES: ReadonlyMap<string, Scene> = new Map(
   [START.scene, ...START.presets.filter(({ name }) => name !== START.scene.name)].map((scene) => [scene.name, scene]),
 );

@@ -1,4 +1,4 @@
-// The run that is shown: of the scene as it is set, integrated anew after every change; a refusal keeps the last good one.
+// The displayed run: simulated again after every change; after an error the last valid run stays.
 
 import { playable } from "../run/recorded";
 import { integrate, ready, type Request, type Run } from "../run/run";
@@ -9,9 +9,9 @@ import { requestOf, type Settings } from "./settings";
 export interface News {
   /** A run to show, as far as it has come. */
   run: (run: Run) => void;
-  /** Sentences about what was asked for: empty if all is well. */
-  say: (refusal: string, warnings: readonly string[]) => void;
-  /** Whether an integration is under way. */
+  /** Error message and warnings; empty without errors. */
+  say: (error: string, warnings: readonly string[]) => void;
+  /** Called with true while a simulation runs. */
   busy: (busy: boolean) => void;
 }
 
@@ -33,7 +33,7 @@ export class Session {
 
   constructor(private readonly news: News) {}
 
-  /** Show the run of a scene with what has been changed in it: integrated here, or recorded if there is such a run. */
+  /** Show the run of a scene with its changes: simulated here, or recorded if available. */
   async ask(scene: Scene, changed: Settings["changed"]): Promise<void> {
     this.running?.cancel();
     const mine = ++this.asked;
@@ -60,7 +60,7 @@ export class Session {
     let shown = false;
     this.running = integrate(request, (run) => {
       if (mine !== this.asked) return;
-      if (run.complete || run.refusal !== null) this.end(run, [...notes, ...run.warnings]);
+      if (run.complete || run.error !== null) this.end(run, [...notes, ...run.warnings]);
       else if (run.time.length > 1 && (shown || performance.now() - began > PATIENCE)) {
         shown = true;
         this.news.run(run);
@@ -71,7 +71,7 @@ export class Session {
   private end(run: Run, notes: readonly string[]): void {
     if (run.time.length > 1) this.news.run(run);
     this.news.busy(false);
-    this.news.say(run.refusal ?? "", notes);
+    this.news.say(run.error ?? "", notes);
   }
 }
 

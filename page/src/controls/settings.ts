@@ -1,4 +1,4 @@
-// What the reader has set: a scene of the page and what differs from it.
+// Settings of the user: a scene and the changes to it.
 
 import type { Shown } from "../machine/view";
 import { variables, type Request } from "../run/run";
@@ -12,7 +12,7 @@ export interface Settings {
   shown: Shown;
 }
 
-/** What the reader has set, and who wants to know. */
+/** Settings of the user and their listeners. */
 export class Store<Value extends object> {
   private readonly listeners: ((value: Value) => void)[] = [];
 

@@ -1,4 +1,4 @@
-// All that can be set while the machine runs, in groups.
+// Settings, in groups.
 
 import { variables, type Variable } from "../run/run";
 import { element } from "../common/dom";
@@ -38,7 +38,7 @@ export class Sliders {
     }
   }
 
-  /** Show the values that count, mark those that have been changed, hide what has no meaning with them. */
+  /** Show the current values, mark changed ones, hide settings without effect. */
   show(value: (name: string) => number, changed: (name: string) => boolean): void {
     for (const [name, field] of this.fields) {
       field.show(value(name));

@@ -1,4 +1,4 @@
-// The converter chart: steady pulses of the rigid module, its output shaft held at a speed ratio by a large inertia.
+// The converter chart: periodic steady state of the rigid module; a large inertia keeps its output shaft at a speed ratio.
 
 import { geometry, period } from "../machine/geometry";
 import { simulate, type Run } from "../run/run";
@@ -9,26 +9,26 @@ export interface ChartPoint {
   readonly ratio: number;
   readonly input: number;
   readonly output: number;
-  /** Power out over power in, %; of what is not lost where power swings. */
+  /** Output power over input power, %, from the losses because the stored energy oscillates. */
   readonly efficiency: number;
 }
 
 const STEPS_A_TURN = 32;
-/** Of a longer period of the motion so many turns of the drive are taken. */
+/** Maximum number of pinion-shaft revolutions of a point. */
 const MOST_TURNS = 40;
 /** Inertia that no pulse moves, kg.m2. */
 const HELD = 1e9;
 
 /**
- * One point of the chart: means over whole periods of the drive, after one period to settle.
+ * One point of the chart: means over whole periods of the pinion shaft, after one transient period.
  *
  * @param ratio below 1, where link 2 turns with link 1
- * @throws Refused with the sentence of the kernel.
+ * @throws Rejected with the message of the kernel.
  */
 export function chartPoint(parameters: Readonly<Record<string, number>>, speed: number, ratio: number): ChartPoint {
   const shape = geometry(parameters);
   const span = 2 * Math.PI * Math.min(Math.max(period(shape) / (2 * Math.PI), 10), MOST_TURNS);
-  // the drive turns no slower than against a link 2 that turns with the output
+  // the pinion shaft turns at least as fast as with link 2 at the output speed
   const slowest = shape.k * Math.abs(speed) * (1 - ratio);
   const step = (2 * Math.PI) / slowest / STEPS_A_TURN;
   const held = {
@@ -49,11 +49,11 @@ export function chartPoint(parameters: Readonly<Record<string, number>>, speed: 
   const gain = (values: Float64Array): number => valueWhere(q, target, values) - (values[from] ?? NaN);
   const time = gain(column("time"));
   const output = gain(torqueTime) / time;
-  const given = gain(column("energy_in"));
+  const input = gain(column("energy_in"));
   return {
     ratio, output,
-    input: given / time / speed,
-    efficiency: output * ratio > 0 && given > 0 ? 100 * (1 - gain(column("energy_lost")) / given) : 0,
+    input: input / time / speed,
+    efficiency: output * ratio > 0 && input > 0 ? 100 * (1 - gain(column("energy_lost")) / input) : 0,
   };
 }
 

@@ -1,4 +1,4 @@
-// The converter chart as a plot, computed point by point while the page is idle.
+// The converter chart as a plot, computed point by point while the browser is idle.
 
 import { CURVES } from "../common/colours";
 import type { Run } from "../run/run";
@@ -7,7 +7,7 @@ import { element } from "../common/dom";
 import { chartPoint, chartRatios, operatingPoint, type ChartPoint } from "./chart";
 import { Plot } from "./plot";
 
-/** Parameters that a chart does not depend on: held, or only of the start. */
+/** Parameters without effect on a chart: fixed by it, or start values. */
 const APART = new Set(["output_inertia", "omega_out_start", "omega2_start", "fidelity", "drive", "driven_inertia"]);
 
 export class ChartPanel {
@@ -47,7 +47,7 @@ export class ChartPanel {
     this.plot.point(ratio >= 0 && ratio <= 1.02 ? ratio : NaN, torque);
   }
 
-  /** Compute what is not there yet, one point at a time. */
+  /** Compute the missing points, one at a time. */
   private refresh(): void {
     if (!this.run || this.root.hidden || !this.root.isConnected) return;
     const speed = Number(Math.abs(valueAt(this.run, "input_speed", Infinity)).toPrecision(3));
@@ -73,8 +73,8 @@ export class ChartPanel {
     this.waiting = window.setTimeout(() => {
       try {
         this.points.push(chartPoint(parameters, speed, ratio));
-      } catch (refused) {
-        this.tell(`Chart not available: ${(refused as Error).message}`);
+      } catch (error) {
+        this.tell(`Chart not available: ${(error as Error).message}`);
         return;
       }
       this.plot?.plot.setData(this.data());

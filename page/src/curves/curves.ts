@@ -18,7 +18,7 @@ export class Curves {
   private run: Run | null = null;
   private turns = 0;
   private window: [number, number] = [0, 1];
-  private told = 0;
+  private updated = 0;
   private time = 0;
 
   constructor(host: HTMLElement, scrub: (time: number) => void) {
@@ -39,7 +39,7 @@ export class Curves {
     this.chart.show(run);
   }
 
-  /** Show so many turns of link 1 at a time, 0: the whole run. */
+  /** Show a number of revolutions of link 1 at a time, 0: the whole run. */
   zoom(turns: number): void {
     this.turns = turns;
     this.window = [NaN, NaN];
@@ -53,14 +53,14 @@ export class Curves {
       for (const panel of this.panels) panel.move(window);
     }
     const now = performance.now();
-    const tell = !playing || now - this.told > 100;
-    if (tell) this.told = now;
+    const tell = !playing || now - this.updated > 100;
+    if (tell) this.updated = now;
     for (const panel of this.panels) panel.stand(time, tell);
     this.time = time;
     this.standThird();
   }
 
-  /** Draw anew, in the colours of the page. */
+  /** Draw again in the colours of the theme. */
   rebuild(): void {
     for (const panel of this.panels) panel.rebuild();
     this.phase.rebuild();
@@ -87,14 +87,14 @@ export class Curves {
     else this.phase.stand(this.time);
   }
 
-  /** The page of the curves that a time is on, as an oscilloscope turns them. */
+  /** The time window of the curves that contains a time, as on an oscilloscope. */
   private windowAt(time: number): [number, number] {
     if (!this.run) return [0, 1];
     const length = lengthOf(this.run);
     const speed = Math.abs(valueAt(this.run, "input_speed", time));
     const span = (2 * Math.PI * this.turns) / Math.max(speed, 1e-9);
     if (this.turns === 0 || !(span < length)) return [0, length];
-    // of changing speed each page begins where the last ended only roughly: what counts is that the time is on it
+    // with changing speed a window starts only approximately at the end of the last one; it must contain the time
     const known = this.window;
     if (time >= known[0] && time <= known[1]) return known;
     const from = Math.min(span * Math.floor(time / span), length - span);

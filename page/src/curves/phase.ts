@@ -1,4 +1,4 @@
-// The phase plot: speed of link 2 over the drive angle in its turn.
+// The phase plot: speed of link 2 over the pinion-shaft angle.
 
 import type uPlot from "uplot";
 import { CURVES } from "../common/colours";

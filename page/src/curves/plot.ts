@@ -4,7 +4,7 @@ import uPlot, { type AlignedData, type Options, type Series } from "uplot";
 import { element } from "../common/dom";
 import { numberText } from "../common/units";
 
-/** Colours of axes and grid, from the style of the page. */
+/** Colours of axes and grid, from the style sheet. */
 function themed(host: HTMLElement): { text: string; grid: string } {
   const style = getComputedStyle(host);
   return { text: style.getPropertyValue("--muted"), grid: style.getPropertyValue("--grid") };
@@ -15,7 +15,7 @@ export interface Axis {
   readonly scale?: "y" | "right";
 }
 
-/** What a plot is made of; lines beside that of x have their scale. */
+/** Content of a plot; every line except x has its own scale. */
 export interface Look {
   readonly x: string;
   readonly axes: readonly Axis[];
@@ -32,7 +32,7 @@ const ON_THE_RIGHT: Partial<uPlot.Axis> = { side: 1, grid: { show: false } };
 export class Plot {
   readonly plot: uPlot;
   private readonly mark = element("div", { class: "mark", "aria-hidden": "true" });
-  private readonly sizes = new ResizeObserver(() => { this.plot.setSize(this.room()); });
+  private readonly sizes = new ResizeObserver(() => { this.plot.setSize(this.size()); });
   private place: () => void = () => undefined;
 
   constructor(private readonly host: HTMLElement, look: Look, data: AlignedData) {
@@ -40,7 +40,7 @@ export class Plot {
     const axis = { stroke: text, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "12px system-ui", labelFont: "12px system-ui" };
     const values = (_: uPlot, ticks: number[]): string[] => ticks.map((tick) => numberText(tick, 5));
     const options: Options = {
-      ...this.room(),
+      ...this.size(),
       legend: { show: false },
       cursor: { show: false },
       scales: {
@@ -59,7 +59,7 @@ export class Plot {
         ...(dash && { dash: [6, 4] }),
         ...(dots && { paths: () => null, points: { show: true, size: 2.5, width: 0, fill: colour } }),
       }))],
-      // what stands over the plot moves with its axes
+      // the overlay of the plot moves with its axes
       hooks: { draw: [(plot) => { look.paint?.(plot); this.place(); }] },
     };
     this.plot = new uPlot(options, data, host);
@@ -92,7 +92,7 @@ export class Plot {
     this.plot.destroy();
   }
 
-  private room(): { width: number; height: number } {
+  private size(): { width: number; height: number } {
     return { width: Math.max(this.host.clientWidth, 80), height: Math.max(this.host.clientHeight, 80) };
   }
 }

@@ -45,7 +45,7 @@ function magnitude(label: string, name: string, colour: string): Series {
   };
 }
 
-/** Over how many points a power is averaged: an eighth of a run, at most a second, as in the pictures of scenes. */
+/** Number of points over which a power is averaged: an eighth of the run, at most 1 s, as in the figures of scenes. */
 function pointsOfMean(run: Run): number {
   const points = run.time.length - 1;
   const length = run.time.at(-1) ?? 0;
@@ -64,7 +64,7 @@ function power(label: string, name: string, colour: string): Series {
   };
 }
 
-/** Slope of values over so many points to both sides, as far as there are. */
+/** Slope of values over up to n points on both sides. */
 function rate(time: Float64Array, values: Float64Array, half: number): Float64Array {
   const last = time.length - 1;
   return values.map((_, n) => {
@@ -74,7 +74,7 @@ function rate(time: Float64Array, values: Float64Array, half: number): Float64Ar
   });
 }
 
-/** Mean of so many values to both sides, as far as there are. */
+/** Mean over up to n values on both sides. */
 function runningMean(values: Float64Array, half: number): Float64Array {
   const sums = new Float64Array(values.length + 1);
   values.forEach((value, n) => { sums[n + 1] = (sums[n] ?? 0) + value; });
@@ -84,9 +84,9 @@ function runningMean(values: Float64Array, half: number): Float64Array {
   });
 }
 
-/** Prefix of the losses by cause. */
-const LOST_TO = "energy_lost_";
-const LOST = variables.map(({ name }) => name).filter((name) => name.startsWith(LOST_TO));
+/** Prefix of the variables of the loss breakdown. */
+const LOSS_PREFIX = "energy_lost_";
+const LOSSES = variables.map(({ name }) => name).filter((name) => name.startsWith(LOSS_PREFIX));
 const COLOURS = Object.values(CURVES);
 
 export const PANELS: readonly Panel[] = [
@@ -118,7 +118,7 @@ export const PANELS: readonly Panel[] = [
   },
   {
     id: "losses", title: "Losses, running mean", unit: "W",
-    series: LOST.map((name, n) => power(name.slice(LOST_TO.length), name, COLOURS[n % COLOURS.length] ?? CURVES.grey)),
+    series: LOSSES.map((name, n) => power(name.slice(LOSS_PREFIX.length), name, COLOURS[n % COLOURS.length] ?? CURVES.grey)),
   },
   {
     id: "forces", title: "Forces", unit: "N",

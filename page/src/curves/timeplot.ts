@@ -53,7 +53,7 @@ export class TimePanel {
     this.plot?.plot.setScale("x", { min: window[0], max: window[1] });
   }
 
-  /** Make the plot anew: of other colours or another size. */
+  /** Create the plot again after a change of colours or size. */
   rebuild(): void {
     const { run } = this;
     this.plot?.destroy();
@@ -70,7 +70,7 @@ export class TimePanel {
     this.stand(this.time, true);
   }
 
-  /** Stand at the time of the picture; the values go into the legend when `tell`. */
+  /** Move the cursor to the time of the animation; write the values into the legend if `tell`. */
   stand(time: number, tell: boolean): void {
     this.time = time;
     this.plot?.stand(time);

@@ -1,11 +1,11 @@
 // One inertia module: set, start, step, read, as the FMU does.
 
 import { Records } from "./memory";
-import { accepts, explained, mustBe, shown, warned } from "./sentences";
+import { accepts, explained, mustBe, shown, warned } from "./messages";
 import { type Variable, byName, tables, variables } from "./tables";
 
-/** What the kernel, or the table of variables, does not accept: its sentence. */
-export class Refused extends Error {}
+/** Error of the kernel or the table of variables, with its message. */
+export class Rejected extends Error {}
 
 /** Place of the record of a variable among p, d, u, x, y and w. */
 const RECORD = { parameter: 0, input: 2, output: 4, local: 4 };
@@ -13,7 +13,7 @@ const settable = variables.filter((v) => v.causality === "input" || v.causality 
 
 export class Instance {
   private readonly records = new Records();
-  /** Places of the rates given over the coming step, and of that they are. */
+  /** Places of the rates that are set for the next step, and of their flags. */
   private readonly rated: number[] = [];
 
   /** An instance with the start values of the table. */
@@ -22,12 +22,12 @@ export class Instance {
   }
 
   /** Set parameters and inputs by name.
-   *  @throws Refused for an unknown name; ranges are looked at by start and step. */
+   *  @throws Rejected for an unknown name; start and step check the ranges. */
   set(values: Readonly<Record<string, number>>): void {
     for (const [name, value] of Object.entries(values)) {
       const variable = settable.find((found) => found.name === name);
       if (!variable) {
-        throw new Refused(`${name} must be a parameter or an input: ${settable.map((v) => v.name).join(", ")}`);
+        throw new Rejected(`unknown parameter or input '${name}'; available: ${settable.map((v) => v.name).join(", ")}`);
       }
       this.write(variable, value);
     }
@@ -44,17 +44,17 @@ export class Instance {
   }
 
   /** Check the parameters, alone and together, and take the initial state.
-   *  @throws Refused with one sentence for each thing that is wrong. */
+   *  @throws Rejected with one message per bad value. */
   start(): void {
     const bad = settable
       .filter((v) => v.causality === "parameter" && !accepts(v, this.value(v.name)))
       .map((v) => mustBe(v.name, v.allowed, shown(this.value(v.name))));
-    if (bad.length > 0) throw new Refused(bad.join("; "));
+    if (bad.length > 0) throw new Rejected(bad.join("; "));
     this.call(tables.operations.START, 0);
   }
 
   /** Advance by a communication step, s.
-   *  @throws Refused for bad inputs or a bad step; the state is as it was. */
+   *  @throws Rejected for bad inputs or a bad step; the state is as it was. */
   advance(step: number): void {
     this.call(tables.operations.STEP, step);
     if (this.rated.length === 0) return;
@@ -63,7 +63,7 @@ export class Instance {
     this.rated.length = 0;
   }
 
-  /** What cannot be built of a mechanism whose parameters are accepted: a sentence each. */
+  /** Warnings about a geometrically infeasible mechanism, one message each. */
   warnings(): string[] {
     return warned(this.records.call(tables.operations.WARN, 0), (name) => this.value(name));
   }
@@ -92,10 +92,10 @@ export class Instance {
   private call(operation: number, step: number): void {
     const status = this.records.call(operation, step);
     if (status === tables.ok) return;
-    throw new Refused(explained(status, (name) => (name === "step" ? step : this.filling(name))));
+    throw new Rejected(explained(status, (name) => (name === "step" ? step : this.filling(name))));
   }
 
-  /** Value for a name in a sentence: a variable, or the rate of an input. */
+  /** Value for a name in a message: a variable, or the rate of an input. */
   private filling(name: string): number {
     if (byName.has(name)) return this.value(name);
     const input = found(name.replace(/_rate$/, ""));
@@ -109,6 +109,6 @@ export class Instance {
 
 function found(name: string): Variable {
   const variable = byName.get(name);
-  if (!variable) throw new Refused(`${name} must be a variable of the module`);
+  if (!variable) throw new Rejected(`unknown variable '${name}'`);
   return variable;
 }

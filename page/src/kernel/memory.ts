@@ -18,7 +18,7 @@ const released: number[] = [];
 let kernel: Kernel | undefined;
 let end = 0;
 
-/** Unpack and compile the kernel that the page holds. */
+/** Unpack and compile the kernel of the viewer. */
 async function load(): Promise<void> {
   const { instance } = await WebAssembly.instantiate(await unpacked(embedded("kernel")), {});
   const { memory, __heap_base: base } = instance.exports;

@@ -1,4 +1,4 @@
-// The tables of the module as the page holds them: written by the package from its own, so there is no second list.
+// The tables of the module in the viewer. The package writes them from its own tables.
 
 /** A variable of the module: an input, a parameter, an output or a local. */
 export interface Variable {
@@ -16,11 +16,11 @@ export interface Variable {
   min: number | null;
   max: number | null;
   nominal: number | null;
-  /** What follows "must be" in a refusal. */
+  /** Allowed values, as after "must be" in an error message. */
   allowed: string;
   /** Items of an enumeration or a Boolean, else none. */
   items: Item[];
-  /** Place in its record, in doubles; of an input also those of its rate and of whether that is given. */
+  /** Place in its record, in doubles; for an input also the places of its rate and of the flag that the rate is set. */
   place: number;
   ratePlace: number;
   rateGivenPlace: number;
@@ -32,8 +32,8 @@ export interface Item {
   description: string;
 }
 
-/** Sentences by the number that the kernel answers; {name} stands for a value, {step} for the step. */
-export type Sentences = Record<string, string>;
+/** Messages by status of the kernel; {name} is a placeholder for a value, {step} for the step. */
+export type Messages = Record<string, string>;
 
 export interface Tables {
   /** Name of the kernel's entry. */
@@ -43,14 +43,14 @@ export interface Tables {
   operations: Record<"START" | "STEP" | "WARN", number>;
   ok: number;
   variables: Variable[];
-  messages: Sentences;
-  warnings: Sentences;
+  messages: Messages;
+  warnings: Messages;
 }
 
-/** The content of a script element of the page. */
+/** Content of a script element of the document. */
 export function embedded(id: string): string {
   const text = document.getElementById(id)?.textContent;
-  if (!text) throw new Error(`the page must hold an element ${id}, there is none`);
+  if (!text) throw new Error(`internal error: missing element '${id}'`);
   return text;
 }
 

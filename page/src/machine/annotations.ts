@@ -1,4 +1,4 @@
-// Names of the parts and arrows of what acts on them.
+// Labels of the parts, and arrows of accelerations, forces and torques.
 
 import { Group, Vector3, type Object3D } from "three";
 import { PARTS } from "../common/colours";
@@ -18,18 +18,18 @@ const SYMBOLS: Readonly<Record<Torque, string>> = {
 const PART: Readonly<Record<Torque, string>> = {
   input_torque: "link1", mesh_torque: "link2", housing_torque: "housing", output_torque: "output",
 };
-// other shades than those of the parts, so that they stand out on them
+// shades that differ from the parts, for contrast
 const ARC: Readonly<Record<Torque, string>> = {
   input_torque: "#1d4f91", mesh_torque: "#0c5c40", housing_torque: "#2f3840", output_torque: "#7a2c68",
 };
-/** Where the number of a torque stands above the axis, as a part of the reach: beside names and other numbers. */
+/** Height of a torque value above the axis, as a fraction of the reach: next to labels and other values. */
 const HEIGHT: Readonly<Record<Torque, number>> = {
   input_torque: -0.62, mesh_torque: -0.85, housing_torque: -1.02, output_torque: -0.78,
 };
-/** Numbers in the picture change no faster than they can be read, ms. */
+/** Interval between updates of values in the view, readable, ms. */
 const READABLE = 120;
 
-/** All that is written and drawn on the machine besides itself. */
+/** Labels and arrows on the mechanism. */
 export class Annotations {
   readonly group = new Group();
   private readonly acceleration: Arrow;
@@ -37,12 +37,12 @@ export class Annotations {
   private readonly arcs: Record<Torque, TorqueArc>;
   private readonly arcGroup = new Group();
   private readonly origin = new Vector3();
-  /** Imbalance 0 of module 0 by the formulas, m in the fixed frame. */
+  /** Reference mass (planet 0, module 0) by the formulas, m in the fixed frame. */
   readonly imbalance = new Vector3();
   private readonly marker = new Group();
   private readonly longest: number;
   private readonly texts: { element: HTMLElement; text: (column: (name: string) => number) => string }[] = [];
-  private told = 0;
+  private updated = 0;
   private largest = { acceleration: 1, force: 1, torque: 1 };
 
   constructor(mechanism: Mechanism, shafts: Shafts, private readonly shape: Geometry, labels: Labels) {
@@ -71,20 +71,20 @@ export class Annotations {
   show({ acceleration, force, torques }: Shown): void {
     this.acceleration.visible = acceleration;
     this.force.visible = force;
-    // with its acceleration the imbalance is named at the arrow
+    // with its acceleration shown, the mass is labelled at the arrow
     this.marker.visible = !acceleration;
     this.arcGroup.visible = torques;
   }
 
-  /** The largest values, m/s2, N and N.m, get the longest arrows. */
+  /** Set the values of the longest arrows: m/s2, N and N.m. */
   scale(acceleration: number, force: number, torque: number): void {
     this.largest = { acceleration: acceleration || 1, force: force || 1, torque: torque || 1 };
   }
 
   place({ q, theta1, column }: Instant): void {
     const now = performance.now();
-    if (now - this.told > READABLE) {
-      this.told = now;
+    if (now - this.updated > READABLE) {
+      this.updated = now;
       for (const { element, text } of this.texts) element.textContent = text(column);
     }
     this.imbalance.set(...aboutAxis(imbalance(this.shape, q), theta1));
@@ -101,7 +101,7 @@ export class Annotations {
     arrow.point(from, x, y, z);
   }
 
-  /** Numbers beside the arrows. */
+  /** Values next to the arrows. */
   private number(labels: Labels, reach: number): void {
     const add = (part: string, on: Object3D, at: Vector3, text: (column: (name: string) => number) => string): void => {
       this.texts.push({ element: labels.add("−0000.00 N·m", part, on, at), text });

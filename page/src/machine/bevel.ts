@@ -1,6 +1,6 @@
-// The bevel mechanism (Karetin): on link 1, modules of a drive 16 with satellites 6 that roll on wheel 17.
+// The bevel mechanism (Karetin): on link 1, modules of a pinion 16 with planets 6 that roll on gear 17.
 //
-// Pitch cones and imbalances are where they are; shafts, arms and the size of wheels 2 and 16 are drawn to suit.
+// Pitch cones and unbalanced masses are to scale; shafts, arms and the sizes of gears 2 and 16 are adapted.
 
 import { Group, Matrix4, Mesh, SphereGeometry, Vector3, type BufferGeometry } from "three";
 import type { Bevel } from "./geometry";
@@ -10,11 +10,11 @@ import { bar, box, merged, race, spokes } from "./solids";
 import type { Mechanism } from "./mechanism";
 
 const TURN = 2 * Math.PI;
-// teeth of the large wheels are short, so that the satellites can be seen behind them
+// teeth of the large gears are short, so that the planets stay visible
 const RING = 0.86;
 
-/** Room that satellites and imbalances need: radius about the drive's axis, height above the central axis. */
-function room(shape: Bevel, imbalanceRadius: number): { radius: number; top: number; bottom: number } {
+/** Clearance for planets and unbalanced masses: radius about the pinion axis, height above the central axis. */
+function clearance(shape: Bevel, imbalanceRadius: number): { radius: number; top: number; bottom: number } {
   const sine = Math.sin(shape.sigma);
   const cosine = Math.cos(shape.sigma);
   const rim = Math.max(shape.arm, shape.slant * Math.sin(shape.phi)) * 1.08;
@@ -34,7 +34,7 @@ interface Satellite {
   readonly imbalance: Mesh;
 }
 
-/** Satellite 6 and its imbalance: apex Q in the origin, its axis towards Q is z, the mesh with wheel 17 towards x. */
+/** Planet 6 and its unbalanced mass: apex Q in the origin, its axis towards Q is z, the mesh with gear 17 towards x. */
 function satellite(shape: Bevel, teeth: number, gap: number, radius: number, palette: Palette): Satellite {
   const spin = new Group();
   const centre = shape.slant * Math.cos(shape.phi);
@@ -48,7 +48,7 @@ function satellite(shape: Bevel, teeth: number, gap: number, radius: number, pal
   return { spin, imbalance };
 }
 
-/** Drive 16 with the arms of its satellites, turned by q about z. */
+/** Pinion 16 with the arms of its planets, turned by q about z. */
 function driveBody(shape: Bevel, wheel: BufferGeometry[], outer: number, bottom: number, thick: number): BufferGeometry {
   const arms: BufferGeometry[] = [];
   const end = shape.axis * 1.06;
@@ -61,7 +61,7 @@ function driveBody(shape: Bevel, wheel: BufferGeometry[], outer: number, bottom:
   return merged([...wheel, bar([0, 0, bottom], [0, 0, outer], thick), ...arms]);
 }
 
-/** The frame of link 1 for one module: holds wheel 17 and the bearing of drive 16. */
+/** The frame of link 1 for one module: contains gear 17 and the bearing of pinion 16. */
 function bracket(shape: Bevel, flange: number, bearing: number, bottom: number, thick: number, teeth: number): BufferGeometry {
   const wheel = bevelGear(teeth, shape.psi, shape.slant, -1).translate(0, 0, shape.apex);
   const half = thick * 0.9;
@@ -81,11 +81,11 @@ function bracket(shape: Bevel, flange: number, bearing: number, bottom: number, 
 export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: number, palette: Palette): Mechanism {
   const link1 = new Group();
   const link2 = new Group();
-  const needs = room(shape, imbalanceRadius);
+  const needs = clearance(shape, imbalanceRadius);
   const thick = Math.min(needs.radius, needs.top) * 0.09;
   const bearing = needs.top + 2 * thick;
   const { z2, z16, z17, z6 } = shape.teeth;
-  // wheel 2 stands beyond the satellites, wheel 16 outside the bearing of the drive
+  // gear 2 is beyond the planets, gear 16 outside the bearing of the pinion shaft
   const unit = Math.max((bearing + 2 * thick) / z2, (needs.radius * 1.12) / z16);
   const radius2 = unit * z2;
   const radius16 = unit * z16;
@@ -109,7 +109,7 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
     module.rotation.x = turned;
     module.add(new Mesh(bracket(shape, flange, bearing, needs.bottom, thick, teeth17), palette.materials.link1));
     const drive = new Group();
-    // teeth of wheel 16 into the gaps of wheel 2; satellites keep their place on the drive
+    // teeth of gear 16 into the gaps of gear 2; planets keep their place on the pinion shaft
     const mesh16 = -toothOffset(teeth2, turned) * (TURN / teeth16);
     const wheel16 = bevelGear(teeth16, Math.atan2(radius16, radius2), slant, 1, RING).rotateZ(mesh16);
     const web = spokes(4, radius2 * 0.96, 0, radius16 * 0.9, thick * 0.6).map((spoke) => spoke.rotateY(-Math.PI / 2));
@@ -123,7 +123,7 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
       const basis = new Matrix4().makeBasis(
         new Vector3(-cosine, 0, -sine), new Vector3(0, -1, 0), new Vector3(-sine, 0, cosine));
       place.applyMatrix4(new Matrix4().makeRotationZ(azimuth).multiply(basis).setPosition(0, 0, shape.apex));
-      // the gear, not its imbalance, is turned until its gaps meet the teeth of wheel 17
+      // the gear, not its unbalanced mass, is turned until its gaps meet the teeth of gear 17
       const gap = -toothOffset(teeth17, azimuth) * (TURN / teeth6) - shape.epsilon;
       const found = satellite(shape, teeth6, gap, imbalanceRadius, palette);
       satellites.push(found);

@@ -1,9 +1,9 @@
-// Toothed wheels: bevel gears by their pitch cones, spur gears by their pitch circles.
+// Gears: bevel gears on their pitch cones, spur gears on their pitch circles.
 
 import { BufferGeometry, Float32BufferAttribute } from "three";
 import type { Vector } from "./geometry";
 
-/** Where a point of the ring is: its height over the pitch line in modules, its azimuth, and the end of the tooth. */
+/** Position of a point of the ring: height over the pitch line in modules, azimuth, and end of the tooth. */
 type Place = (height: number, azimuth: number, end: 0 | 1) => Vector;
 
 // one tooth of trapezoidal profile, centred on azimuth 0: part of the pitch, height in modules
@@ -42,7 +42,7 @@ function ring(teeth: number, place: Place, bore: Place): BufferGeometry {
  * @param halfAngle of the pitch cone, rad
  * @param slant length of the pitch cone, m
  * @param side +1: the gear is on the side of positive z, -1: of negative z
- * @param inner where the teeth end towards the apex, as a part of the cone
+ * @param inner inner end of the teeth, as a fraction of the cone
  */
 export function bevelGear(teeth: number, halfAngle: number, slant: number, side: 1 | -1, inner = 0.74): BufferGeometry {
   const height = (2 * Math.sin(halfAngle)) / teeth;
@@ -74,13 +74,13 @@ export function spurGear(teeth: number, radius: number, width: number, bore: num
   );
 }
 
-/** Teeth to be drawn for a pair: their own, but so many that they can be seen. */
+/** Drawn numbers of teeth of a pair: limited to visible teeth. */
 export function drawnTeeth(first: number, second: number): [number, number] {
   const scale = Math.max(12 / Math.min(first, second), 1) * Math.min(1, 80 / Math.max(first, second));
   return [Math.max(4, Math.round(first * scale)), Math.max(4, Math.round(second * scale))];
 }
 
-/** How far the nearest tooth stands beyond an azimuth, in pitches from -1/2 to 1/2. */
+/** Distance of the nearest tooth from an azimuth, in pitches, -1/2 to 1/2. */
 export function toothOffset(teeth: number, azimuth: number): number {
   const pitches = (azimuth * teeth) / (2 * Math.PI);
   return Math.round(pitches) - pitches;

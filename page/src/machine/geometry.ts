@@ -1,6 +1,6 @@
-// Where the imbalances are: the formulas of docs/mechanics.md, once.
+// Positions of the unbalanced masses by the formulas of docs/mechanics.md.
 //
-// Lengths in m, angles in rad. Frame of link 1: x along the central axis, z along the axis of drive 16 of module 0.
+// Lengths in m, angles in rad. Frame of link 1: x along the central axis, z along the axis of pinion 16 of module 0.
 
 export type Parameters = Readonly<Record<string, number>>;
 export type Vector = readonly [number, number, number];
@@ -37,7 +37,7 @@ export interface Planar {
 
 export type Geometry = Bevel | Planar;
 
-/** A value by its name; an unknown name is an error of the page. */
+/** A value by its name; an unknown name is an internal error. */
 export function value(parameters: Parameters, name: string): number {
   const found = parameters[name];
   if (found === undefined) throw new Error(`there is no parameter ${name}`);
@@ -75,7 +75,7 @@ export function aboutAxis([x, y, z]: Vector, angle: number): Vector {
   return [x, y * cosine - z * sine, y * sine + z * cosine];
 }
 
-/** Imbalance of a satellite of module 0 at the drive angle q, in the frame of link 1. */
+/** Unbalanced mass of a planet of module 0 at the pinion-shaft angle q, in the frame of link 1. */
 export function imbalance(shape: Geometry, q: number, satellite = 0): Vector {
   const turned = (2 * Math.PI * satellite) / shape.satellites;
   if (shape.layout === "planar") {
@@ -99,7 +99,7 @@ function commonDivisor(first: number, second: number): number {
   return second === 0 ? first : commonDivisor(second, first % second);
 }
 
-/** Turn of the drive after which the motion repeats itself, rad. */
+/** Pinion-shaft angle after which the motion repeats, rad. */
 export function period(shape: Geometry): number {
   if (shape.layout === "planar") return 2 * Math.PI;
   const { z17, z6 } = shape.teeth;

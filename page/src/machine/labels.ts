@@ -1,4 +1,4 @@
-// Names of the parts, written over the picture.
+// Labels of the parts over the view.
 
 import { Vector3, type Camera, type Object3D } from "three";
 
@@ -8,13 +8,13 @@ interface Label {
   readonly at: Vector3;
 }
 
-/** Labels hang on points of things and follow them. */
+/** Labels follow points of objects. */
 export class Labels {
   private labels: Label[] = [];
   private readonly point = new Vector3();
 
   constructor(private readonly host: HTMLElement) {
-    // a reader of the screen has the names in the table of values
+    // screen readers find the names in the table of values
     host.setAttribute("aria-hidden", "true");
   }
 
@@ -36,7 +36,7 @@ export class Labels {
     return element;
   }
 
-  /** Put every label where its point is seen, all of it in the picture. */
+  /** Move each label to the projection of its point, fully inside the view. */
   place(camera: Camera, width: number, height: number): void {
     if (this.host.hidden) return;
     for (const { element, on, at } of this.labels) {
@@ -50,7 +50,7 @@ export class Labels {
   }
 }
 
-/** Whether a thing and all that it belongs to are shown. */
+/** Return true if an object and all its parents are visible. */
 function isShown(thing: Object3D): boolean {
   return thing.visible && (thing.parent === null || isShown(thing.parent));
 }

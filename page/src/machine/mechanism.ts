@@ -1,4 +1,4 @@
-// What a layout draws, in the frame of link 1.
+// The drawn parts of a layout, in the frame of link 1.
 
 import { Mesh, type Group, type Object3D, type Vector3 } from "three";
 import { bevelMechanism } from "./bevel";
@@ -7,32 +7,32 @@ import type { Palette } from "./palette";
 import { planarMechanism } from "./planar";
 
 export interface Mechanism {
-  /** Turns with link 1; holds all but link 2. */
+  /** Rotates with link 1; contains all parts except link 2. */
   readonly link1: Group;
-  /** Wheel 2, in the frame of link 1. */
+  /** Gear 2, in the frame of link 1. */
   readonly link2: Group;
-  /** Where the shafts of links 1 and 2 begin on the central axis, m. */
+  /** Start of the shafts of links 1 and 2 on the central axis, m. */
   readonly from: number;
   readonly to: number;
-  /** Radius of what turns, m. */
+  /** Radius of the rotating parts, m. */
   readonly reach: number;
   readonly thick: number;
   /** Distance along Ox from module to module (planar: drawn side by side), m. */
   readonly shift: number;
-  /** Where on Ox the path of an imbalance is drawn, so that its satellite does not hide it, m. */
+  /** Position on Ox of the path of an unbalanced mass, in front of its planet, m. */
   readonly front: number;
-  /** Imbalance 0 of module 0 as it is drawn, and its centre in the frame of its mesh. */
+  /** Reference mass (planet 0, module 0), and its centre in the frame of its mesh. */
   readonly imbalance: Mesh;
   readonly imbalanceAt: Vector3;
-  /** Turn drives, satellites and wheel 2 to the drive angle q, rad. */
+  /** Turn pinion shafts, planets and gear 2 to the pinion-shaft angle q, rad. */
   turn(q: number): void;
 }
 
-// more modules or satellites are counted, not drawn
+// further modules or planets are counted, not drawn
 const MOST_MODULES = 12;
 const MOST_SATELLITES = 12;
 
-/** Radius of an imbalance drawn as a ball of lead, within what can be seen, m. */
+/** Radius of an unbalanced mass as a ball of lead, limited to visible sizes, m. */
 function ballRadius(mass: number, size: number): number {
   const radius = Math.cbrt((3 * mass) / (4 * Math.PI * 11340));
   return Math.min(Math.max(radius, 0.07 * size), 0.24 * size);
@@ -50,7 +50,7 @@ export function buildMechanism(parameters: Parameters, palette: Palette): { mech
   return { mechanism, shape };
 }
 
-/** Free what the graphics card keeps of a drawn thing. */
+/** Free the graphics memory of an object. */
 export function discard(thing: Object3D): void {
   thing.removeFromParent();
   thing.traverse((part) => {

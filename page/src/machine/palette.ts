@@ -1,11 +1,11 @@
-// What the parts of the machine are made of.
+// Materials of the parts.
 
 import { DoubleSide, MeshPhongMaterial, type Plane } from "three";
 import { PARTS } from "../common/colours";
 
 export type Part = keyof typeof PARTS;
 
-/** The materials of all parts. Those of races, wheels and housing give way to the cut-away. */
+/** Materials of all parts. Races, gears and housing are cut in the cut-away. */
 export class Palette {
   readonly materials: Record<Part, MeshPhongMaterial>;
 
@@ -17,7 +17,7 @@ export class Palette {
     ) as Record<Part, MeshPhongMaterial>;
   }
 
-  /** Cut the parts that hide others open along planes; none: whole. */
+  /** Cut the outer parts along planes; without planes they are whole. */
   cut(planes: Plane[] | null): void {
     for (const part of ["link2", "output", "housing"] as const) {
       const material = this.materials[part];

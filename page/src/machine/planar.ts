@@ -1,6 +1,6 @@
-// The planar mechanism (Lysenko): satellites on pins of link 1 roll on the sun wheel, link 2.
+// The planar mechanism (Lysenko): planets on pins of link 1 roll on the sun gear, link 2.
 //
-// Modules are in one plane for the equations; they are drawn side by side, for else their satellites would meet.
+// The equations have all modules in one plane. They are drawn side by side; otherwise their planets would collide.
 
 import { Group, Mesh, Vector3, type BufferGeometry } from "three";
 import { drawnTeeth, spurGear, toothOffset } from "./gears";
@@ -11,7 +11,7 @@ import { bar, merged, race } from "./solids";
 
 const TURN = 2 * Math.PI;
 
-/** Link 1 of one module: a hub, and for each satellite an arm with its pin. */
+/** Link 1 of one module: a hub, and for each planet an arm with its pin. */
 function spider(shape: Planar, at: number, width: number, thick: number): BufferGeometry {
   const distance = shape.sun + shape.satellite;
   const plate = at - width * 0.95;
@@ -53,7 +53,7 @@ export function planarMechanism(shape: Planar, imbalanceRadius: number, drawn: n
       arm.rotation.x = angle;
       const spin = new Group();
       spin.position.set(at, 0, distance);
-      // a tooth of the satellite points to the sun where the sun has a gap; the sun's offset is turned the other way
+      // a tooth of the planet points to a gap of the sun gear; the offset of the sun gear has the opposite sign
       const contact = angle + (TURN * i) / shape.modules;
       const gap = Math.PI - toothOffset(teethSun, contact) * (TURN / teeth);
       const gear = spurGear(teeth, shape.satellite, width, shape.satellite * 0.8).rotateX(gap);

@@ -1,4 +1,4 @@
-// Shafts, freewheels, flywheel and mount: what stands on the central axis beside the mechanism.
+// Shafts, freewheels, flywheel and mount: parts on the central axis besides the mechanism.
 
 import { Group, Mesh, type BufferGeometry, type MeshPhongMaterial } from "three";
 import { value, type Parameters } from "./geometry";
@@ -15,7 +15,7 @@ export interface Stations {
   readonly housing: number;
   readonly freewheel: number;
   readonly output: number;
-  /** Centre of the flywheel, or of the hub of an elastic shaft, and of the driven mass. */
+  /** Centre of the flywheel, or of the hub of an elastic shaft, and of the driven inertia. */
   readonly flywheel: number;
   readonly driven: number;
   readonly end: number;
@@ -25,19 +25,19 @@ type Rollers = Mesh<BufferGeometry, MeshPhongMaterial>;
 
 export interface Shafts {
   readonly stations: Stations;
-  /** Turns with the output shaft in front of an elastic shaft. */
+  /** Rotates with the output shaft upstream of an elastic shaft. */
   readonly hub: Group;
-  /** Turns with the driven mass. */
+  /** Rotates with the driven inertia. */
   readonly driven: Group;
-  /** Stands still. */
+  /** Stationary. */
   readonly mount: Group;
-  /** Of both freewheels, each of its own material to be coloured while it holds. */
+  /** Of both freewheels, each with its own material, which is coloured while it is locked. */
   readonly rollers: { readonly housing: Rollers; readonly output: Rollers };
-  /** Marks along the elastic shaft, from hub to driven mass. */
+  /** Marks along the elastic shaft, from hub to driven inertia. */
   readonly marks: Mesh[];
 }
 
-/** A flywheel with spokes, so that its turning shows. */
+/** A flywheel with spokes, which make its rotation visible. */
 function wheel(at: number, radius: number, width: number, shaft: number): BufferGeometry {
   return merged([
     race(at - width / 2, at + width / 2, radius * 0.82, radius),
@@ -55,7 +55,7 @@ function rollers(from: number, to: number, radius: number, size: number): Buffer
   return merged(parts);
 }
 
-/** Let rollers stand off the outer race by the play that is left, 0 to 1. */
+/** Move rollers off the outer race by the remaining take-up angle, 0 to 1. */
 export function standOff(rollers: Rollers, play: number): void {
   rollers.scale.set(1, 1 - 0.12 * play, 1 - 0.12 * play);
 }
@@ -70,7 +70,7 @@ function wheelRadius(inertia: number, reach: number): number {
   return reach * 0.62 * Math.min(Math.max((inertia / 0.5) ** 0.2, 0.45), 1.4);
 }
 
-/** Build all of it behind and in front of a mechanism; what turns with links 1 and 2 joins their groups. */
+/** Build the parts downstream and upstream of a mechanism; those that rotate with links 1 and 2 join their groups. */
 export function buildShafts(parameters: Parameters, mechanism: Mechanism, palette: Palette): Shafts {
   const { reach, from, to } = mechanism;
   const elastic = value(parameters, "fidelity") === 3;

@@ -1,4 +1,4 @@
-// Plain bodies of shafts and arms, all with the central axis or another given axis, merged to few meshes.
+// Plain bodies of shafts and arms, about the central axis or another axis, merged to few meshes.
 
 import { BoxGeometry, BufferGeometry, CylinderGeometry, LatheGeometry, Quaternion, Vector2, Vector3 } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
@@ -27,7 +27,7 @@ export function race(from: number, to: number, inner: number, outer: number): Bu
   return solid.rotateZ(-Math.PI / 2);
 }
 
-/** Spokes of a wheel about Ox, so that its turning shows and what is behind it can be seen. */
+/** Spokes of a wheel about Ox, which show its rotation and the parts downstream. */
 export function spokes(count: number, at: number, inner: number, outer: number, thick: number): BufferGeometry[] {
   return Array.from({ length: count }, (_, n) => {
     const [y, z] = [Math.cos((2 * Math.PI * n) / count), Math.sin((2 * Math.PI * n) / count)];
@@ -35,7 +35,7 @@ export function spokes(count: number, at: number, inner: number, outer: number, 
   });
 }
 
-/** One body of several: fewer calls to draw. */
+/** Merge bodies: fewer draw calls. */
 export function merged(parts: BufferGeometry[]): BufferGeometry {
   const plain = parts.map((part) => {
     const flat = part.index ? part.toNonIndexed() : part;

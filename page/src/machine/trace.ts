@@ -1,4 +1,4 @@
-// The way of the imbalance: Karetin's curve in the frame of link 1, or what it has passed lately in the fixed frame.
+// Path of the unbalanced mass: Karetin's curve in the frame of link 1, or the recent path in the fixed frame.
 
 import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial } from "three";
 import { Line2 } from "three/addons/lines/Line2.js";
@@ -15,7 +15,7 @@ const MOST_POINTS = 12000;
 const TRAIL = 900;
 const MOST_LINES = 24;
 
-/** A line of so many points that are laid anew for every picture. */
+/** A line of n points that are updated in every frame. */
 function movingLine(points: number): Line<BufferGeometry, LineBasicMaterial> {
   const shape = new BufferGeometry();
   shape.setAttribute("position", new BufferAttribute(new Float32Array(3 * points), 3));
@@ -24,7 +24,7 @@ function movingLine(points: number): Line<BufferGeometry, LineBasicMaterial> {
   return found;
 }
 
-/** A look for lines of this width, in pixels of the page. */
+/** A line material of this width, in CSS pixels. */
 function drawn(linewidth: number, opacity: number): LineMaterial {
   return new LineMaterial({ color: PARTS.trace, linewidth, transparent: true, opacity });
 }
@@ -59,7 +59,7 @@ export class Trace {
     this.trail.visible = frame === "fixed";
   }
 
-  /** Lay the trail of imbalance 0 along angles (q, theta1), oldest first. */
+  /** Update the trail of the reference mass along angles (q, theta1), oldest first. */
   follow(angles: (part: number) => { q: number; theta1: number }): void {
     if (!this.trail.visible) return;
     const place = this.trail.geometry.getAttribute("position") as BufferAttribute;

@@ -8,7 +8,7 @@ import { merged } from "./solids";
 
 const UP = new Vector3(0, 1, 0);
 
-/** Arrows lie over the machine: they say what acts, wherever that is. */
+/** Arrows are drawn over the mechanism. */
 function over(colour: string): MeshBasicMaterial {
   return new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.92 });
 }
@@ -16,7 +16,7 @@ function over(colour: string): MeshBasicMaterial {
 /** A straight arrow. */
 export class Arrow extends Group {
   private readonly shaft: Mesh;
-  /** Its head: what is written on it stands at the end. */
+  /** Its head, where its label is. */
   readonly tip: Mesh;
   private readonly turn = new Quaternion();
   private readonly along = new Vector3();
@@ -29,7 +29,7 @@ export class Arrow extends Group {
     this.add(this.shaft, this.tip);
   }
 
-  /** From a point along a vector whose length is in metres of the picture. */
+  /** Draw from a point along a vector, m. */
   point(from: Vector3, x: number, y: number, z: number): void {
     this.along.set(x, y, z);
     const length = this.along.length();
@@ -45,7 +45,7 @@ const SEGMENTS = 96;
 const SIDES = 8;
 const WIDEST = 1.6 * Math.PI;
 
-/** A bent arrow about the central axis, as long as a torque is large. */
+/** A curved arrow about the central axis; its length scales with a torque. */
 export class TorqueArc extends Group {
   private readonly tube: Mesh;
   private readonly head: Mesh;
@@ -64,7 +64,7 @@ export class TorqueArc extends Group {
     this.add(this.tube, this.head);
   }
 
-  /** Show a part of the widest arc, from -1 to 1: negative turns the other way. */
+  /** Show a fraction of the longest arc, -1 to 1; negative values reverse the direction. */
   bend(part: number): void {
     const size = Math.min(Math.abs(part), 1);
     const shown = Math.round(size * SEGMENTS);

@@ -1,4 +1,4 @@
-// The picture: the machine, the light on it and the eye that looks at it.
+// The 3-D view: mechanism, lights and camera.
 
 import {
   DirectionalLight, Group, HemisphereLight, type MeshPhongMaterial, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer,
@@ -13,7 +13,7 @@ import { Palette } from "./palette";
 import { buildShafts, standOff, type Shafts } from "./shafts";
 import { Trace, type TraceFrame } from "./trace";
 
-/** What is to be seen besides the machine. */
+/** Visible items besides the mechanism. */
 export interface Shown {
   follow: boolean;
   cut: boolean;
@@ -24,15 +24,15 @@ export interface Shown {
   torques: boolean;
 }
 
-/** Angles (rad), mode and signals of one instant. */
+/** Angles (rad), contact mode and signals at one time. */
 export interface Instant {
   readonly q: number;
   readonly theta1: number;
   readonly thetaOut: number;
   readonly twist: number;
-  /** How far each freewheel holds, 0 to 1. */
+  /** Locked fraction of each freewheel, 0 to 1. */
   readonly holds: { readonly housing: number; readonly output: number };
-  /** How much of its play each freewheel has left, 0 to 1. */
+  /** Take-up angle remaining of each freewheel, as a fraction of its engagement angle. */
   readonly play: { readonly housing: number; readonly output: number };
   readonly column: (name: string) => number;
   /** Angles of the recent past, part 0 the oldest, 1 now. */
@@ -47,7 +47,7 @@ interface Built {
   readonly annotations: Annotations;
 }
 
-/** A view of the machine on a canvas. Nothing is drawn until `draw` is called. */
+/** A view of the mechanism on a canvas. Nothing is drawn until `draw` is called. */
 export class View {
   readonly controls: OrbitControls;
   private readonly renderer: WebGLRenderer;
@@ -76,7 +76,7 @@ export class View {
     this.scene.add(new HemisphereLight(0xffffff, 0x8d95a0, 1.5), sun, fill, this.world);
   }
 
-  /** Build the machine of these parameters anew; the eye stays where it is unless `look`. */
+  /** Build the mechanism again for these parameters; the camera stays unless `look`. */
   build(parameters: Parameters, look: boolean): void {
     if (this.built) {
       for (const thing of [...this.world.children]) discard(thing);
@@ -88,19 +88,19 @@ export class View {
     const annotations = new Annotations(mechanism, shafts, shape, this.labels);
     mechanism.link1.add(trace.closed);
     this.world.add(mechanism.link1, mechanism.link2, shafts.hub, shafts.driven, shafts.mount, trace.trail, annotations.group);
-    // a machine of any size fills the picture
+    // a mechanism of any size fills the view
     this.world.scale.setScalar(1 / mechanism.reach);
     this.built = { mechanism, shape, shafts, trace, annotations };
     if (look) this.lookHome();
     if (this.shown) this.show(this.shown);
   }
 
-  /** Turn the eye to where it sees the whole machine. */
+  /** Move the camera so that it sees the whole mechanism. */
   lookHome(): void {
     if (!this.built) return;
     const { mechanism, shafts, shape } = this.built;
     const [input, end] = [shafts.stations.input / mechanism.reach, shafts.stations.end / mechanism.reach];
-    // planar wheels show their faces along the axis
+    // planar gears show their faces along the axis
     const away = new Vector3(shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36).normalize();
     const right = new Vector3().crossVectors(this.camera.up, away).normalize();
     const up = new Vector3().crossVectors(away, right);
@@ -111,11 +111,11 @@ export class View {
       const along = corners.map((corner) => corner.dot(axis));
       target.addScaledVector(axis, (Math.min(...along) + Math.max(...along)) / 2);
     }
-    const room = 0.97 * Math.tan((this.camera.fov * Math.PI) / 360);
+    const slope = 0.97 * Math.tan((this.camera.fov * Math.PI) / 360);
     const distance = Math.max(...corners.map((corner) => {
       const from = corner.clone().sub(target);
       const across = Math.max(Math.abs(from.dot(right)) / this.camera.aspect, Math.abs(from.dot(up)));
-      return across / room + from.dot(away);
+      return across / slope + from.dot(away);
     }));
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(away, distance);
@@ -128,13 +128,13 @@ export class View {
   show(shown: Shown): void {
     this.shown = { ...shown };
     this.labels.visible = shown.labels;
-    // a quarter is cut away: what is in front of the central axis and above it
+    // the quarter in front of and above the central axis is cut away
     this.palette.cut(shown.cut ? [new Plane(new Vector3(0, 1, 0), 0), new Plane(new Vector3(0, 0, -1), 0)] : null);
     this.built?.trace.show(shown.trace);
     this.built?.annotations.show(shown);
   }
 
-  /** The longest arrows are those of these values: m/s2, N, N.m. */
+  /** Values of the longest arrows: m/s2, N, N.m. */
   scale(acceleration: number, force: number, torque: number): void {
     this.built?.annotations.scale(acceleration, force, torque);
   }
@@ -147,7 +147,7 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Draw the machine at an instant. */
+  /** Draw the mechanism at one time. */
   draw(now: Instant): void {
     const { built, shown } = this;
     if (!built || !shown) return;
@@ -171,7 +171,7 @@ export class View {
     this.labels.place(this.camera, this.size.width, this.size.height);
   }
 
-  /** Where imbalance 0 of module 0 is drawn, and where its arrow begins, m in the fixed frame. */
+  /** Position of the reference mass (planet 0, module 0) and start of its arrow, m in the fixed frame. */
   imbalance(): { drawn: number[]; arrow: number[] } | null {
     const { built } = this;
     if (!built) return null;

@@ -12,7 +12,7 @@ export interface Recorded {
   /** Time between rows, s. */
   step: number;
   rows: number;
-  /** One row of so many of the run is here. */
+  /** Every n-th row of the run is recorded. */
   every: number;
   numbers: string;
   warnings: string[];
@@ -25,5 +25,5 @@ export async function playable(recorded: Recorded, parameters: Record<string, nu
     names.map((name, n) => [name, Float64Array.from(numbers.subarray(n * rows, (n + 1) * rows))]),
   );
   const time = Float64Array.from({ length: rows }, (_, n) => n * step);
-  return { time, columns: withAngles(columns), parameters, complete: true, refusal: null, warnings };
+  return { time, columns: withAngles(columns), parameters, complete: true, error: null, warnings };
 }

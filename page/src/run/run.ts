@@ -1,7 +1,7 @@
-// What the page shows: a run, integrated here in slices or recorded elsewhere.
+// The displayed run, simulated here in slices or recorded elsewhere.
 
 import { withAngles } from "./angles";
-import { Refused } from "../kernel/instance";
+import { Rejected } from "../kernel/instance";
 import { variables } from "../kernel/tables";
 import type { Input } from "./signals";
 import { type Plan, Stepping } from "./stepping";
@@ -18,9 +18,9 @@ export interface Run {
   columns: Record<string, Float64Array>;
   parameters: Record<string, number>;
   complete: boolean;
-  /** Why it has ended early, in a sentence. */
-  refusal: string | null;
-  /** What could not be built of the mechanism, a sentence each. */
+  /** Message of the error that ended it early. */
+  error: string | null;
+  /** Warnings about a geometrically infeasible mechanism, one message each. */
   warnings: string[];
 }
 
@@ -32,11 +32,11 @@ export interface Request {
   duration: number;
 }
 
-/** Longest time in a row that an integration takes from the page, ms. */
+/** Maximum time of a slice of the simulation, ms. */
 const SLICE = 6;
 const shown = variables.filter((v) => v.causality === "output" || v.causality === "local").map((v) => v.name);
 
-/** Integrate and tell, after every slice, how far it has come; the last call has it complete or refused. */
+/** Simulate in slices and report the run after each one; the last report is complete or has an error. */
 export function integrate(request: Request, onProgress: (run: Run) => void): { cancel: () => void } {
   const { parameters, inputs, step, duration } = request;
   const plan: Plan = { parameters, inputs, step, steps: Math.round(duration / step), outputs: shown };
@@ -49,18 +49,18 @@ export function integrate(request: Request, onProgress: (run: Run) => void): { c
   };
   channel.port1.onmessage = () => {
     const began = performance.now();
-    let refusal: string | null = null;
+    let message: string | null = null;
     let run: Run = { ...empty, parameters };
     try {
       stepping ??= new Stepping(plan);
       while (!stepping.complete && performance.now() - began < SLICE) stepping.advance();
     } catch (error) {
-      if (!(error instanceof Refused)) throw error;
-      refusal = error.message;
+      if (!(error instanceof Rejected)) throw error;
+      message = error.message;
     }
-    if (stepping) run = soFar(stepping, parameters, refusal);
-    else run.refusal = refusal;
-    if (run.complete || refusal !== null) finish();
+    if (stepping) run = soFar(stepping, parameters, message);
+    else run.error = message;
+    if (run.complete || message !== null) finish();
     else channel.port2.postMessage(null);
     onProgress(run);
   };
@@ -73,23 +73,23 @@ const empty: Run = {
   columns: {},
   parameters: {},
   complete: false,
-  refusal: null,
+  error: null,
   warnings: [],
 };
 
-/** What a run has put into its columns until now. */
-function soFar(stepping: Stepping, parameters: Record<string, number>, refusal: string | null): Run {
+/** The run so far. */
+function soFar(stepping: Stepping, parameters: Record<string, number>, error: string | null): Run {
   const length = stepping.done + 1;
   const columns = Object.fromEntries(
     Object.entries(stepping.columns).map(([name, column]) => [name, column.subarray(0, length)]),
   );
   const time = stepping.time.subarray(0, length);
   const { complete, warnings } = stepping;
-  return { time, columns: withAngles(columns), parameters, complete, refusal, warnings };
+  return { time, columns: withAngles(columns), parameters, complete, error, warnings };
 }
 
 /** Integrate at once: arrays of the outputs, the start and then every step. For tests and tinkerers.
- *  @throws Refused with the sentence of the kernel. */
+ *  @throws Rejected with the message of the kernel. */
 export function simulate(plan: Plan): Record<string, Float64Array> {
   const stepping = new Stepping(plan);
   try {

@@ -40,12 +40,12 @@ export function nearest(run: Run, name: string, at: number): number {
   return run.columns[name]?.[at - from > to - at ? index + 1 : index] ?? NaN;
 }
 
-/** Fewest points in a turn of the drive between which a line says what torques did. */
+/** Minimum number of points per pinion-shaft revolution for a line between torques. */
 const FEWEST = 8;
 const AVERAGED = 1;
 const coarse = new WeakMap<Float64Array, boolean>();
 
-/** Whether the points of a run are too far apart for what swings with the drive: its instants are no curve. */
+/** Return true if the points of a run are too far apart to draw pulsating signals as curves. */
 export function isCoarse(run: Run): boolean {
   const { q } = run.columns;
   if (!q || run.parameters.fidelity === AVERAGED) return false;

@@ -1,10 +1,10 @@
-// What the page starts with, written into it by the package.
+// Initial data of the viewer, written by the package.
 
 import { embedded } from "../kernel/tables";
 import type { Recorded } from "./recorded";
 import type { Input } from "./signals";
 
-/** A scene as the page can run it. */
+/** A scene in the form that the viewer simulates. */
 export interface Scene {
   /** Short, of letters and hyphens: stands in links. */
   name: string;
@@ -18,7 +18,7 @@ export interface Scene {
   duration: number;
   /** Names that the scene wants to see. */
   outputs: string[];
-  /** Whether the page can run it as it is; if not, inputs that follow the motion are constant: their means. */
+  /** True if the viewer simulates the scene exactly; otherwise inputs that depend on the motion are constant at their means. */
   exact: boolean;
 }
 

@@ -1,4 +1,4 @@
-// A run step by step: a module, its inputs over time, and what it has put into columns.
+// A run step by step: a module, its inputs over time, and its recorded columns.
 
 import { Instance } from "../kernel/instance";
 import { type Input, type Signal, inputAt } from "./signals";
@@ -12,7 +12,7 @@ export interface Plan {
   outputs: readonly string[];
 }
 
-/** A run that has been started and can be carried on as far as one likes. */
+/** A run that has started and can continue step by step. */
 export class Stepping {
   readonly time: Float64Array;
   readonly columns: Record<string, Float64Array> = {};
@@ -22,7 +22,7 @@ export class Stepping {
   private readonly targets: [number, Float64Array][];
   private readonly signals: [string, Signal][] = [];
 
-  /** @throws Refused where the module refuses the parameters. */
+  /** @throws Rejected if the module rejects the parameters. */
   constructor(private readonly plan: Plan) {
     this.time = new Float64Array(plan.steps + 1);
     this.targets = plan.outputs.map((name) => {
@@ -51,7 +51,7 @@ export class Stepping {
   }
 
   /** Take one communication step.
-   *  @throws Refused where the module refuses it. */
+   *  @throws Rejected if the module rejects the step. */
   advance(): void {
     this.setSignals();
     this.instance.advance(this.plan.step);

@@ -1,8 +1,8 @@
-// The sentences of refusals and warnings, letter for letter those of the FMU.
+// Messages of errors and warnings, identical to those of the FMU.
 
 import { type Variable, tables } from "./tables";
 
-/** Significant digits of a number in a sentence. */
+/** Significant digits of a number in a message. */
 const DIGITS = 16;
 
 /** A number as C's "%.16g" writes it. */
@@ -29,26 +29,26 @@ export function mustBe(name: string, allowed: string, value: string): string {
   return `${name} must be ${allowed} (got ${value})`;
 }
 
-/** A sentence of the tables with values in the places of their names. */
-function filled(sentence: string, valueOf: (name: string) => number): string {
-  return sentence.replace(/\{(\w+)\}/g, (_, name: string) => shown(valueOf(name)));
+/** Fill a message template with values by name. */
+function filled(template: string, valueOf: (name: string) => number): string {
+  return template.replace(/\{(\w+)\}/g, (_, name: string) => shown(valueOf(name)));
 }
 
-/** The sentence for a status of the kernel, not OK. */
+/** The message for a status of the kernel that is not OK. */
 export function explained(status: number, valueOf: (name: string) => number): string {
-  const sentence = tables.messages[status];
-  if (sentence === undefined) throw new Error(`internal error: the kernel returned status ${status}`);
-  return filled(sentence, valueOf);
+  const message = tables.messages[status];
+  if (message === undefined) throw new Error(`internal error: the kernel returned status ${status}`);
+  return filled(message, valueOf);
 }
 
-/** The sentences for a sum of warnings of the kernel. */
+/** The messages for a bit sum of warnings of the kernel. */
 export function warned(sum: number, valueOf: (name: string) => number): string[] {
   return Object.entries(tables.warnings)
     .filter(([number]) => (sum & Number(number)) !== 0)
-    .map(([, sentence]) => filled(sentence, valueOf));
+    .map(([, message]) => filled(message, valueOf));
 }
 
-/** Whether a variable may have a value: finite, whole where it has to be, within its range. */
+/** Return true if a variable accepts a value: finite, an integer if required, within its range. */
 export function accepts(variable: Variable, value: number): boolean {
   if (!Number.isFinite(value)) return false;
   if (variable.items.length > 0) return variable.items.some((item) => item.number === value);

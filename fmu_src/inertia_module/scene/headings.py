@@ -1,0 +1,40 @@
+"""Printed headings of the metrics of a summary."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from ..contract.variables import CAUSES, LOST_TO
+
+# by name; other metrics are printed by their name without underscores
+HEADINGS: Mapping[str, str] = {
+    "omega1_maximum": "maximum input speed",
+    "omega_out_maximum": "maximum output speed",
+    "omega_out_final": "final output speed",
+    "input_torque_mean": "mean input torque",
+    "output_torque_mean": "mean output torque",
+    "output_torque_mean_maximum": "maximum step-mean output torque",
+    "energy_in": "input energy",
+    "energy_out": "output energy",
+    "energy_stored_gain": "change in stored energy",
+    "energy_lost": "losses",
+    **{f"{LOST_TO}{cause}": f"{cause} losses" for cause in CAUSES},
+    "energy_residual_relative": "relative energy residual",
+    "energy_rolling": "energy to rolling resistance",
+    "energy_drag": "energy to air drag",
+    "energy_slope": "energy to slope",
+    "energy_brake": "energy to brake",
+    "vehicle_speed_maximum": "maximum vehicle speed",
+    "tracking_error_rms": "RMS tracking error",
+    "tracking_error_maximum": "maximum tracking error",
+    "share_out_of_tolerance": "fraction of time out of tolerance",
+    "rhs_evaluations": "right-hand-side evaluations",
+    "wall_time": "wall-clock time",
+}
+
+
+def heading(name: str) -> str:
+    """Return the printed heading of a metric, such as "final output speed" for omega_out_final."""
+    speed = re.fullmatch(r"time_to_(.+)_kmh", name)
+    return f"time to {speed[1]} km/h" if speed else HEADINGS.get(name, name.replace("_", " "))
