@@ -63,7 +63,7 @@ class Satellite(Strict):
         radius, width, thickness = self.weight_radius, self.width, self.weight_width
         if radius > pitch:
             raise SceneError(
-                "mechanism.satellite.weight_radius must be at most the pitch radius of the satellite ="
+                "mechanism: satellite.weight_radius must be at most the pitch radius of the satellite ="
                 f" {pitch:g} m, is {radius:g} m"
             )
         gear = self.material * math.pi * pitch**2 * width
