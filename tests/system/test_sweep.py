@@ -248,9 +248,15 @@ def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluste
 
 def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
     task = Task(fmu.read_bytes(), {}, print)
-    sentence = "a worker cannot do the task: TypeError: "
-    with pool(task, cluster.address) as client, pytest.raises(workers.ClusterError, match=sentence):
+    words = "a worker cannot do the task: TypeError: "
+    with pool(task, cluster.address) as client, pytest.raises(workers.ClusterError, match=words):
         list(evaluations(client, task.identity, [{}]))
+
+
+def test_file_that_is_no_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
+    (tmp_path / "x.fmu").write_text("no FMU")
+    sweep = partial(jobs.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
+    assert_refused("Module.fmu must be an FMU: ", sweep, scheduler=cluster.address)
 
 
 @pytest.mark.parametrize("number", [0, -1])
@@ -296,7 +302,7 @@ def test_ctrl_c_is_one_line_and_the_same_command_continues(fmu, tmp_path):
     os.killpg(client.pid, signal.SIGINT)
     assert client.communicate(timeout=60)[1] == "stopped; the same command continues\n"
     assert client.returncode == 128 + signal.SIGINT
-    done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().splitlines()[1:])
+    done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().split("\n")[1:-1])
     again = json.loads(subprocess.run([*command, "--json"], capture_output=True, check=True).stdout)
     assert (again["rows"], again["new"]) == (60, 60 - done)
     assert 0 < done < 60

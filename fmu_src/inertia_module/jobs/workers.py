@@ -32,6 +32,7 @@ from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
 from .. import __version__
+from ..common.errors import Refused
 from ..common.files import naming
 from ..scene.run import SceneRunner
 from .axes import Point
@@ -246,6 +247,8 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
                 continue
             ended = f"its worker ended {error.allowed_failures + 1} times"
             found = Batch([Row(batch[0], {}, math.nan, ended)], {})
+        except Refused:
+            raise
         except Exception as error:
             raise ClusterError(f"a worker cannot do the task: {type(error).__name__}: {error}") from error
         mean = sum(row.cost for row in found.rows) / len(found.rows)
