@@ -1,22 +1,22 @@
-# Two commands do all: `make demo` and `make test`.
+# Start with `make demo` and `make test`.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 QUIET ?= -q
-# pip compiles nothing: what is imported is compiled then, a fraction of it, and kept whatever the shell says
+# pip compiles no bytecode; Python compiles the imported modules at their first import
 export PIP_COMPILE := 0
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test test-long test-all lint docs build page dist bench stability coupling papers references compatibility install clean help
 
-help: ## what there is to make
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+help: ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 15
 
 $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
-# $(call set-up,EXTRAS): the kernel is translated (half a minute) while pip goes on with what that does not need
+# $(call set-up,EXTRAS): translate the kernel (half a minute) while pip installs the other packages
 define set-up
 	$(BIN)/python -m pip install $(QUIET) numba
 	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
@@ -35,33 +35,33 @@ $(VENV)/.all: $(VENV)/.made pyproject.toml
 	$(call set-up,all)
 	@touch $(VENV)/.run $(VENV)/.test
 
-install: $(VENV)/.all ## set up a virtual environment with everything
+install: $(VENV)/.all ## create a virtual environment with all extras
 
-build: $(VENV)/.run ## build the FMUs and the kernel for pages into build/
+build: $(VENV)/.run ## build the FMUs and the WebAssembly kernel of the viewer into build/
 	$(BIN)/inertia-module build
 
-page: $(VENV)/.all ## build the page that `inertia-module view` fills
+page: $(VENV)/.all ## build the viewer (template of `inertia-module view`)
 	$(BIN)/python page/make.py
 
-dist: $(VENV)/.all build page ## sdist and wheel in dist/, complete; the same source gives the same bytes
+dist: $(VENV)/.all build page ## build the sdist and the wheel into dist/ (reproducible)
 	rm -rf dist
 	$(BIN)/python -m build $(QUIET) --no-isolation
 
-demo: $(VENV)/.run ## set up, build the FMU for this platform, drive a car through the urban cycle
+demo: $(VENV)/.run ## set up, build the FMU for this platform, simulate a car in the urban cycle
 	$(BIN)/inertia-module run examples/urban.toml -o out/urban
 
 TESTS := -m pytest -n auto --dist worksteal
 
-test: $(VENV)/.test ## run the tests but for those that take long
+test: $(VENV)/.test ## run the fast tests
 	$(BIN)/python -m tests.ready & $(BIN)/python page/make.py; made=$$?; wait; exit $$made
 	$(BIN)/python $(TESTS) -m "not slow"
 
-test-long: $(VENV)/.all page ## run the tests that take long
+test-long: $(VENV)/.all page ## run the slow tests
 	$(BIN)/python $(TESTS) -m slow
 
 test-all: test test-long ## run all tests
 
-lint: $(VENV)/.all ## style, types, floors, spelling; the page's too
+lint: $(VENV)/.all ## check style, types, layers and spelling, also of the viewer
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
@@ -73,7 +73,7 @@ docs: $(VENV)/.all page ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the picture and the page on performance
+bench: $(VENV)/.all page ## measure speed and errors; write docs/*.csv, the figure and the performance page
 	$(BIN)/python -m studies.benchmarks.speed
 	$(BIN)/python -m studies.benchmarks.trade
 	$(BIN)/python -m studies.benchmarks.page
@@ -81,26 +81,26 @@ bench: $(VENV)/.all page ## measure speed and errors, write docs/*.csv, the pict
 	$(BIN)/python -m studies.benchmarks.fit
 	$(BIN)/python docs/make_pages.py
 
-stability: $(VENV)/.all ## try the extremes, write docs/stability.csv, its picture and page
+stability: $(VENV)/.all ## run the extreme cases; write docs/stability.csv, its figure and page
 	$(BIN)/python -m studies stability -o out/stability
 	cp out/stability/stability.csv out/stability/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
-coupling: $(VENV)/.all ## couple an engine, write docs/coupling*.csv, the picture and the page
+coupling: $(VENV)/.all ## compare engine couplings; write docs/coupling*.csv, the figure and the page
 	$(BIN)/python -m studies coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
-papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/, write their page
+papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/ and write their page
 	$(BIN)/python -m studies papers -o out/papers
 	cp out/papers/*.svg docs/papers/
 	$(BIN)/python docs/make_pages.py
 
-references: $(VENV)/.all ## make the reference results that the FMUs carry along anew
+references: $(VENV)/.all ## recompute the reference results that the FMUs include
 	$(BIN)/python -m studies references
 
-compatibility: $(VENV)/.all ## the FMUs with inputs and references for those who try importers, in out/compatibility
+compatibility: $(VENV)/.all ## write FMUs with inputs and references for importer tests to out/compatibility
 	$(BIN)/python -m studies compatibility
 
-clean: ## remove what was built
+clean: ## remove all build results
 	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules component/node_modules

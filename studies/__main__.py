@@ -1,4 +1,4 @@
-"""Commands that reproduce pages of the documentation and what the FMUs carry along.
+"""Commands that reproduce pages of the documentation and the reference results of the FMUs.
 
 Run: python -m studies papers, stability, coupling, references or compatibility, at the root of the project.
 """
@@ -20,7 +20,12 @@ from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_at
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.contract.models import MODELS
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
 
 
 def print_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
@@ -36,7 +41,7 @@ def print_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[Any
 def papers(output: OutputFolder = None) -> Answer:
     """Draw the figures of the papers.
 
-    As PNG and SVG, their numbers as CSV (out/papers without -o).
+    Writes PNG, SVG and the data as CSV. Default output folder: out/papers.
     """
     from inertia_module.harness.results import write_columns
 
@@ -57,20 +62,21 @@ def papers(output: OutputFolder = None) -> Answer:
 @command
 def stability(
     output: OutputFolder = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Leave out the long runs.")] = False,
-    only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="One axis of the map.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Omit the long runs.")] = False,
+    only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="Run only this axis.")] = None,
     random: Annotated[
-        int, typer.Option("--random", metavar="N", min=0, help="N random motions in place of the map.")
+        int, typer.Option("--random", metavar="N", min=0, help="Run N random motions instead of the map.")
     ] = 0,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Of the random motions.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Random seed of the random motions.")] = 1,
     losses: Annotated[
-        bool, typer.Option("--losses", help="Random motions with losses by load, drag and gravity.")
+        bool,
+        typer.Option("--losses", help="Add load-dependent losses, windage and gravity."),
     ] = False,
 ) -> Answer:
-    """Try the extremes and give each a verdict.
+    """Run extreme cases and classify each one.
 
-    In out/stability without -o. With --random they are random mechanisms under random inputs. Exit code 1 if
-    one is broken or fails.
+    With --random the cases are random mechanisms with random inputs. Exits with code 1 if any case is broken
+    or fails. Default output folder: out/stability.
     """
     folder = writable_folder(output or OUTPUT_FOLDER / "stability")
     if random:
@@ -78,7 +84,7 @@ def stability(
     from .stability import verdicts
 
     chosen = verdicts.chosen_cases(only, quick)
-    with progress_bar("trying the extremes") as progress:
+    with progress_bar("running extreme cases") as progress:
         found = verdicts.run_study(chosen, progress)
     rows = verdicts.rows_of(found)
     files = {
@@ -90,7 +96,7 @@ def stability(
         for axis in dict.fromkeys(row.axis for row in rows)
         for level, (count, largest) in verdicts.counts([row for row in rows if row.axis == axis]).items()
     ]
-    headings = "axis", "level of fidelity", *verdicts.OUTCOMES, "error up to"
+    headings = "axis", "fidelity level", *verdicts.OUTCOMES, "maximum error"
     total = Counter(verdict.outcome for verdict in found)
     shown: list[Shown] = [
         partial(print_table, "", headings, counted),
@@ -107,7 +113,7 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
 
     from .stability.random_motions import HEADINGS, findings, rows_of, run_random
 
-    with progress_bar("trying random motions") as progress:
+    with progress_bar("running random motions") as progress:
         outcomes = run_random(number, seed, folder, progress, losses)
     rows, found = rows_of(outcomes), findings(outcomes)
     path = folder / ("random_losses.csv" if losses else "random.csv")
@@ -123,9 +129,9 @@ def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answe
 @app.command()
 @command
 def coupling(output: OutputFolder = None) -> Answer:
-    """Measure the recommended ways to couple an engine.
+    """Compare the recommended ways to couple an engine.
 
-    In out/coupling without -o.
+    Default output folder: out/coupling.
     """
     from inertia_module import current_fmu
 
@@ -149,7 +155,7 @@ def coupling(output: OutputFolder = None) -> Answer:
 @app.command()
 @command
 def references() -> Answer:
-    """Make the reference results that the FMUs carry along anew, in the package."""
+    """Recompute the reference results of the FMUs in the package."""
     from .reference.experiments import files, package_folder
 
     written = list[Path]()
@@ -165,9 +171,9 @@ def references() -> Answer:
 @app.command()
 @command
 def compatibility(output: OutputFolder = None) -> Answer:
-    """Write the FMUs with inputs and references for those who try importers.
+    """Write the FMUs with their inputs for importer tests.
 
-    In out/compatibility without -o. Exit code 1 if FMPy finds problems in the tree.
+    Exits with code 1 if FMPy finds problems. Default output folder: out/compatibility.
     """
     from .compatibility import write_tree
 

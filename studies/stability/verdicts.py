@@ -22,7 +22,7 @@ from matplotlib.figure import Figure as Picture
 from matplotlib.patches import Patch
 
 from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION
-from inertia_module.common.errors import did_you_mean
+from inertia_module.common.errors import unknown
 from inertia_module.contract.variables import LARGEST_STEP
 from inertia_module.harness import results
 from inertia_module.harness.simulate import Progress
@@ -270,7 +270,7 @@ def chosen_cases(only: str | None = None, quick: bool = False) -> list[Case]:
     """
     found = [case for axis, cases in axes().items() if only in (None, axis) for case in cases]
     if not found:
-        raise ValueError(f"axis must be one of the map, is {only} {did_you_mean(only, axes())}")
+        raise ValueError(unknown("axis", only, axes()))
     return [case for case in found if not (quick and case.slow)]
 
 

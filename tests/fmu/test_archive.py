@@ -254,7 +254,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     assert path.name == "InertiaModulePy.fmu"
     assert {"InertiaModule.fmu", "DrivenShaft.fmu"} <= set(skipped)
     for reason in skipped.values():
-        assert f"{missing} is not installed; it comes with the extra inertia-module[fast]" in reason
+        assert f"{missing} is not installed. Run pip install 'inertia-module[fast]'." in reason
     message, _ = drive(path)
     assert message.startswith("the kernel is plain Python, no compiled kernel is available")
 

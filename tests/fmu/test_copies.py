@@ -175,7 +175,7 @@ def test_an_interrupted_copy_is_not_there(fmu, place, monkeypatch):
 def test_a_file_that_is_no_fmu_leaves_nothing(fmu, place, temporary, tmp_path):
     broken = tmp_path / "broken.fmu"
     broken.write_bytes(fmu.read_bytes()[:-100])
-    with pytest.raises(FmuError, match=r"broken.fmu must be an FMU: it must be a zip archive"):
+    with pytest.raises(FmuError, match=r"cannot read .*broken.fmu: not a zip archive: "):
         Fmu(broken)
     assert names(place) == []
     assert list(temporary.iterdir()) == []
@@ -218,7 +218,7 @@ def test_a_temporary_folder_of_another_user_is_not_used(fmu, place, temporary, m
     user = os.getuid()
     (temporary / f"inertia-module-{user + 1}").mkdir()
     monkeypatch.setattr(copies.os, "getuid", lambda: user + 1)
-    with pytest.raises(FmuError, match="it must be a folder of this user"):
+    with pytest.raises(FmuError, match="not a folder of this user"):
         Fmu(fmu)
     assert list((temporary / f"inertia-module-{user + 1}").iterdir()) == []
 

@@ -101,7 +101,7 @@ def test_what_is_refused_within_a_run_leaves_what_the_loop_leaves(twins, name, b
 
 def test_unknown_names_and_closed_instances_are_refused(fmu_path):
     with Fmu(fmu_path, inputs=R1) as fmu:
-        assert_refused("omega7 must be a variable", run, fmu, outputs=["omega7"])
+        assert_refused("unknown variable 'omega7'", run, fmu, outputs=["omega7"])
         with pytest.raises(FmuError, match=r"must be an input or a parameter \(omega_out is calculated\)"):
             run(fmu, {"omega_out": np.zeros(300)})
     assert_refused("is closed", run, fmu)

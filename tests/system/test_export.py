@@ -200,7 +200,10 @@ def test_scenes_are_exported_with_their_mechanism_drive_and_start():
     plan = scene_plan(scene)
     values = plan.part("module").values
     assert (values["layout"], values["omega1"], plan.step) == (1.0, 120.0, 5e-4)
-    with pytest.raises(SceneError, match=r"fidelity must be one by name, or be chosen first .*, is 'auto'"):
+    with pytest.raises(
+        SceneError,
+        match=r"fidelity must be a named level \(got 'auto'\)\. Choose one ",
+    ):
         scene_plan(scene.with_fidelity("auto", 0.01))
 
 

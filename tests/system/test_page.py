@@ -556,12 +556,12 @@ def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run
     told = "error: the page has not been built yet: `make page` in a clone builds it, and the wheel has it\n"
     for template, arguments, place, sentence in (
         (TEMPLATE, ("run", shaft, "--view"), "", "--view must come with a scene of the module"),
-        (TEMPLATE, ("view", shaft), "page.html", "must be a scene of the module, is one of a driven shaft"),
-        (TEMPLATE, ("view", ENGINE), "folder.html", "the page must be a file (got the folder "),
-        (TEMPLATE, ("view", ENGINE), "page.txt", "the page must be a file with the ending .html (got "),
-        (TEMPLATE, ("view", ENGINE), "file/page.html", "file must be a folder that can be written to"),
-        (TEMPLATE, ("report", ENGINE), "report.pdf", "the report must be a file with the ending .html (got "),
-        (TEMPLATE, ("report", ENGINE), "file/report.html", "file must be a folder that can be written to"),
+        (TEMPLATE, ("view", shaft), "page.html", "must be a scene of the module (got a driven shaft)"),
+        (TEMPLATE, ("view", ENGINE), "folder.html", "--output must be a file (got the folder "),
+        (TEMPLATE, ("view", ENGINE), "page.txt", "--output must be a file with the ending .html (got "),
+        (TEMPLATE, ("view", ENGINE), "file/page.html", "cannot write to "),
+        (TEMPLATE, ("report", ENGINE), "report.pdf", "--output must be a file with the ending .html (got "),
+        (TEMPLATE, ("report", ENGINE), "file/report.html", "cannot write to "),
         (missing, ("view", REFERENCE), "page.html", told),
         (missing, ("run", REFERENCE, "--view"), "page.html", told),
     ):

@@ -172,7 +172,7 @@ def test_duty_is_that_of_the_summary_beside_its_limits_and_one_that_is_passed_is
     assert duty[1][2].endswith(" Hz, limit 2")
     assert duty[2][2].endswith(" N.m, limit 150")
     (warning,) = texts(found["Warnings and remarks"])
-    assert warning.startswith("warning: output engagement frequency maximum is above its limit, 2 Hz: ")
+    assert warning.startswith("warning: output engagement frequency maximum exceeds its limit of 2 Hz: ")
 
 
 def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path):

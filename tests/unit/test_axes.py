@@ -82,7 +82,7 @@ def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     axes = axes_of(["imbalance_mass=1:2"], scene)
     assert_refused("imbalance_mass must be FROM:TO:COUNT for a grid .got 1:2 kg.$", grid, axes)
     assert_refused("must be latin:COUNT or sobol:COUNT", shares_sampled, 1, "random:10", 0)
-    with pytest.raises(Refused, match="points of a grid must be at most 10000000, is "):
+    with pytest.raises(Refused, match=r"points of a grid must be at most 10000000 \(got "):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
 
 
@@ -189,7 +189,7 @@ def test_columns_that_the_scene_does_not_compute_may_have_any_content(scene, tmp
         "column omega3 must be computed by the scene .did you mean", measurement, file, scene, ["omega3"]
     )
     file.write_text("# rig 3\ntime,omega_out,omega_out_noise\n0.1,1,1\n0.2,1,0\n")
-    assert_refused(r"measured\.csv line 4: omega_out_noise must be above 0, is 0", measurement, file, scene)
+    assert_refused(r"csv line 4: omega_out_noise must be above 0 .got 0.$", measurement, file, scene)
     file.write_text("time,omega_out\n1700000000,1\n1700000001,1\n")
     words = (
         "time must be within the run of the scene, .* is 1700000000 to 1700000001 s: they look like seconds"

@@ -136,8 +136,8 @@ def test_a_deviation_of_at_most_a_second_is_counted_without_a_remark():
     assert cycle_remarks(table, RAMP) == {}
     speed[160] -= 1.0
     assert cycle_remarks(driven(speed), RAMP)["vehicle_speed"] == (
-        "does not follow ramp.csv: it is out of tolerance for longer than 1 s (once, at 15 s); at 15 s it is"
-        " 3.6 km/h too slow"
+        "does not follow ramp.csv: out of tolerance for more than 1 s at a time (once, at 15 s); largest"
+        " deviation 3.6 km/h too slow at 15 s"
     )
 
 
@@ -148,14 +148,14 @@ def test_the_remark_names_the_first_and_the_farthest_time():
     speed[170] += 1.0
     speed[140] += 9.0  # shorter than a second
     assert cycle_remarks(driven(speed), RAMP)["vehicle_speed"] == (
-        "does not follow ramp.csv: it is out of tolerance for longer than 1 s (2 times, first at 11 s); at"
-        " 17 s it is 10.8 km/h too fast"
+        "does not follow ramp.csv: out of tolerance for more than 1 s at a time (2 times, first at 11 s);"
+        " largest deviation 10.8 km/h too fast at 17 s"
     )
 
 
 def test_a_run_that_ends_before_its_cycle_gets_a_remark():
     assert cycle_remarks(driven(RAMP.speed_at(0.1 * np.arange(101))), RAMP) == {
-        "stop_time": "is 10 s, ramp.csv is 20 s long"
+        "stop_time": "is 10 s, but ramp.csv lasts 20 s"
     }
     assert cycle_remarks(driven(RAMP.speed_at(0.1 * np.arange(301))), RAMP) == {}
 

@@ -81,14 +81,20 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
 @pytest.mark.parametrize(
     "make, sentence",
     [
-        (lambda: Governor(-1.0, 0.0), "proportional_gain must be a finite number from 0, is -1.0"),
-        (lambda: Governor(1.0, 0.0, 0.0), "sample_time must be a positive number of seconds, is 0.0"),
-        (lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)), "increase, 0 comes after 0"),
-        (lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)), "speed and greatest: a table must have one value"),
-        (lambda: EngineMap((0.0,), (1.0,), (math.nan,)), "drag: numbers of a table must be finite, one is"),
+        (lambda: Governor(-1.0, 0.0), "proportional_gain must be finite and at least 0 (got -1)"),
+        (lambda: Governor(1.0, 0.0, 0.0), "sample_time must be a positive number of seconds (got 0)"),
+        (
+            lambda: EngineMap((0.0, 0.0), (1.0, 1.0), (0.0, 0.0)),
+            "strictly increasing (got 0 after 0)",
+        ),
+        (
+            lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)),
+            "speed and greatest: a table must have one value ",
+        ),
+        (lambda: EngineMap((0.0,), (1.0,), (math.nan,)), "drag: numbers of a table must be finite (got nan)"),
         (
             lambda: EngineMap((0.0,), (1.0,), (-1.0,)),
-            "drag must be at least 0 N.m (got -1): drag is the size",
+            "drag must be at least 0 N.m (got -1). Drag is the magnitude",
         ),
     ],
 )

@@ -164,9 +164,7 @@ def test_result_of_a_scene_is_a_table_too(tmp_path):
 def test_number_that_a_summary_has_not_is_told():
     remarks = {"time_to_50_kmh": "not reached (maximum 40 km/h)"}
     found = of_scene(quantities={"efficiency": Quantity(0.5, "")}, remarks=remarks)
-    with pytest.raises(
-        KeyError, match=r"^unknown metric of the summary 'eficiency'; did you mean 'efficiency'\?$"
-    ):
+    with pytest.raises(KeyError, match=r"^unknown metric .* 'eficiency'; did you mean 'efficiency'\?$"):
         found.summary["eficiency"]
     with pytest.raises(ValueError, match=r"^time_to_50_kmh: not reached \(maximum 40 km/h\)$"):
         found.summary["time_to_50_kmh"]

@@ -72,7 +72,7 @@ def test_load_above_stall_is_told():
         given = {"omega1": [100.0] * 3, "load_torque": [load] * 3, "omega_out": [3.0, 0.0, 0.0], **columns}
         return run.above_stall(Result.from_columns({"time": [0.0, 1.0, 2.0], **given}), parameters or {})
 
-    sentence = f"is above stall: {stall + 1:.4g} N.m, the mechanism gives {stall:.4g} N.m at 100 rad/s"
+    sentence = f"exceeds the stall torque of {stall:.4g} N.m at 100 rad/s ({stall + 1:.4g} N.m)"
     assert told(stall + 1.0) == {"load_torque": sentence}
     assert not told(stall - 1.0)
     assert not told(stall + 1.0, omega_out=[3.0, 2.0, 1.0])
@@ -182,7 +182,7 @@ def test_duty_is_what_the_module_counts_and_limits_that_are_passed_warn(fmu):
     expected = {f"{name}_engagement_frequency_maximum": limit for name, limit in of_limits.items()}
     assert result.as_dict()["limits"] == result.limits == {**expected, "output_torque_peak": 80.0}
     assert result.as_dict()["warnings"] == [
-        f"{name} is above its limit, {limit}: {numbers[name.replace(' ', '_')]:.6g}"
+        f"{name} exceeds its limit of {limit}: {numbers[name.replace(' ', '_')]:.6g}"
         for name, limit in (
             ("output engagement frequency maximum", "20 Hz"),
             ("output torque peak", "80 N.m"),
@@ -204,7 +204,7 @@ def test_a_level_without_pulses_says_that_it_does_not_tell_the_duty(fmu, mechani
     assert not result.limits
     assert not result.warnings
     assert not {name for name in result.summary if name.startswith(("housing_", "output_slip"))}
-    with pytest.raises(UnknownName, match="housing_torque_peak must be a number of the summary"):
+    with pytest.raises(UnknownName, match="unknown metric of the summary 'housing_torque_peak'; "):
         result.summary["housing_torque_peak"]
 
 
@@ -261,9 +261,9 @@ def test_a_car_is_judged_by_a_cycle_of_its_scene_that_it_cannot_follow(fmu):
     weak = {**DRIVEN_CAR, "controller": {**FOLLOWED, "maximum": 10, "reference": reference}}
     result = run_scene(scene(6, mechanism=start, **weak), fmu)
     assert result.summary["time_out_of_tolerance"] == pytest.approx(2.9, abs=0.1)
-    first, at, slow = re.fullmatch(
-        r"does not follow the reference: it is out of tolerance for longer than 1 s \(once, at (\S+) s\); at"
-        r" (\S+) s it is (\S+) km/h too slow",
+    first, slow, at = re.fullmatch(
+        r"does not follow the reference: out of tolerance for more than 1 s at a time \(once, at (\S+) s\);"
+        r" largest deviation (\S+) km/h too slow at (\S+) s",
         result.remarks["vehicle_speed"],
     ).groups()
     assert [float(first), float(at)] == pytest.approx([3.1, 6.0], abs=0.1)
@@ -459,7 +459,7 @@ def test_example_says_how_soon_the_car_is_up_to_speed(fmu):
     assert numbers["time_to_25_kmh"] < numbers["time_to_50_kmh"]
     assert "time_to_100_kmh" not in numbers
     fastest = table["vehicle_speed"].max() * 3.6
-    assert result.remarks == {"time_to_100_kmh": f"is not reached: {fastest:.4g} km/h is the most"}
+    assert result.remarks == {"time_to_100_kmh": f"not reached (maximum {fastest:.4g} km/h)"}
     assert numbers["energy_residual_relative"] < 1e-7
     heading = scene_figure(result).axes[0].get_title(loc="left")
     assert f"25 km/h in {numbers['time_to_25_kmh']:.3g} s" in heading

@@ -204,12 +204,12 @@ def test_texts_in_other_codes_are_read(tmp_path, code):
         ("# a\ntime,omega1\nseconds,rpm\n0,1\n", r"line 3: time must be a finite number \(got 'seconds'\)$"),
         (
             "time [s],omega1\nms,rpm\n0,1\n",
-            r"line 2: the unit of time must be s, as in its heading \(got ms\)",
+            r"line 2: the unit of time must be s, as in .* \(got ms\)$",
         ),
         ("time,omega1\n0,1\n00:01.5,2\n", r"line 3: time must be a finite number \(got '00:01.5'\)$"),
         (
             "# a\n\ntime,omega1\n# b\n0,1\n\n2,1\n1.5,1\n",
-            r"line 8: time must not decrease \(got 1.5 after 2\)",
+            r"line 8: time must not decrease \(got 1.5 after 2\)$",
         ),
         ("time,time\n0,1\n", r"time must be the name of one column \(got columns 1 and 2\)"),
     ],
@@ -236,9 +236,7 @@ def test_columns_are_converted_to_the_units_asked_for():
     assert turned["speed"] == pytest.approx([math.pi])
     assert turned.units == {"time": "s", "speed": "rad/s", "torque": "N.m"}
     assert table["speed"] == [30.0]
-    with pytest.raises(
-        TableError, match=r"speed must be in N\.m or a compatible unit: incompatible unit 'rpm'"
-    ):
+    with pytest.raises(TableError, match=r"speed must be in N\.m or a compatible unit: incompatible .*'rpm'"):
         table.converted({"speed": "N.m"})
 
 
@@ -261,9 +259,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
     with pytest.raises(SceneError, match=r"road\.csv: missing column 'distance'; available: way, slope"):
         load_scene(example("urban"), of_file)
     (tmp_path / "road.csv").write_text("# road\ndistance [kg],slope\n0,0\n")
-    words = (
-        r"road\.csv line 3: load\.slope_over_distance\.distance .* \(got '0.0 kg'\): incompatible unit 'kg'"
-    )
+    words = r"road\.csv line 3: load\.slope_over_distance\.distance .* \(got '0.0 kg'\): incompatible unit"
     with pytest.raises(SceneError, match=words):
         load_scene(example("urban"), of_file)
     (tmp_path / "road.csv").write_text("road 7\n\ndistance,slope\nkm,%\n0,0\n1,2\n0.5,3\n")

@@ -117,7 +117,7 @@ def _fault(entry: zipfile.ZipInfo) -> str:
     """Return the message about a name, a kind or a compression that is not allowed, or ""."""
     name, kind = entry.orig_filename, stat.S_IFMT(entry.external_attr >> 16)
     if "\\" in name:
-        return "must use forward slashes in its name (got a backslash)"
+        return "must have forward slashes (got a backslash)"
     if ":" in name or name.startswith("/"):
         return "must have a relative name (got an absolute one)"
     if ".." in name.split("/"):

@@ -32,7 +32,7 @@ class Table:
         self.values = np.asarray(values, dtype=np.float64)
         if self.points.ndim != 1 or self.points.shape != self.values.shape or self.points.size == 0:
             sizes = f"{self.points.size} points and {self.values.size} values"
-            raise ValueError(must_be("a table", "one value for each point, and not empty", sizes))
+            raise ValueError(f"a table must have one value for each point, and at least one (got {sizes})")
         for number in (*self.points, *self.values):
             if not np.isfinite(number):
                 raise ValueError(must_be("numbers of a table", "finite", number))
