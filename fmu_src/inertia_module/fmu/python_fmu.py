@@ -84,7 +84,7 @@ from {package}.fmu.slave import {identifier}
 
 # where FMI 2.0 looks for what an FMU takes of the machine
 DEPENDENCIES = "documentation/externalDependencies.txt"
-NEEDED = """The host process must load the 64-bit library of Python 3.11 or later. No Python packages are necessary.
+NEEDED = """The host process must load the 64-bit library of Python 3.11 or later, without further packages.
 On Linux the FMU requires glibc 2.32 or later and libstdc++ of GCC 12 or later.
 The native FMU of this model has no such requirements.
 """
