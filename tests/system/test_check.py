@@ -235,10 +235,8 @@ def test_only_the_beginning_of_a_default_experiment_without_end_is_stepped(fmu):
 )
 def test_times_that_make_no_experiment_are_one_problem(fmu, times):
     (problem,) = examined(fmu(times=times)).problems
-    assert (
-        "times of an experiment must be finite, the stop time after the start time and the step positive (got "
-        in problem
-    )
+    words = "times of an experiment must be finite, the stop time after the start time and the step positive"
+    assert f"{words} (got " in problem
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
