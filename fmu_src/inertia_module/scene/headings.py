@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ..contract.variables import CAUSES, LOST_TO
+from ..contract.variables import LOST_TO
+from ..kernel.equations.losses import CAUSES
 
 # by name; other metrics are printed by their name without underscores
 HEADINGS: Mapping[str, str] = {
