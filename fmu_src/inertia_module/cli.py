@@ -502,7 +502,7 @@ def chart(
         rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
         shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
     drawn = {name: maps[name] for name in lossy}
-    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    figure = inertia_module.chart_figure(charts, drawn, unit, allowed, omega1)
     files.append(write_figure(folder / "chart.png", figure))
 
     if mapped:
@@ -540,6 +540,7 @@ def orders(
     from .common.extras import library
     from .figures.jobs import order_figure
     from .jobs.orders import BASES
+    from .scene.reading import speed_unit
 
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     if uff:
@@ -559,13 +560,16 @@ def orders(
             end=last,
             progress=progress,
         )
-    files = found.write(folder)
+    unit, files = speed_unit(scene, keys), found.write(folder)
     files |= {"mat": found.write_mat(folder / "orders.mat")} if mat else {}
     files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
-    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
+    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz, unit))
 
     shown: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
-    for name, lines in found.lines(hz=hz).items():
+    if found.step < read.run.communication_step * (1.0 - 1e-9):
+        steps = f"{found.step * 1e3:.3g} ms instead of {read.run.communication_step * 1e3:.3g} ms"
+        shown.append(f"recorded in steps of {steps}, for orders up to {found.highest:.4g} without aliases")
+    for name, lines in found.lines(hz=hz, speed_unit=unit).items():
         still = {"no order": f"0 {found.units[name]}, constant"}
         shown.append((name.replace("_", " "), lines or still))
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)

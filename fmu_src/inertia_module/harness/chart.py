@@ -265,8 +265,8 @@ class TorqueConverterChart:
 
     @property
     def end_ratio(self) -> float:
-        """Speed ratio from which on no torque is passed, 1 with lock-up; with losses the last one found."""
-        return float(self.speed_ratio[-1])
+        """Speed ratio above which no torque is transmitted; 1 with lock-up, also beyond the last row."""
+        return 1.0 if self.lock_up_torque[0] > 0.0 else float(self.speed_ratio[-1])
 
     def summary(
         self, omega1: float | None = None, indexing: Mapping[str, float] | None = None
