@@ -230,6 +230,18 @@ def test_times_to_a_speed_count_from_the_last_standstill():
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
 
+def test_a_launch_on_a_hill_begins_with_the_first_motion_that_is_not_undone():
+    """Pulses move the car, it stands in between; before, it rolls forward and back."""
+    time = np.linspace(0.0, 4.0, 401)
+    pulses = np.where(time % 0.2 < 0.1, 1.0, 0.0)
+    speed = np.where(time < 1.0, np.sin(math.tau * time), np.where(time < 3.0, pulses, 10.0 * (time - 3.0)))
+    (quantity,) = run.times_to(car(speed, time), [5.0])[0].values()
+    assert quantity.value == pytest.approx(2.5, abs=0.011)
+    rolls_back = np.where(time < 3.0, -0.1 * pulses, 10.0 * (time - 3.0))
+    (quantity,) = run.times_to(car(rolls_back, time), [5.0])[0].values()
+    assert quantity.value == pytest.approx(0.5, abs=0.011)
+
+
 def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
     time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
     lower, _ = CYCLE.tolerance_band(time)
@@ -302,7 +314,9 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
     assert {"satellite bearing", "mounting", "viscous", "losses"} <= labels(figure)
     assert len(figure.axes) == 12
     # the power lost, drawn over the end of the run, is that of the table
-    lost = next(axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3)
+    lost = next(
+        axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3
+    )
     power = np.diff(result.record["energy_lost"]) / 1e-3
     assert lost.lines[0].get_ydata() == pytest.approx(power[-lost.lines[0].get_ydata().size :])
 

@@ -183,17 +183,47 @@ def time_to(speed: float) -> str:
     return f"{TIME_TO}{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
 
 
+# s: a car that stands for at least so long is launched again; shorter stops are between pulses of one launch
+STANDSTILL = 0.5
+
+
+def launch_time(time: NDArray[np.float64], speed: NDArray[np.float64]) -> float:
+    """Return the time, s, of the first motion that is not undone, in the last launch.
+
+    A launch begins with the run or with the last standstill of at least STANDSTILL. Motion is undone if the
+    car rolls back to where it began.
+
+    Args:
+        time: s, shape (n,).
+        speed: of the vehicle, m/s, shape (n,), up to the row at which it is fast enough.
+    """
+    edges = np.flatnonzero(np.diff(speed == 0.0, prepend=False, append=False))
+    begins, ends = edges[::2], edges[1::2] - 1
+    stops = begins[time[ends] - time[begins] >= STANDSTILL * (1.0 - 1e-9)]
+    first = int(stops[-1]) if stops.size else 0
+    moved = np.cumsum(0.5 * (speed[first + 1 :] + speed[first:-1]) * np.diff(time[first:]))
+    distance = np.append(0.0, moved)
+    return float(time[first + distance.size - 1 - int(np.argmin(distance[::-1]))])
+
+
 def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find the time, s, to each speed, m/s, since the car last stood or the run began, else why not."""
+    """Find the time to each speed since launch_time, or the reason why there is none.
+
+    Args:
+        table: with the column vehicle_speed.
+        speeds: m/s.
+
+    Returns:
+        Times, s, and remarks, by name.
+    """
     found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
     shown = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
         reached = int(np.argmax(vehicle_speed >= speed))
         if reached:  # 0 where it never is, or is from the start
             around = slice(reached - 1, reached + 1)
-            stood = np.flatnonzero(vehicle_speed[:reached] <= 0.0)
-            begun = table.time[stood[-1] if stood.size else 0]
-            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
+            begin = launch_time(table.time[: reached + 1], vehicle_speed[: reached + 1])
+            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begin)
             found[time_to(speed)] = Quantity(time, "s")
         elif vehicle_speed[0] >= speed:
             remarks[time_to(speed)] = f"is none: the run begins at {shown[0]:.4g} km/h"
