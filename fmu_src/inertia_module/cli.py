@@ -481,6 +481,12 @@ def chart(
     charts = {name: make(one.parameters()) for name, one in read.items()}
     lossy = [name for name, found in charts.items() if not found.lossless]
     files, shown, maps, allowed = list[Path](), list[Shown](), {}, {}
+    limits_of_drives = {name: one.drive_torque_limit(at) for name, one in read.items()}
+    weak = [
+        f"{name}: {beyond}"
+        for name, limit in limits_of_drives.items()
+        if omega1 is not None and limit is not None and (beyond := charts[name].beyond_drive(at, limit))
+    ]
     told: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
     for name, found in charts.items():
         machine = steady.SteadyMachine(read[name].parameters())
@@ -508,7 +514,7 @@ def chart(
     if mapped:
         shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
     listed = [str(file) for file in files]
-    return Answer({**told, "files": listed}, [*shown, *listed])
+    return Answer({**told, "files": listed, "warnings": weak}, [*shown, *listed], warnings=weak)
 
 
 # --- the engineer's jobs ---

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from inertia_module.common.errors import UnknownName
+from inertia_module.common.errors import Refused, UnknownName
 from inertia_module.contract.variables import BY_NAME, LOSSES
 from inertia_module.fidelity.trials import run_in_process, time_of
 from inertia_module.figures.jobs import chart_figure
@@ -228,6 +228,54 @@ def test_times_to_a_speed_count_from_the_last_standstill():
     found = summarise(record, None, 1.0, run.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
     times = {name: found[name].value for name in found if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
+
+
+def test_the_tractive_force_accelerates_the_vehicle_and_overcomes_its_resistances():
+    vehicle = load_scene(EXAMPLES / "engine_launch.toml").load
+    time = np.linspace(0.0, 2.0, 201)
+    ratio = vehicle.wheel_radius / vehicle.final_drive
+    torques = {"rolling_torque": np.full(201, 100.0 * ratio), "slope_torque": np.full(201, 300.0 * ratio)}
+    record = car(np.maximum(time - 1.0, 0.0) * 2.0, time, **torques)
+    force = run.tractive_force(record, vehicle)
+    assert force[:99].max() == 0.0
+    assert force[101:] == pytest.approx(vehicle.mass * 2.0 + 400.0)
+
+
+@pytest.mark.parametrize("friction, slips", [(2.0, False), (0.15, True)])
+def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slips):
+    keys = {"friction_coefficient": friction, "driven_axle_load": "4 kN"}
+    launch = load_scene(EXAMPLES / "engine_launch.toml").replaced(load=keys, run={"stop_time": 2.0})
+    result = run_scene(launch, fmu)
+    largest = result.summary["tractive_force_maximum"]
+    assert result.limits == {"tractive_force_maximum": pytest.approx(4000.0 * friction)}
+    assert (largest > 4000.0 * friction) == slips
+    assert ("grip" in result.remarks) == slips
+    assert any("tractive force maximum is above its limit" in one for one in result.warnings) == slips
+    # the mean torque of the module drives the car and its own output inertia
+    torque = result.record["output_torque_mean"].max() * launch.load.final_drive / launch.load.wheel_radius
+    assert largest == pytest.approx(torque, rel=0.15)
+
+
+def test_without_a_friction_coefficient_there_is_no_tractive_force(fmu):
+    result = run_scene(load_scene(EXAMPLES / "engine_launch.toml").replaced(run={"stop_time": 0.1}), fmu)
+    assert not {name for name in result.summary if name.startswith("tractive")}
+
+
+@pytest.mark.parametrize(
+    "keys, words",
+    [
+        ({"driven_axle_load": "4 kN"}, "driven_axle_load requires friction_coefficient"),
+        (
+            {"friction_coefficient": 1.0, "driven_axle_load": "9 kN"},
+            "at most the weight of the vehicle, 8825.98 N",
+        ),
+        ({"friction_coefficient": 0.0}, "friction_coefficient must be .*above 0"),
+    ],
+)
+def test_a_grip_that_cannot_be_is_refused(keys, words):
+    launch = load_scene(EXAMPLES / "engine_launch.toml")
+    with pytest.raises(Refused, match=words):
+        launch.replaced(load=keys)
 
 
 def test_a_launch_on_a_hill_begins_with_the_first_motion_that_is_not_undone():

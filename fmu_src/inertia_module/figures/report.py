@@ -212,9 +212,11 @@ def _chart(result: SceneResult) -> Part:
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
     figure = chart_figure({"mechanism": chart}, allowed=allowed, omega1=omega1)
     at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
-    return Part(
-        [f"Steady-state means over the speed ratio, {at}."], ("number", "value"), rows, _picture(figure)
-    )
+    limit = scene.drive_torque_limit(omega1)
+    beyond = "" if limit is None else chart.beyond_drive(omega1, limit)
+    texts = [f"Steady-state means over the speed ratio, {at}."]
+    texts += [f"{beyond[0].upper()}{beyond[1:]}."] if beyond else []
+    return Part(texts, ("number", "value"), rows, _picture(figure))
 
 
 def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad/s") -> Part:

@@ -24,6 +24,7 @@ from ..kernel.codes import ELASTIC, RIGID
 from ..loops import ClosedLoop, initial_inputs
 from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from .keys import SceneError
+from .parts import VehicleLoad
 from .schema import Scene
 
 if TYPE_CHECKING:
@@ -230,6 +231,51 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
         else:
             remarks[time_to(speed)] = f"is not reached: {shown.max():.4g} km/h is the most"
     return found, remarks
+
+
+# name of the number of the summary that the grip limits
+TRACTIVE_FORCE = "tractive_force_maximum"
+
+
+def tractive_force(table: Result, load: VehicleLoad) -> NDArray[np.float64]:
+    """Return the mean force of the driven wheels on the vehicle in each step, N, shape (rows - 1,).
+
+    It accelerates the vehicle and overcomes all resistances. It is 0 in steps that begin and end at rest.
+
+    Args:
+        table: of a run of the vehicle.
+        load: the vehicle.
+    """
+    parts = ("rolling_torque", "drag_torque", "slope_torque", "brake_torque")
+    ratio = load.final_drive / load.wheel_radius
+    resistance = ratio * sum(table[part][:-1] for part in parts)
+    speed = table["vehicle_speed"]
+    force: NDArray[np.float64] = load.mass * np.diff(speed) / np.diff(table.time) + resistance
+    return np.where((speed[1:] != 0.0) | (speed[:-1] != 0.0), force, 0.0)
+
+
+def grip(table: Result, load: VehicleLoad) -> tuple[dict[str, Quantity], dict[str, str]]:
+    """Compare the tractive force with the grip of the driven wheels, which the run does not limit.
+
+    Args:
+        table: of a run of the vehicle.
+        load: the vehicle.
+
+    Returns:
+        The largest tractive force, N, and a remark if it exceeds the grip; both empty if the scene gives no
+        friction coefficient.
+    """
+    if load.grip is None:
+        return {}, {}
+    force = tractive_force(table, load)
+    numbers = {TRACTIVE_FORCE: Quantity(float(force.max()), "N")}
+    beyond = np.flatnonzero(force > load.grip)
+    if not beyond.size:
+        return numbers, {}
+    share = float(np.diff(table.time)[beyond].sum())
+    first = f"first at {table.time[beyond[0]]:.4g} s"
+    text = f"is exceeded for {share:.4g} s, {first}: the wheels would slip, the run assumes that they roll"
+    return numbers, {"grip": text}
 
 
 def _vehicle(table: Result) -> dict[str, Quantity]:
@@ -528,8 +574,11 @@ def _run_on(
     if scene.cycle is not None:
         remarks |= cycle_remarks(record, scene.cycle)
     duty, unknown = freewheel_duty(record, scene.parameters())
-    quantities = summarise(record, scene.cycle, wall_time, times | duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
+    if isinstance(scene.load, VehicleLoad) and scene.load.grip is not None:
+        numbers, slipping = grip(record, scene.load)
+        duty, unknown, limits = duty | numbers, unknown | slipping, limits | {TRACTIVE_FORCE: scene.load.grip}
+    quantities = summarise(record, scene.cycle, wall_time, times | duty)
     above = [
         f"{name.replace('_', ' ')} is above its limit, {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
         for name, limit in limits.items()

@@ -19,7 +19,7 @@ from ..loops.cycles import Cycle
 from ..loops.sources import Signal, Sources
 from ..memory import Module
 from .keys import AUTO, Duration, SceneError, Strict, changed, fields_of, in_range, quantity, validated
-from .parts import Controller, Drive, Load, PiController, PiTorqueController
+from .parts import Controller, Drive, EngineDrive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
 # tolerance has a table of its own: [accuracy]
@@ -165,6 +165,16 @@ class Scene(Strict):
     def signal_units(self) -> dict[str, str]:
         """Units of signals that depend on the scene."""
         return {"reference": "m/s" if self.load.kind == "vehicle" else "rad/s"}
+
+    def drive_torque_limit(self, omega1: float) -> float | None:
+        """Return the largest torque of the drive at a speed, N.m; None for a drive without a torque limit.
+
+        Args:
+            omega1: speed of link 1, rad/s.
+        """
+        if isinstance(self.drive, EngineDrive):
+            return float(self.drive.torque_map().limits(abs(omega1))[1])
+        return self.controller.maximum if isinstance(self.controller, PiTorqueController) else None
 
     @cached_property
     def built_load(self) -> loops.Load:
