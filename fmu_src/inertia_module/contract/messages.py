@@ -11,9 +11,10 @@ from collections.abc import Iterable, Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
+from ..kernel.inputs import SMALLEST_STEP
 from .variables import INPUT, LARGEST_STEP, VARIABLES, Group, Variable, with_causality
 
-_STEPS = f"above 0 and at most {LARGEST_STEP:g} s"
+_STEPS = f"between {SMALLEST_STEP:g} and {LARGEST_STEP:g} s"
 _ABANDONED = "communication step = {step} s is abandoned: "
 
 
@@ -23,7 +24,7 @@ def named(*names: str) -> str:
 
 
 def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
-    """Sentences for inputs and rates that are not finite or absurd, for a bad step, for an overflow."""
+    """Sentences for inputs, rates and steps that are not finite or absurd, and for an overflow."""
     sentences = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
     inputs = list(with_causality(INPUT, table=table))
     for n, variable in enumerate(inputs):
@@ -33,6 +34,11 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
             f"the rate of {name} must keep it {allowed} over {{step}} s, is {{{name}_rate}} {variable.unit}/s"
             f" from {named(name)}"
         )
+    speed = inputs[0]
+    sentences[codes.BAD_HOLD] = (
+        f"with {named('input_hold')} (linear) {speed.name} must stay {speed.allowed} over {{step}} s, does"
+        f" not: it has changed to {{{speed.name}}} over a far shorter step"
+    )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     sentences[codes.NOT_FINITE] = (
         f"{_ABANDONED}the motion leaves the range of doubles with {', '.join(others)} and {last}; it must"
