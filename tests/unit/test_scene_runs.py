@@ -230,6 +230,53 @@ def test_times_to_a_speed_count_from_the_last_standstill():
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
 
+PLAY = {"output_engagement_angle": 0.03, "housing_engagement_angle": 0.0}
+
+
+def played(mechanism=None, **freewheels):
+    return scene(mechanism=PLAY | (mechanism or {}), freewheels=freewheels)
+
+
+def test_a_torque_limit_is_not_passed_by_the_peak_that_leaves_out_impacts(fmu):
+    result = run_scene(played(torque=1e4), fmu)
+    assert result.summary["output_torque_peak"] < 1e4
+    (warning,) = [one for one in result.warnings if "impacts" in one]
+    assert "set freewheels.output.stiffness to compare them with the limit, 10000 N.m" in warning
+    assert not any("housing" in one for one in result.warnings)
+    assert not [one for one in run_scene(played(), fmu).warnings if "impacts" in one]
+
+
+def test_the_torque_of_an_impact_is_that_of_a_spring_that_takes_up_its_energy(fmu):
+    stiffness = 2e4
+    result = run_scene(played(torque=1e4, stiffness=stiffness), fmu)
+    energy, torque = (result.summary[f"output_impact_{name}"] for name in ("energy", "torque"))
+    assert torque == pytest.approx(math.sqrt(2.0 * stiffness * energy))
+    assert not [one for one in result.warnings if "impact" in one]
+    lost = np.diff(result.record["energy_lost_freewheel"])
+    assert energy == lost.max() > 0.0
+    # the limit of which it is above
+    low = run_scene(played(torque=0.9 * torque, stiffness=stiffness), fmu)
+    assert [one for one in low.warnings if one.startswith("output impact torque is above the limit")]
+
+
+def test_a_compliant_freewheel_takes_the_torque_that_the_estimate_predicts(fmu):
+    """Half a sine of slip sqrt(c J), on top of what the freewheel carries then."""
+    stiffness = 2e4
+    rigid = run_scene(played(stiffness=stiffness), fmu)
+    shaft = {
+        "fidelity": "elastic",
+        "driven_inertia": 1e-3,
+        "shaft_stiffness": 1e6,
+        "freewheel_stiffness": stiffness,
+    }
+    spring = run_scene(played(shaft), fmu)
+    assert "output_impact_torque" not in spring.summary
+    peak, base = spring.summary["output_torque_peak"], rigid.summary["output_torque_peak"]
+    estimate = rigid.summary["output_impact_torque"]
+    assert max(estimate, base) < 1.2 * peak
+    assert peak < 1.2 * (estimate + 2.0 * base)
+
+
 def test_the_tractive_force_accelerates_the_vehicle_and_overcomes_its_resistances():
     vehicle = load_scene(EXAMPLES / "engine_launch.toml").load
     time = np.linspace(0.0, 2.0, 201)

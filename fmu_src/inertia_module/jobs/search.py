@@ -2,8 +2,10 @@
 
 One goal: differential evolution (R. Storn and K. Price, Journal of Global Optimization 11, 1997).
 Several goals: NSGA-II (K. Deb et al., IEEE Transactions on Evolutionary Computation 6, 2002).
-Polish: COBYLA, linear approximations of goal and limits in a trust region (M. J. D. Powell, 1994), with whole
-numbers and lists fixed. The spread of the polished designs over the seeds shows if the search has converged.
+Polish: COBYLA, linear approximations of goal and limits in a trust region (M. J. D. Powell, 1994), over the
+continuous keys; then the same from the neighbours in each whole number, as long as one is better (the
+extended poll of C. Audet and J. E. Dennis, SIAM Journal on Optimization 11, 2001). The spread of the polished
+designs over the seeds shows if the search has converged.
 """
 
 from __future__ import annotations
@@ -215,21 +217,61 @@ class DesignSearch:
             if not satisfying:
                 return {}
             cost = partial(self._cost, number)
-            start = min(satisfying, key=cost)
-            polished = [row for row in self._polish(start, cost) if self.judge.meets(row, margin)]
-            best[goal] = min([start, *polished], key=cost).figures[goal]
+            best[goal] = self._descend(min(satisfying, key=cost), cost).figures[goal]
         return best
+
+    def _descend(self, start: Row, cost: Callable[[Row], float]) -> Row:
+        """Polish a design, and its neighbours in whole numbers as long as one is better.
+
+        Args:
+            start: a design that satisfies all limits.
+            cost: of a design, to be small.
+        """
+        margin = self.spec.search.margin
+        best, tried = start, set[tuple[float | str, ...]]()
+        ahead = [self._shares[str(start.point)]]
+        while ahead:
+            shares = ahead.pop(0)
+            combination = self._combination(shares)
+            if combination in tried:
+                continue
+            tried.add(combination)
+            polished = [row for row in self._polish(shares, cost, best) if self.judge.meets(row, margin)]
+            better = min([best, *polished], key=cost)
+            if better is not best or len(tried) == 1:
+                best, ahead = better, self._neighbours(self._shares[str(better.point)])
+        return best
+
+    def _combination(self, shares: Array) -> tuple[float | str, ...]:
+        """Return the whole numbers and list values of a design, given by its shares."""
+        axes = self.spec.axes
+        return tuple(
+            axis.at(float(s)) for axis, s in zip(axes, shares, strict=True) if axis.whole or axis.values
+        )
+
+    def _neighbours(self, shares: Array) -> list[Array]:
+        """Return the designs with one whole number smaller or larger by one, as shares."""
+        designs = []
+        for n, axis in enumerate(self.spec.axes):
+            if axis.whole and not axis.values:
+                bins = axis.high - axis.low + 1.0
+                for change in (-1.0, 1.0):
+                    place = (math.floor(shares[n] * bins) + 0.5 + change) / bins
+                    if 0.0 < place < 1.0:
+                        designs.append(np.concatenate([shares[:n], [place], shares[n + 1 :]]))
+        return designs
 
     def _cost(self, number: int, row: Row) -> float:
         """Return one goal of a design as a number that is to be small."""
         return self.judge.costs(row)[number]
 
-    def _polish(self, start: Row, cost: Callable[[Row], float]) -> list[Row]:
+    def _polish(self, shares: Array, cost: Callable[[Row], float], best: Row) -> list[Row]:
         """Minimise a cost within the limits from a design on, over its continuous keys.
 
         Args:
-            start: a design that satisfies all limits.
+            shares: of the design.
             cost: of a design, to be small.
+            best: the best design so far.
 
         Returns:
             All designs that were evaluated.
@@ -239,9 +281,8 @@ class DesignSearch:
         axes = self.spec.axes
         free = [n for n, axis in enumerate(axes) if not (axis.whole or axis.values)]
         if not free:
-            return []
-        shares, rows = self._shares[str(start.point)], list[Row]()
-        scale, margin = abs(cost(start)) or 1.0, self.spec.search.margin
+            return self.rows_at(shares[None])
+        rows, scale, margin = list[Row](), abs(cost(best)) or 1.0, self.spec.search.margin
         before: dict[bytes, Row] = {}
 
         def row_at(x: Array) -> Row:

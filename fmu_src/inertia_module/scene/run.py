@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -149,10 +150,74 @@ def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
     return together / float((times[together:] - times[:-together]).min())
 
 
+# parameters of the stiffness of both freewheels
+STIFFNESS = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
+
+
+def has_impacts(parameters: Mapping[str, float], freewheel: str) -> bool:
+    """Return True if a freewheel closes by impacts: it is rigid and has an engagement angle."""
+    is_rigid = parameters.get("fidelity", RIGID) != ELASTIC or not parameters.get(STIFFNESS[freewheel], 0.0)
+    return is_rigid and parameters.get(f"{freewheel}_engagement_angle", 0.0) > 0.0
+
+
+def impacts(table: Result, freewheel: str, stiffness: float | None) -> dict[str, Quantity]:
+    """Return the largest energy of an impact of a freewheel, and the torque that it causes.
+
+    A rigid impact has an impulse and no finite torque. The energy E of the relative motion, half the reduced
+    inertia times the square of the slip, is what the module loses in it. A freewheel of stiffness c takes up
+    the same energy in half a sine of the torque, whose largest value is slip sqrt(c J) = sqrt(2 c E).
+    All losses of freewheels in the communication step count, so that E is an upper bound.
+
+    Args:
+        table: of the run.
+        freewheel: one of FREEWHEELS.
+        stiffness: of the closed freewheel, N.m/rad; None if it is unknown.
+    """
+    engaged = np.diff(table[f"{freewheel}_engagements"]) > 0.0
+    lost = np.diff(table["energy_lost_freewheel"])
+    energy = float(np.max(lost[engaged], initial=0.0))
+    numbers = {f"{freewheel}_impact_energy": Quantity(energy, "J")}
+    if stiffness is not None:
+        torque = math.sqrt(2.0 * stiffness * max(energy, 0.0))
+        numbers[f"{freewheel}_impact_torque"] = Quantity(torque, "N.m")
+    return numbers
+
+
+def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
+    """Return warnings on freewheels whose torque limit the run cannot judge, or whose impacts exceed it.
+
+    Args:
+        scene: the scene.
+        duty: numbers of freewheel_duty.
+    """
+    texts, stiffness = [], scene.freewheels.of("stiffness")
+    for name, limit in scene.freewheels.of("torque").items():
+        if f"{name}_impact_energy" not in duty:
+            continue
+        if name not in stiffness:
+            texts.append(
+                f"{name} torque peak leaves out impacts: a rigid freewheel with an engagement angle has no finite"
+                f" torque in them; set freewheels.{name}.stiffness to compare them with the limit,"
+                f" {limit:.6g} N.m, or mechanism.{STIFFNESS[name]} at fidelity elastic"
+            )
+        elif (torque := duty[f"{name}_impact_torque"].value) > limit:
+            texts.append(
+                f"{name} impact torque is above the limit of the freewheel, {limit:.6g} N.m: {torque:.6g}"
+                f" (estimate with {stiffness[name]:.6g} N.m/rad)"
+            )
+    return texts
+
+
 def freewheel_duty(
-    table: Result, parameters: Mapping[str, float]
+    table: Result, parameters: Mapping[str, float], stiffness: Mapping[str, float] = MappingProxyType({})
 ) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not."""
+    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not.
+
+    Args:
+        table: of the run.
+        parameters: of the module.
+        stiffness: of closed freewheels that are rigid in the run, N.m/rad, by name.
+    """
     fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
@@ -166,6 +231,8 @@ def freewheel_duty(
             found[f"{name}_engagement_frequency_maximum"] = Quantity(fastest(table.time, count), "Hz")
             found[f"{name}_torque_peak"] = Quantity(float(table[torque].max()), "N.m")
             found[f"{name}_slip_peak"] = Quantity(float(table[f"{name}_slip_peak"].max()), "rad/s")
+            if has_impacts(parameters, name):
+                found |= impacts(table, name, stiffness.get(name))
     return found, {}
 
 
@@ -573,7 +640,8 @@ def _run_on(
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
     if scene.cycle is not None:
         remarks |= cycle_remarks(record, scene.cycle)
-    duty, unknown = freewheel_duty(record, scene.parameters())
+    duty, unknown = freewheel_duty(record, scene.parameters(), scene.freewheels.of("stiffness"))
+    impact = impact_warnings(scene, duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     if isinstance(scene.load, VehicleLoad) and scene.load.grip is not None:
         numbers, slipping = grip(record, scene.load)
@@ -590,5 +658,5 @@ def _run_on(
         quantities=quantities,
         remarks=remarks | unknown,
         limits=limits,
-        warnings=(*fmu.warnings, *above),
+        warnings=(*fmu.warnings, *above, *impact),
     )

@@ -66,11 +66,13 @@ class FreewheelLimits(Strict):
     Attributes:
         indexing_frequency: engagements a second above which its sprags do not engage, Hz.
         torque: N.m. slip: overrunning speed, rad/s.
+        stiffness: of the closed freewheel, N.m/rad, to estimate the torque of impacts.
     """
 
     indexing_frequency: Annotated[float, quantity("Hz", above=0.0)] | None = None
     torque: Annotated[float, quantity("N.m", above=0.0)] | None = None
     slip: Annotated[float, quantity("rad/s", above=0.0)] | None = None
+    stiffness: Annotated[float, quantity("N.m/rad", above=0.0)] | None = None
 
 
 class Freewheels(FreewheelLimits):
