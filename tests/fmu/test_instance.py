@@ -204,7 +204,7 @@ def test_times_that_are_not_of_the_run_are_rejected_or_warned_of(fmu_path, tmp_p
     )
     assert_refused(words, run, fmu_path, tmp_path / "rig.csv")
     assert_refused("times of inputs must be", run, fmu_path, {"time": [7.0, 8.0], "omega1": [100.0, 101.0]})
-    with pytest.warns(UserWarning, match="uses less than 1 % of that: name their unit, such as ms"):
+    with pytest.warns(UserWarning, match="uses less than 1 % of this range: name their unit, such as ms"):
         run(fmu_path, {"time": [0.0, 50.0], "omega1": [100.0, 101.0]})
 
 

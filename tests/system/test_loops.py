@@ -293,7 +293,7 @@ def run_to(stop_time):
         ),
         (
             lambda: loops.Table([0.0, 1.0], [1.0]),
-            "^a table must be one value for each point, and not empty .got 2 points and 1 values",
+            r"^a table must have one value for each point, and at least one \(got 2 points and 1 values\)$",
         ),
         (
             lambda: loops.Table([1.0, 0.0], [1.0, 2.0]),

@@ -35,7 +35,7 @@ def test_numbers_alone_are_one_run(compiled):
 WRONG = [
     ({"values": {"omega7": 1.0}}, "unknown parameter or input 'omega7'"),
     ({"values": {"omega_out": 1.0}}, "unknown parameter or input 'omega_out'"),
-    ({"values": ["omega1"]}, r"values must be numbers, strings or arrays by name, is \['omega1'\]"),
+    ({"values": ["omega1"]}, r"values must be numbers, strings or arrays by name .got \['omega1'\].$"),
     ({"values": {"omega1": [1.0, 2.0, 3.0], "load_torque": [[1.0], [2.0]], "a": [1.0, 1.0]}},
      r"values must have shapes that broadcast together: omega1 \(3,\), load_torque \(2, 1\), a \(2,\)$"),
     ({"values": {"omega1": [[1.0, 2.0], [3.0]]}}, "omega1 must be an array with rows of equal length"),

@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 
 def likely_cause(first: float) -> str:
     """Return the remedy for times outside a run; first: time of the first row, s."""
-    unit = "write their unit, such as ms, in the heading if it is not s"
+    unit = "name their unit, such as ms, if they are not in s"
     if first > DATES:
-        return f"the times look like seconds since 1970; subtract the first time from all, or {unit}"
+        return f"they look like seconds since 1970; subtract the first time from all, or {unit}"
     shift = f"subtract {first:.12g} s from all times, or " if first > 0.0 else ""
     return f"{shift}{unit}"
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ..contract.variables import LOST_TO
-from ..kernel.equations.losses import CAUSES
+from ..contract.variables import LOSSES, LOST_TO
 
 # by name; other metrics are printed by their name without underscores
 HEADINGS: Mapping[str, str] = {
@@ -20,7 +19,7 @@ HEADINGS: Mapping[str, str] = {
     "energy_out": "output energy",
     "energy_stored_gain": "change in stored energy",
     "energy_lost": "losses",
-    **{f"{LOST_TO}{cause}": f"{cause} losses" for cause in CAUSES},
+    **{name: f"{name.removeprefix(LOST_TO)} losses" for name in LOSSES},
     "energy_residual_relative": "relative energy residual",
     "energy_rolling": "energy to rolling resistance",
     "energy_drag": "energy to air drag",
