@@ -297,7 +297,7 @@ def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slip
     assert result.limits == {"tractive_force_maximum": pytest.approx(4000.0 * friction)}
     assert (largest > 4000.0 * friction) == slips
     assert ("grip" in result.remarks) == slips
-    assert any("tractive force maximum is above its limit" in one for one in result.warnings) == slips
+    assert any("tractive force maximum exceeds its limit" in one for one in result.warnings) == slips
     # the mean torque of the module drives the car and its own output inertia
     torque = result.record["output_torque_mean"].max() * launch.load.final_drive / launch.load.wheel_radius
     assert largest == pytest.approx(torque, rel=0.15)
