@@ -194,6 +194,7 @@ class Free(Axis):
         nominal: value in the scene, SI; NaN if there is none.
         size: scale of the key, SI: the width of its range, or else the size of its start.
         has_range: whether a range is specified.
+        physical: limits of the key without the range, SI.
         deviation: standard deviation of the prior value, which is the start, SI; infinite without a prior
             value, 0 for an exact one.
     """
@@ -202,6 +203,7 @@ class Free(Axis):
     nominal: float
     size: float
     has_range: bool = False
+    physical: tuple[float, float] = (-math.inf, math.inf)
     deviation: float = math.inf
 
     def at(self, share: float) -> float | str:
@@ -255,7 +257,7 @@ def key_of_scene(name: str, scene: Scene) -> Free:
         raise Refused(f"{name} must be a continuous number to be free; vary other keys with sweep")
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     nominal = math.nan if value is None else float(value)
-    return Free(name, unit, low, high, start=nominal, nominal=nominal, size=abs(nominal))
+    return Free(name, unit, low, high, start=nominal, nominal=nominal, size=abs(nominal), physical=(low, high))
 
 
 def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
@@ -283,7 +285,14 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
     # False if the scene has no value
     inside = axis.low <= key.start <= axis.high
     start = key.start if inside else 0.5 * (axis.low + axis.high)
-    return Free(**vars(axis), start=start, nominal=key.nominal, size=axis.high - axis.low, has_range=True)
+    return Free(
+        **vars(axis),
+        start=start,
+        nominal=key.nominal,
+        size=axis.high - axis.low,
+        has_range=True,
+        physical=key.physical,
+    )
 
 
 def _number(name: str, unit: str, text: str) -> float:

@@ -356,9 +356,15 @@ def widest_ends(optimum: Optimum, number: int) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def compensation_of(optimum: Optimum) -> Array:
-    """Return the relative change of each free key per relative change of the last key, shape (keys - 1,)."""
-    *_, released_value = optimum.point
-    free = optimum.without_key(optimum.point.size - 1)
-    change = free.compensation(optimum.jacobian[:, -1])
-    return np.asarray(change * released_value / np.where(free.point == 0.0, math.inf, free.point))
+def effects(optimum: Optimum, candidate: Candidate) -> dict[str, float]:
+    """Return the relative change of each free key per relative change of a fixed parameter, by name.
+
+    Args:
+        optimum: of the fit without candidates.
+        candidate: an inseparable one.
+    """
+    if not candidate.nominal:
+        return {}
+    change = candidate.nominal * optimum.compensation(candidate.optimum.jacobian[:, -1])
+    relative = change / np.where(optimum.point == 0.0, math.inf, optimum.point)
+    return {name: round(float(one), 3) for name, one in zip(candidate.values, relative, strict=True)}

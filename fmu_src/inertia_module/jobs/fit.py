@@ -32,7 +32,7 @@ from .candidates import (
     Candidate,
     candidate_keys,
     causes,
-    compensation_of,
+    effects,
     plausible,
     release_candidates,
     widest_ends,
@@ -40,14 +40,12 @@ from .candidates import (
 from .evaluation import read
 from .least_squares import Optimum, Problem
 from .measurement import N_DEVIATIONS, Measurement, Rig, autocorrelation, measurement
-from .profile_likelihood import N_SIZES, End, profile_end
+from .profile_likelihood import END_RTOL, N_SIZES, End, profile_end
 
 # best start points from which a search begins
 N_SEARCHES = 3
 # change of the residuals along the whole size of a key, in noise, that is no influence
 MIN_INFLUENCE = 1e-2
-# distance from an end of its range, of the range, at which a value is at this end
-END_RTOL = 1e-4
 # values of a column that are necessary to estimate its noise, besides one per free key
 N_FREE_VALUES = 2
 # decrease of chi-squared in a profile after which the search is repeated from there, and repetitions
@@ -419,9 +417,9 @@ def _run(
         chi_squared=best.chi_squared / best.freedom,
         candidates=separable,
         inseparable={
-            one.name: dict(zip(one.values, compensation_of(one.optimum).tolist(), strict=True))
+            one.name: effects(best, one)
             for one in candidates
-            if one not in separable
+            if one not in separable and not any(end.open for pair in ends for end in pair)
         },
         scale=scale,
         remarks=[*remarks, *_weakest(best, ends), *scale_remarks],
@@ -485,8 +483,10 @@ def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple
 
 
 def _is_separable(candidate: Candidate) -> bool:
-    """Return True if no key is unbounded with a candidate released."""
+    """Return True if the data determine a candidate, and bound all keys with it released."""
     optimum = candidate.optimum
+    if candidate.nominal and candidate.error > abs(candidate.nominal):
+        return False
     for number, key in enumerate(optimum.problem.keys[:-1]):
         value = float(optimum.point[number])
         reach = N_SIZES * (abs(value) or key.size)
@@ -608,14 +608,13 @@ def _doubt(key: Free, value: float, ends: tuple[End, End]) -> str:
     is_open = [end.open for end in ends]
     if not any(is_open):
         return ""
-    within = "its range" if key.has_range else f"{N_SIZES:g} times its value"
     at_end = key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size
     if all(is_open):
-        return f"not identifiable from the data: the profile likelihood has no limit within {within}"
+        return "not identifiable from the data: the profile likelihood has no limit within the ranges"
     if at_end:
         return "is at the end of its range"
     side = "lower" if is_open[0] else "upper"
-    return f"not identifiable from the data alone: they set no {side} limit within {within}"
+    return f"not identifiable from the data: they set no {side} limit within the ranges"
 
 
 def _without_influence(key: Free) -> Fitted:

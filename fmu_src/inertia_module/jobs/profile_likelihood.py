@@ -21,8 +21,10 @@ from .least_squares import Array, Optimum
 MAX_REFITS, PROFILE_RTOL = 8, 0.03
 # a profile of a key without a range ends at its value and so many of its sizes
 N_SIZES = 3.0
-# largest and smallest relative step of the secant method
-MAX_EXTRAPOLATION, MIN_INTERPOLATION = 4.0, 0.1
+# largest extrapolation of the secant method; root, in quantiles, from which bisection replaces it
+MAX_EXTRAPOLATION, MAX_ROOT = 4.0, 3.0
+# distance from an end of its range, of the size of a key, at which a key is at this end
+END_RTOL = 1e-4
 
 
 class End(NamedTuple):
@@ -30,7 +32,7 @@ class End(NamedTuple):
 
     Attributes:
         value: of the key, SI.
-        open: whether the profile does not reach its limit within the range.
+        open: whether the end of a range, of this key or another, stops the profile before it reaches its limit.
         optimum: point with the least chi-squared of all re-fits, shape (keys,), and its chi-squared.
     """
 
@@ -51,7 +53,7 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
     """Find one end of the interval of a key.
 
     The root of the change of chi-squared is nearly linear in the key, so the secant method needs two or three
-    re-fits. A bracket makes the other steps interpolations.
+    re-fits. Far outside, bisection replaces it. An end that is not accurate after MAX_REFITS is too far outside.
 
     Args:
         optimum: with the noise by which chi-squared is measured.
@@ -75,12 +77,24 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
             inside = value, root, point
         else:
             outside = value, root
-        if value == limit and root <= quantile:
-            return End(limit, True, best)
-        if abs(root - quantile) < PROFILE_RTOL * quantile:
-            return End(value, False, best)
+        if (value == limit and root <= quantile) or abs(root - quantile) < PROFILE_RTOL * quantile:
+            return End(value, _is_stopped(optimum, point), best)
         value = _next(inside[:2], outside, centre, quantile)
-    return End(inside[0] if math.isnan(outside[0]) else value, False, best)
+    is_unbounded = math.isnan(outside[0])
+    return End(
+        inside[0] if is_unbounded else outside[0],
+        is_unbounded or _is_stopped(optimum, inside[2]),
+        best,
+    )
+
+
+def _is_stopped(optimum: Optimum, point: Array) -> bool:
+    """Return True if a key is at an end of its profile that is no physical limit."""
+    for key, value, centre in zip(optimum.problem.keys, point, optimum.point, strict=True):
+        for end, physical in zip(limits(key, float(centre)), key.physical, strict=True):
+            if end != physical and abs(value - end) <= END_RTOL * key.size:
+                return True
+    return False
 
 
 def _next(
@@ -90,8 +104,8 @@ def _next(
     if math.isnan(outside[0]):
         value, root = inside
         return centre + (value - centre) * min(quantile / max(root, 1e-9) * 1.02, MAX_EXTRAPOLATION)
-    share = (quantile - inside[1]) / (outside[1] - inside[1]) if math.isfinite(outside[1]) else 0.5
-    share = min(max(share, MIN_INTERPOLATION), 1.0 - MIN_INTERPOLATION)
+    is_near = outside[1] < MAX_ROOT * quantile
+    share = (quantile - inside[1]) / (outside[1] - inside[1]) if is_near else 0.5
     return inside[0] + share * (outside[0] - inside[0])
 
 
