@@ -8,6 +8,7 @@ by less than a factor of 20 tie: evidence ratio of Burnham and Anderson, Model S
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 from collections.abc import Collection, Sequence
@@ -251,17 +252,6 @@ def plausible(candidates: Sequence[Candidate]) -> list[Candidate]:
     return [one for one in candidates if one.likelihood_ratio > named[0].likelihood_ratio - PLAUSIBLE]
 
 
-def _full_refits(optimum: Optimum, key: Free, starts: Sequence[Array]) -> Optimum | None:
-    """Return the best re-fit of a candidate from several points, or None if the scene rejects them."""
-    problem, refits = optimum.problem.with_key(key), []
-    for start in starts:
-        try:
-            refits.append(problem.minimise(start).with_estimated_noise())
-        except Refused:
-            continue
-    return max(refits, key=lambda refit: likelihood_ratio(optimum, refit), default=None)
-
-
 def release_candidates(
     optimum: Optimum, keys: Sequence[Free], start: Array, progress: Progress
 ) -> list[Candidate]:
@@ -287,22 +277,20 @@ def release_candidates(
     def ranked() -> list[str]:
         return sorted(optima, key=lambda name: -likelihood_ratio(optimum, optima[name]))
 
-    def fit(name: str, starts: Sequence[Array]) -> None:
-        refit = _full_refits(optimum, optima[name].problem.keys[-1], starts)
-        if refit is not None and not likelihood_ratio(optima[name], refit) < 0.0:
-            optima[name] = refit
+    def fit(name: str, point: Array) -> None:
+        with contextlib.suppress(Refused):
+            refit = optimum.problem.with_key(optima[name].problem.keys[-1]).minimise(point, refit=True)
+            if likelihood_ratio(optima[name], refit) >= 0.0:
+                optima[name] = refit.with_estimated_noise()
 
-    def significant() -> bool:
-        best = next(iter(ranked()), None)
-        return best is not None and f_test(optimum, optima[best]) * len(optima) < SIGNIFICANCE
-
-    if significant():
-        for name in ranked()[:N_FULL_REFITS]:
-            fit(name, [optima[name].point])
+    best = ranked()[:N_FULL_REFITS]
+    if best and f_test(optimum, optima[best[0]]) * len(optima) < SIGNIFICANCE:
+        for name in best:
+            fit(name, optima[name].point)
     if optimum.is_systematic and all(optima[name].is_systematic for name in ranked()[:1]):
         for n, name in enumerate(list(optima)):
             progress(0.5 + 0.5 * n / len(optima))
-            fit(name, [np.append(start, by_name[name].start)])
+            fit(name, np.append(start, by_name[name].start))
     names = ranked()
     p_values = holm([f_test(optimum, optima[name]) for name in names])
     return [_candidate(optimum, optima[name], p_value) for name, p_value in zip(names, p_values, strict=True)]
