@@ -188,7 +188,9 @@ def verdict(kind, true, seed, folder, fmu):
         return Verdict(False, False, False, False, False)
 
     def contains(which):
-        return [low <= TRUE[name] <= high for name in one.free for low, high in [getattr(result[name], which)]]
+        return [
+            low <= TRUE[name] <= high for name in one.free for low, high in [getattr(result[name], which)]
+        ]
 
     inside = contains("interval")
     unknown = "only ratios of" in " ".join(result.warnings) or all(
@@ -197,7 +199,11 @@ def verdict(kind, true, seed, folder, fmu):
     names = {cause.name for cause in result.causes}
     named = bool(names & one.causes)
     return Verdict(
-        all(inside), unknown and not all(inside), named, bool(names) and not named, all(contains("interval_if_exact"))
+        all(inside),
+        unknown and not all(inside),
+        named,
+        bool(names) and not named,
+        all(contains("interval_if_exact")),
     )
 
 
@@ -208,7 +214,9 @@ def run(kind, sets, folder, fmu):
 
 
 def main(sets=SETS, kinds=()):
-    print("kind | sets | correct | interval contains truth | not identifiable | cause named | only another cause | if exact")
+    print(
+        "kind | sets | correct | interval contains truth | not identifiable | cause named | only another cause | if exact"
+    )
     with tempfile.TemporaryDirectory() as folder:
         fmu = current_fmu(folder=Path(folder))
         for kind in KINDS:

@@ -257,7 +257,9 @@ def key_of_scene(name: str, scene: Scene) -> Free:
         raise Refused(f"{name} must be a continuous number to be free; vary other keys with sweep")
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     nominal = math.nan if value is None else float(value)
-    return Free(name, unit, low, high, start=nominal, nominal=nominal, size=abs(nominal), physical=(low, high))
+    return Free(
+        name, unit, low, high, start=nominal, nominal=nominal, size=abs(nominal), physical=(low, high)
+    )
 
 
 def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:

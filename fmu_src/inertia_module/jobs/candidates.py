@@ -1,8 +1,7 @@
 """Candidate causes: fixed parameters and sensor errors that would explain the residuals of a fit.
 
-Each candidate is released alone. A score test (one Gauss-Newton step, Rao 1948) selects the candidates that are
-re-fitted. An F-test of the change of chi-squared gives the p-value: Seber and Wild, Nonlinear Regression (1989),
-section 5.8. Holm's method (1979) corrects it for the number of candidates. Candidates whose likelihoods differ
+Each candidate is released alone and the free keys are re-fitted. An F-test of the change of chi-squared gives the
+p-value: Seber and Wild, Nonlinear Regression (1989), section 5.8. Holm's method (1979) corrects it for the number of candidates. Candidates whose likelihoods differ
 by less than a factor of 20 tie: evidence ratio of Burnham and Anderson, Model Selection (2002), section 2.10.
 """
 
@@ -30,17 +29,18 @@ GROUPS = (Group.BEVEL, Group.PLANAR, Group.MASSES, Group.ELASTIC, Group.LOSSES)
 ZERO_GROUPS = (Group.MASSES, Group.LOSSES)
 # first step of a candidate, of its value, or SI if that is 0
 RELATIVE_STEP, ZERO_STEP = 0.01, 1e-4
-# change of the residuals, in noise, for which the step of a candidate is chosen; range that is accepted
-CHANGE, CHANGE_RANGE, MAX_STEPS = 5.0, (2.0, 15.0), 4
-MAX_STEP_FACTOR = 1e3
+# change of the residuals, in noise, for which the step of a candidate is chosen, and number of steps
+CHANGE, N_STEPS = 5.0, 4
+# largest step over the first step, of a candidate with a value and of one with the value 0
+MAX_STEP_FACTOR, MAX_ZERO_STEP_FACTOR = 10.0, 1e3
 # smallest change of the residuals, in noise, that is an influence
 MIN_CHANGE = 1e-3
 # significance of a cause after Holm's correction
 SIGNIFICANCE = 0.01
+# collinearity index from which a candidate is inseparable; in practice it is below 100 or above 1000
+MAX_COLLINEARITY = 300.0
 # differences of 2 ln L up to which candidates tie (evidence ratio 20) and are plausible (Burnham and Anderson)
 TIE, PLAUSIBLE = 2.0 * math.log(20.0), 10.0
-# change of 2 ln L in the score test from which a candidate is re-fitted
-SCORE_CRITICAL = 4.0
 # candidates that are re-fitted with their own Jacobian if one of them is significant
 N_FULL_REFITS = 8
 
@@ -61,6 +61,7 @@ class Candidate:
         p_value: of the F-test, after Holm's correction.
         values: of the free keys with the candidate released, SI, by name.
         is_systematic: whether autocorrelated residuals are left.
+        is_separable: whether the data can separate it from the free keys.
         optimum: with the candidate as the last key.
     """
 
@@ -75,6 +76,7 @@ class Candidate:
     p_value: float
     values: dict[str, float]
     is_systematic: bool
+    is_separable: bool
     optimum: Optimum = dataclasses.field(repr=False)
 
     @property
@@ -130,59 +132,35 @@ def candidate_keys(scene: Scene, data: Measurement, excluded: Collection[str]) -
     ]
 
 
-def _derivative(optimum: Optimum, key: Free) -> Array | None:
-    """Return the derivative of the residuals by a candidate, or None if it has no influence.
+def released(optimum: Optimum, key: Free) -> Optimum | None:
+    """Re-fit with a candidate released by Gauss-Newton steps; return None if it has no influence.
 
-    The last step changes the residuals by about CHANGE while the free keys compensate. Otherwise curvature would
-    hide the part that they cannot compensate.
+    The derivative by the candidate is a difference along which the free keys compensate and the residuals change
+    by about CHANGE. Otherwise curvature would hide the part that they cannot compensate.
     """
     problem = optimum.problem.with_key(key)
-    low, high = key.low - key.start, key.high - key.start
+    reach = key.size * (MAX_STEP_FACTOR if key.start else MAX_ZERO_STEP_FACTOR)
+    low, high = max(key.low - key.start, -reach), min(key.high - key.start, reach)
     step, along, derivative = key.size if high > 0.0 else -key.size, np.zeros(optimum.point.size), None
-    for _ in range(MAX_STEPS):
-        step = min(max(step, low, -MAX_STEP_FACTOR * key.size), high, MAX_STEP_FACTOR * key.size)
-        change = problem.residuals(np.append(optimum.point + step * along, key.start + step))
-        change = change - optimum.residuals
+    for number in range(N_STEPS):
+        step = min(max(step, low), high)
+        point = np.append(optimum.point + step * along, key.start + step)
+        change = problem.residuals(point) - optimum.residuals
         if not np.isfinite(change).all():
             step *= 0.1
             continue
-        if derivative is None and np.linalg.norm(change) < MIN_CHANGE:
-            return None
-        is_first, derivative = derivative is None, (change - step * optimum.jacobian @ along) / step
-        compensation = optimum.compensation(change)
-        size = float(np.linalg.norm(change + optimum.jacobian @ compensation))
-        if not is_first and CHANGE_RANGE[0] < size < CHANGE_RANGE[1]:
+        if np.linalg.norm(change) < MIN_CHANGE:
             break
+        derivative = (change - step * optimum.jacobian @ along) / step
+        compensation = optimum.compensation(change)
+        remainder = float(np.linalg.norm(change + optimum.jacobian @ compensation))
         along = along + compensation / step
-        step *= min(max(CHANGE / max(size, 1e-12), 1.0 / MAX_STEP_FACTOR), MAX_STEP_FACTOR)
-    return derivative
-
-
-def released(optimum: Optimum, key: Free) -> Optimum | None:
-    """Release a candidate by Gauss-Newton steps, or return None if it has no influence.
-
-    The linear model decides by the score test whether residuals are computed again.
-    """
-    derivative = _derivative(optimum, key)
+        if number < N_STEPS - 2:  # the last two steps are equal, so that the compensation converges
+            step *= min(max(CHANGE / max(remainder, 1e-12), 1.0 / MAX_ZERO_STEP_FACTOR), MAX_ZERO_STEP_FACTOR)
     if derivative is None:
         return None
-    remainder = derivative + optimum.jacobian @ optimum.compensation(derivative)
-    step = -float(remainder @ optimum.residuals) / max(float(remainder @ remainder), 1e-300)
-    step = min(max(step, key.low - key.start), key.high - key.start)
-    change = optimum.compensation(optimum.residuals + derivative * step)
-    point = np.append(optimum.point + change, key.start + step)
-    residuals = optimum.residuals + optimum.jacobian @ change + derivative * step
-    problem = optimum.problem.with_key(dataclasses.replace(key, size=abs(step) or key.size))
-    linear = Optimum(
-        problem, point, residuals, np.column_stack([optimum.jacobian, derivative]), converged=False
-    )
-    if likelihood_ratio(optimum, linear) < SCORE_CRITICAL:
-        return linear
-    try:
-        refit = problem.minimise(point, jacobian=linear.jacobian, refit=True)
-    except Refused:
-        return linear
-    return refit
+    jacobian = np.column_stack([optimum.jacobian, derivative])
+    return problem.minimise(np.append(optimum.point, key.start), jacobian=jacobian, refit=True)
 
 
 def _sums_of_squares(optimum: Optimum) -> tuple[Array, float]:
@@ -296,6 +274,17 @@ def release_candidates(
     return [_candidate(optimum, optima[name], p_value) for name, p_value in zip(names, p_values, strict=True)]
 
 
+def collinearity(restricted: Optimum, full: Optimum) -> float:
+    """Return the collinearity index of the last key of a full model with the other keys.
+
+    A change of the key by 1 can be compensated except for the reciprocal of the index: Brun, Reichert and Kuensch,
+    Water Resources Research 37 (2001) 1015.
+    """
+    derivative = full.jacobian[:, -1]
+    remainder = derivative + restricted.jacobian @ restricted.compensation(derivative)
+    return float(np.linalg.norm(derivative) / max(np.linalg.norm(remainder), 1e-300))
+
+
 def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
     """Describe a released candidate."""
     data, key = full.problem.rig.data, full.problem.keys[-1]
@@ -318,6 +307,7 @@ def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
         p_value=p_value,
         values={one.name: values[one.name] for one in restricted.problem.keys},
         is_systematic=full.is_systematic,
+        is_separable=collinearity(restricted, full) < MAX_COLLINEARITY,
         optimum=full,
     )
 
@@ -342,17 +332,3 @@ def widest_ends(optimum: Optimum, number: int) -> tuple[float, float]:
         alone = math.sqrt(max(deviation**2 - slope**2, 0.0) * max(radius**2 - position**2, 0.0))
         ends.append(float(centre + slope * position + side * alone))
     return ends[0], ends[1]
-
-
-def effects(optimum: Optimum, candidate: Candidate) -> dict[str, float]:
-    """Return the relative change of each free key per relative change of a fixed parameter, by name.
-
-    Args:
-        optimum: of the fit without candidates.
-        candidate: an inseparable one.
-    """
-    if not candidate.nominal:
-        return {}
-    change = candidate.nominal * optimum.compensation(candidate.optimum.jacobian[:, -1])
-    relative = change / np.where(optimum.point == 0.0, math.inf, optimum.point)
-    return {name: round(float(one), 3) for name, one in zip(candidate.values, relative, strict=True)}

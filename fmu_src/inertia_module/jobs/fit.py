@@ -32,7 +32,6 @@ from .candidates import (
     Candidate,
     candidate_keys,
     causes,
-    effects,
     plausible,
     release_candidates,
     widest_ends,
@@ -115,8 +114,7 @@ class FitResult:
         estimated: columns whose noise is estimated from the residuals.
         chi_squared: reduced chi-squared.
         candidates: fixed parameters and sensor errors, released in turn; the most significant first.
-        inseparable: candidates that cannot be separated from the fitted keys; for each its relative effect on
-            them, by name.
+        inseparable: candidates that the data cannot separate from the fitted keys, taken as exact.
         scale: fixed parameters that set the scale of all masses and torques.
         remarks: warnings on units, ranges, scale and combinations.
         searches: number that converged to the optimum, and number of all.
@@ -134,7 +132,7 @@ class FitResult:
     estimated: list[str]
     chi_squared: float
     candidates: list[Candidate]
-    inseparable: dict[str, dict[str, float]]
+    inseparable: list[str]
     scale: list[str]
     remarks: list[str]
     searches: tuple[int, int]
@@ -211,11 +209,8 @@ class FitResult:
         setting = {name for one in self.parameters for name in one.released}
         shown = [one for one in self.candidates if one.name in setting or one.p_value < SIGNIFICANCE]
         lines = {one.name: one.text for one in shown[:8]}
-        for name, effects in self.inseparable.items():
-            text = ", ".join(f"{key} {effect:+.3g} %" for key, effect in effects.items() if effect)
-            lines[name] = "not separately identifiable, taken as exact" + (
-                f"; 1 % more of it: {text}" if text else ""
-            )
+        if self.inseparable:
+            lines["not separately identifiable"] = f"{', '.join(self.inseparable)}, taken as exact"
         if len(self.scale) > 1:
             lines["scale of masses and torques"] = f"{', '.join(self.scale)}, taken as exact"
         return lines
@@ -264,9 +259,7 @@ class FitResult:
             lines[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
         freedom = self.measurement.number - len(self.parameters)
         untested = "; no test of the model, because the noise is estimated" if self.estimated else ""
-        lines["chi-squared"] = (
-            f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{untested}"
-        )
+        lines["chi-squared"] = f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{untested}"
         lines["searches converged to this optimum"] = "{} of {}".format(*self.searches)
         return {**lines, "runs": str(self.runs)}
 
@@ -396,7 +389,7 @@ def _run(
     candidates = release_candidates(
         best, candidate_keys(scene, data, values), start, lambda share: progress(0.5 + 0.4 * share)
     )
-    separable = [one for one in candidates if _is_separable(one)]
+    separable = [one for one in candidates if one.is_separable]
     scale, scale_remarks = _scale(best, candidates, fixed)
     named = causes(candidates)
     # columns in another unit: one of them is a cause already
@@ -416,11 +409,9 @@ def _run(
         estimated=[name for name in names if name not in data.noise],
         chi_squared=best.chi_squared / best.freedom,
         candidates=separable,
-        inseparable={
-            one.name: effects(best, one)
-            for one in candidates
-            if one not in separable and not any(end.open for pair in ends for end in pair)
-        },
+        inseparable=[]
+        if any(end.open for pair in ends for end in pair)
+        else [one.name for one in candidates if one not in separable],
         scale=scale,
         remarks=[*remarks, *_weakest(best, ends), *scale_remarks],
         searches=(sum(one.chi_squared <= 1.01 * optima[0].chi_squared for one in optima), len(optima)),
@@ -482,19 +473,6 @@ def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple
     return optimum, ends
 
 
-def _is_separable(candidate: Candidate) -> bool:
-    """Return True if the data determine a candidate, and bound all keys with it released."""
-    optimum = candidate.optimum
-    if candidate.nominal and candidate.error > abs(candidate.nominal):
-        return False
-    for number, key in enumerate(optimum.problem.keys[:-1]):
-        value = float(optimum.point[number])
-        reach = N_SIZES * (abs(value) or key.size)
-        if max(abs(end - value) for end in widest_ends(optimum, number)) > reach:
-            return False
-    return True
-
-
 def _scale(
     optimum: Optimum, candidates: Sequence[Candidate], exact: Sequence[Free]
 ) -> tuple[list[str], list[str]]:
@@ -516,7 +494,9 @@ def _scale(
     fixed |= {key.name: key.start for key in exact if key.start and has_mass(key.unit)}
     if not free:
         return [], []
-    scaled = {name: SCALE_FACTOR * value for name, value in (fixed | values).items() if name in {*free, *fixed}}
+    scaled = {
+        name: SCALE_FACTOR * value for name, value in (fixed | values).items() if name in {*free, *fixed}
+    }
     problem = dataclasses.replace(optimum.problem, fixed=optimum.problem.fixed | fixed | scaled)
     point = np.array([(values | scaled)[key.name] for key in problem.keys])
     change = np.linalg.norm(problem.residuals(point) - optimum.residuals)
@@ -545,7 +525,11 @@ def _weakest(optimum: Optimum, ends: Sequence[tuple[End, End]]) -> list[str]:
 
 
 def _fitted(
-    best: Optimum, number: int, ends: tuple[End, End], candidates: Sequence[Candidate], models: Sequence[Candidate]
+    best: Optimum,
+    number: int,
+    ends: tuple[End, End],
+    candidates: Sequence[Candidate],
+    models: Sequence[Candidate],
 ) -> Fitted:
     """Return a fitted key with its intervals."""
     key, value = best.problem.keys[number], float(best.point[number])
@@ -575,9 +559,7 @@ def _fitted(
     )
 
 
-def _envelope(
-    number: int, side: int, exact: float | None, models: Sequence[Candidate]
-) -> tuple[float, str]:
+def _envelope(number: int, side: int, exact: float | None, models: Sequence[Candidate]) -> tuple[float, str]:
     """Return the outermost end of the profiles of several models, and the candidate that sets it.
 
     Discrete profiling: Dauncey, Kenzie, Wardle and Davies, Journal of Instrumentation 10 (2015) P04015. The

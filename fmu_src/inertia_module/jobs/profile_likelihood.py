@@ -97,9 +97,7 @@ def _is_stopped(optimum: Optimum, point: Array) -> bool:
     return False
 
 
-def _next(
-    inside: tuple[float, float], outside: tuple[float, float], centre: float, quantile: float
-) -> float:
+def _next(inside: tuple[float, float], outside: tuple[float, float], centre: float, quantile: float) -> float:
     """Return the next value of the key by the secant method."""
     if math.isnan(outside[0]):
         value, root = inside
