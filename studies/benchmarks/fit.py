@@ -9,6 +9,7 @@ import functools
 import sys
 import tempfile
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -60,7 +61,7 @@ class Set(NamedTuple):
     columns: dict[str, np.ndarray]
     causes: frozenset[str] = frozenset()
     free: object = FREE
-    changes: dict[str, object] = {}
+    changes: MappingProxyType = MappingProxyType({})
 
 
 def nothing_wrong(true, seed, _):

@@ -64,6 +64,11 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return factor, {name: power for name, power in dimension.items() if power}
 
 
+def has_mass(unit: str) -> bool:
+    """Return True if a quantity in a unit ("" for none) scales with mass, like an inertia or a torque."""
+    return "kg" in parse_unit(unit or "1")[1]
+
+
 def factor_between(unit: str, wanted: str) -> float:
     """Factor from a unit to the unit wanted; a ValueError where these are unknown or of two dimensions."""
     if unit == wanted:

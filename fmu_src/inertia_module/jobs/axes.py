@@ -211,9 +211,12 @@ class Free(Axis):
         return super().at(share) if self.has_range else self.start
 
     @property
-    def excludes_nominal(self) -> bool:
-        """Return True if the range does not contain the value in the scene."""
-        return self.has_range and not self.low <= self.nominal <= self.high and not math.isnan(self.nominal)
+    def range_remark(self) -> str:
+        """A warning if the range does not contain the value in the scene, else ""."""
+        if not self.has_range or math.isnan(self.nominal) or self.low <= self.nominal <= self.high:
+            return ""
+        allowed = f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
+        return f"{self.name}: the range {allowed} does not contain the value in the scene, {self.nominal:g}"
 
 
 def free_keys(

@@ -1,8 +1,9 @@
 """Candidate causes: fixed parameters and sensor errors that would explain the residuals of a fit.
 
-Each candidate is released alone and the free keys are re-fitted. An F-test of the change of chi-squared gives the
-p-value: Seber and Wild, Nonlinear Regression (1989), section 5.8. Holm's method (1979) corrects it for the number of candidates. Candidates whose likelihoods differ
-by less than a factor of 20 tie: evidence ratio of Burnham and Anderson, Model Selection (2002), section 2.10.
+Each candidate is released alone and the free keys are re-fitted. An F-test of the change of chi-squared gives
+the p-value: Seber and Wild, Nonlinear Regression (1989), section 5.8. Holm's method (Scandinavian Journal of
+Statistics 6 (1979) 65) corrects it for the number of candidates. Candidates tie if their likelihoods differ
+by a factor below 20, an evidence ratio of Burnham and Anderson, Model Selection (2002), section 2.10.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ MIN_CHANGE = 1e-3
 SIGNIFICANCE = 0.01
 # collinearity index from which a candidate is inseparable; in practice it is below 100 or above 1000
 MAX_COLLINEARITY = 300.0
-# differences of 2 ln L up to which candidates tie (evidence ratio 20) and are plausible (Burnham and Anderson)
+# differences of 2 ln L up to which candidates tie (evidence ratio 20) and are plausible
 TIE, PLAUSIBLE = 2.0 * math.log(20.0), 10.0
 # candidates that are re-fitted with their own Jacobian if one of them is significant
 N_FULL_REFITS = 8
@@ -135,8 +136,8 @@ def candidate_keys(scene: Scene, data: Measurement, excluded: Collection[str]) -
 def released(optimum: Optimum, key: Free) -> Optimum | None:
     """Re-fit with a candidate released by Gauss-Newton steps; return None if it has no influence.
 
-    The derivative by the candidate is a difference along which the free keys compensate and the residuals change
-    by about CHANGE. Otherwise curvature would hide the part that they cannot compensate.
+    The derivative by the candidate is a difference along which the free keys compensate and the residuals
+    change by about CHANGE. Otherwise curvature would hide the part that they cannot compensate.
     """
     problem = optimum.problem.with_key(key)
     reach = key.size * (MAX_STEP_FACTOR if key.start else MAX_ZERO_STEP_FACTOR)
@@ -156,7 +157,8 @@ def released(optimum: Optimum, key: Free) -> Optimum | None:
         remainder = float(np.linalg.norm(change + optimum.jacobian @ compensation))
         along = along + compensation / step
         if number < N_STEPS - 2:  # the last two steps are equal, so that the compensation converges
-            step *= min(max(CHANGE / max(remainder, 1e-12), 1.0 / MAX_ZERO_STEP_FACTOR), MAX_ZERO_STEP_FACTOR)
+            factor = CHANGE / max(remainder, 1e-12)
+            step *= min(max(factor, 1.0 / MAX_ZERO_STEP_FACTOR), MAX_ZERO_STEP_FACTOR)
     if derivative is None:
         return None
     jacobian = np.column_stack([optimum.jacobian, derivative])
@@ -235,8 +237,8 @@ def release_candidates(
 ) -> list[Candidate]:
     """Release candidates in turn and test them; the most significant first.
 
-    If one is significant, the best N_FULL_REFITS are fitted in full. If residuals stay systematic, the fit may
-    have ended in a local minimum. All candidates are then fitted from its start.
+    If one is significant, the best N_FULL_REFITS are fitted in full. If residuals stay systematic, the fit
+    may have ended in a local minimum. All candidates are then fitted from its start.
 
     Args:
         optimum: of the fit without candidates.
@@ -277,12 +279,12 @@ def release_candidates(
 def collinearity(restricted: Optimum, full: Optimum) -> float:
     """Return the collinearity index of the last key of a full model with the other keys.
 
-    A change of the key by 1 can be compensated except for the reciprocal of the index: Brun, Reichert and Kuensch,
-    Water Resources Research 37 (2001) 1015.
+    Other keys compensate a change of the key except for the reciprocal of the index: Brun, Reichert and
+    Kuensch, Water Resources Research 37 (2001) 1015.
     """
     derivative = full.jacobian[:, -1]
     remainder = derivative + restricted.jacobian @ restricted.compensation(derivative)
-    return float(np.linalg.norm(derivative) / max(np.linalg.norm(remainder), 1e-300))
+    return float(np.linalg.norm(derivative)) / max(float(np.linalg.norm(remainder)), 1e-300)
 
 
 def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:

@@ -1,6 +1,6 @@
 """Fit: values of keys of a scene for which it computes a measurement, with intervals and candidate causes.
 
-Methods: least squares from several starts (least_squares), intervals by profile likelihood (profile_likelihood),
+Least squares from several starts (least_squares), intervals by profile likelihood (profile_likelihood) and
 F-tests of released parameters (candidates).
 """
 
@@ -21,7 +21,7 @@ from ..common.errors import Refused, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
-from ..common.units import parse_unit
+from ..common.units import has_mass
 from ..harness.fmu import fmu_file
 from ..harness.simulate import Result
 from ..scene import Scene
@@ -39,7 +39,7 @@ from .candidates import (
 from .evaluation import read
 from .least_squares import Optimum, Problem
 from .measurement import N_DEVIATIONS, Measurement, Rig, autocorrelation, measurement
-from .profile_likelihood import END_RTOL, N_SIZES, End, profile_end
+from .profile_likelihood import END_RTOL, End, profile_end
 
 # best start points from which a search begins
 N_SEARCHES = 3
@@ -298,10 +298,10 @@ def fit(
     Args:
         measured: table, or CSV file; see measurement.
         scene: scene, or its file.
-        free: "NAME", "NAME=LOW:HIGH" or, with prior knowledge, "NAME=VALUE +- DEVIATION" each; or the text after
-            the sign (or None) by name. NAME is a key of the scene by dots, a parameter of the mechanism, or
-            "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late; "shift.time" for all columns)
-            of a sensor. A DEVIATION of 0 declares the value exact.
+        free: "NAME", "NAME=LOW:HIGH" or, with prior knowledge, "NAME=VALUE +- DEVIATION" each; or the text
+            after the sign (or None) by name. NAME is a key of the scene by dots, a parameter of the
+            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late; "shift.time" for all
+            columns) of a sensor. A DEVIATION of 0 declares the value exact.
         columns: names of the compared columns; by default all that the scene computes.
         starts: points of the ranges (Latin hypercube) that are compared besides the values of the scene. The
             best N_SEARCHES of them start a search.
@@ -311,8 +311,8 @@ def fit(
         progress: called with the share that is done.
 
     Raises:
-        Refused: scene, measurement or free keys are invalid, the measurement has too few values, no free key has
-            an influence, or the scene rejects all values; in one sentence.
+        Refused: scene, measurement or free keys are invalid, the measurement has too few values, no free key
+            has an influence, or the scene rejects all values; in one sentence.
         NotInstalled: the extra jobs is not installed.
     """
     library("tomli_w", "jobs")
@@ -327,7 +327,7 @@ def fit(
     if starts < 0:
         raise Refused(must_be("starts", "at least 0", str(starts)))
     with Rig(base, data, fmu_file(fmu)) as rig:
-        remarks = [*_range_remarks(keys), *_unit_remarks(rig, exact)]
+        remarks = _unit_remarks(rig, exact)
         try:
             result = _run(rig, listed, starts, seed, progress or (lambda share: None), remarks)
         except Refused as error:
@@ -338,30 +338,20 @@ def fit(
 
 def _check_number(data: Measurement, keys: int) -> None:
     """Reject a measurement with too few values for a number of free keys and the noise of its columns."""
+    least = keys + N_FREE_VALUES
     for name, number in zip(data.columns, data.counted.sum(axis=0).tolist(), strict=True):
-        if name not in data.noise and number < keys + N_FREE_VALUES:
-            allowed = f"at least {keys + N_FREE_VALUES} (free parameters + {N_FREE_VALUES} for the noise)"
+        if name not in data.noise and number < least:
+            allowed = f"at least {least} ({keys} free parameters, {N_FREE_VALUES} for the noise)"
             raise Refused(must_be(f"the number of measured values of {name}", allowed, str(number)))
     if data.number <= keys:
         allowed = f"greater than {keys}, the number of free parameters"
         raise Refused(must_be("the number of measured values", allowed, str(data.number)))
 
 
-def _range_remarks(keys: Sequence[Free]) -> list[str]:
-    """Return warnings on ranges that do not contain the value in the scene."""
-    return [
-        f"{key.name}: the range {key.low:g} to {key.high:g} {key.unit} does not contain the value in the"
-        f" scene, {key.nominal:g}"
-        for key in keys
-        if key.excludes_nominal
-    ]
-
-
 def _unit_remarks(rig: Rig, exact: Mapping[str, float]) -> list[str]:
     """Return warnings on columns whose ratio to the scene, as it is, is the factor of another unit."""
     computed, data = rig.computed(exact), rig.data
-    squares = np.maximum(np.sum(computed**2, axis=0), 1e-300)
-    gains = np.sum(data.values * computed, axis=0) / squares
+    gains = np.sum(data.values * computed, axis=0) / np.maximum(np.sum(computed**2, axis=0), 1e-300)
     return [
         f"{name} is {gain:.3g} times the value that the unfitted scene computes; possible cause: {unit}"
         for name, gain in zip(data.columns, gains, strict=True)
@@ -369,60 +359,9 @@ def _unit_remarks(rig: Rig, exact: Mapping[str, float]) -> list[str]:
     ]
 
 
-def _run(
-    rig: Rig, listed: Sequence[Free], starts: int, seed: int, progress: Progress, remarks: list[str]
-) -> FitResult:
-    """Search the optimum, then profiles, candidates and scale."""
-    data, names = rig.data, rig.data.columns
-    keys = tuple(key for key in listed if key.deviation)
-    fixed = [key for key in listed if not key.deviation]
-    scatter = np.where(np.ptp(data.values, axis=0) > 0.0, data.values.std(axis=0), 1.0)
-    noise = [
-        data.noise.get(name, np.full(len(data.table), one)) for name, one in zip(names, scatter, strict=True)
-    ]
-    problem = Problem(rig, keys, np.column_stack(noise), {key.name: key.start for key in fixed})
-    optima = _search(problem, starts, seed, progress)
-    best, ends = _profiles(_influential(optima[0]).with_estimated_noise(), progress)
-    values = best.problem.values(best.point)
-    scene = rig.scene.with_keys({name: value for name, value in values.items() if name not in data.sensors})
-    start = np.array([key.start for key in best.problem.keys])
-    candidates = release_candidates(
-        best, candidate_keys(scene, data, values), start, lambda share: progress(0.5 + 0.4 * share)
-    )
-    separable = [one for one in candidates if one.is_separable]
-    scale, scale_remarks = _scale(best, candidates, fixed)
-    named = causes(candidates)
-    # columns in another unit: one of them is a cause already
-    is_explained = any(one.other_unit and not one.is_systematic for one in named)
-    if is_explained or not best.is_systematic:
-        remarks = [line for line in remarks if "possible cause" not in line]
-    fitted = {
-        key.name: _fitted(best, n, ends[n], candidates, separable) for n, key in enumerate(best.problem.keys)
-    }
-    return FitResult(
-        scene=scene,
-        parameters=[fitted.get(key.name) or _without_influence(key) for key in keys],
-        correlations=best.correlations,
-        measurement=data,
-        computed=Result({"time": data.table.time, **dict(zip(names, rig.computed(values).T, strict=True))}),
-        noise=dict(zip(names, np.sqrt(np.mean(best.problem.noise**2, axis=0)).tolist(), strict=True)),
-        estimated=[name for name in names if name not in data.noise],
-        chi_squared=best.chi_squared / best.freedom,
-        candidates=separable,
-        inseparable=[]
-        if any(end.open for pair in ends for end in pair)
-        else [one.name for one in candidates if one not in separable],
-        scale=scale,
-        remarks=[*remarks, *_weakest(best, ends), *scale_remarks],
-        searches=(sum(one.chi_squared <= 1.01 * optima[0].chi_squared for one in optima), len(optima)),
-        runs=rig.runs,
-        converged=best.converged,
-    )
-
-
 def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> list[Optimum]:
     """Search from the best of the start points; the best optimum first."""
-    keys, rig = problem.keys, problem.rig
+    keys = problem.keys
     places: list[Point] = [{key.name: key.start for key in keys}]
     if starts and any(key.has_range for key in keys):
         places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
@@ -433,7 +372,7 @@ def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> lis
         chi_squared.append(float(np.sum(problem.residuals(point) ** 2)))
     best = [points[n] for n in np.argsort(chi_squared)[:N_SEARCHES] if math.isfinite(chi_squared[n])]
     if not best:
-        raise Refused(f"the scene rejects all start values of the free parameters: {rig.rejection}")
+        raise Refused(f"the scene rejects all start values of the free parameters: {problem.rig.rejection}")
     optima = []
     for n, point in enumerate(best, 1):
         progress(0.1 + 0.2 * n / len(best))
@@ -443,20 +382,16 @@ def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> lis
 
 def _influential(optimum: Optimum) -> Optimum:
     """Return the optimum with keys without influence fixed at their starts."""
-    problem = optimum.problem
-    changes = np.linalg.norm(optimum.jacobian, axis=0) * problem.sizes * np.min(1.0 / optimum.noise_ratios)
-    is_free = changes >= MIN_INFLUENCE
-    if not is_free.any():
+    keys = optimum.problem.keys
+    changes = np.linalg.norm(optimum.jacobian, axis=0) * optimum.problem.sizes / optimum.noise_ratios.max()
+    if not (changes >= MIN_INFLUENCE).any():
         raise Refused(
-            f"no free parameter ({', '.join(key.name for key in problem.keys)}) has an influence on"
-            f" {', '.join(problem.rig.data.columns)}"
+            f"no free parameter ({', '.join(key.name for key in keys)}) has an influence on"
+            f" {', '.join(optimum.problem.rig.data.columns)}"
         )
-    free = tuple(key for key, one in zip(problem.keys, is_free, strict=True) if one)
-    fixed = problem.fixed | {key.name: key.start for key in problem.keys if key not in free}
-    problem = dataclasses.replace(problem, keys=free, fixed=fixed)
-    return dataclasses.replace(
-        optimum, problem=problem, point=optimum.point[is_free], jacobian=optimum.jacobian[:, is_free]
-    )
+    for number in np.flatnonzero(changes < MIN_INFLUENCE)[::-1]:
+        optimum = optimum.without_key(int(number), keys[number].start)
+    return optimum
 
 
 def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple[End, End]]]:
@@ -473,93 +408,126 @@ def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple
     return optimum, ends
 
 
-def _scale(
-    optimum: Optimum, candidates: Sequence[Candidate], exact: Sequence[Free]
-) -> tuple[list[str], list[str]]:
+def _scale(optimum: Optimum, fixed: Mapping[str, float]) -> tuple[list[str], list[str]]:
     """Find the fixed parameters that set the scale of masses and torques.
 
-    A common factor of all quantities with kg in their unit is a null direction of the Jacobian if only motion is
-    measured. One run with the factor confirms it.
+    A common factor of all quantities with kg in their unit is a null direction of the Jacobian if only motion
+    is measured. One run with the factor confirms it.
+
+    Args:
+        optimum: of the fit.
+        fixed: values of fixed parameters with kg in their unit and with an influence, SI, by name.
 
     Returns:
-        Names of the parameters with an influence, and warnings.
+        Names of these parameters, and warnings.
     """
-
-    def has_mass(unit: str) -> bool:
-        return "kg" in parse_unit(unit or "1")[1]
-
-    values = optimum.problem.values(optimum.point)
-    free = [key.name for key in optimum.problem.keys if has_mass(key.unit)]
-    fixed = {one.name: one.nominal for one in candidates if one.nominal and has_mass(one.unit)}
-    fixed |= {key.name: key.start for key in exact if key.start and has_mass(key.unit)}
-    if not free:
+    keys = optimum.problem.keys
+    free = [key.name for key in keys if has_mass(key.unit)]
+    factors = np.where([key.name in free for key in keys], SCALE_FACTOR, 1.0)
+    scaled = optimum.problem.fixed | {name: SCALE_FACTOR * value for name, value in fixed.items()}
+    problem = dataclasses.replace(optimum.problem, fixed=scaled)
+    change = np.linalg.norm(problem.residuals(factors * optimum.point) - optimum.residuals)
+    if not free or not change < MAX_SCALE_CHANGE:
         return [], []
-    scaled = {
-        name: SCALE_FACTOR * value for name, value in (fixed | values).items() if name in {*free, *fixed}
-    }
-    problem = dataclasses.replace(optimum.problem, fixed=optimum.problem.fixed | fixed | scaled)
-    point = np.array([(values | scaled)[key.name] for key in problem.keys])
-    change = np.linalg.norm(problem.residuals(point) - optimum.residuals)
-    if not change < MAX_SCALE_CHANGE:
-        return [], []
-    ratios = f"only ratios of {', '.join(free)} are identifiable: "
+    ratios = f"only ratios of {', '.join(free)} are identifiable:"
     if not fixed:
-        return [], [f"{ratios}a common factor changes nothing, because no mass, inertia or torque is fixed"]
-    if len(fixed) == 1:
-        return list(fixed), [f"{ratios}the result scales with {next(iter(fixed))}, which is taken as exact"]
-    return list(fixed), []
+        return [], [f"{ratios} a common factor changes nothing, because no mass, inertia or torque is fixed"]
+    alone = [f"{ratios} the result scales with {name}, which is taken as exact" for name in fixed]
+    return list(fixed), alone if len(fixed) == 1 else []
 
 
 def _weakest(optimum: Optimum, ends: Sequence[tuple[End, End]]) -> list[str]:
-    """Return a warning on the weakest direction of the Jacobian if a re-fit along it meets no limit."""
+    """Return a warning on the weakest direction of the Jacobian if re-fits along it meet no limit."""
     singular, direction = optimum.weakest_direction()
-    keys = optimum.problem.keys
-    along = [n for n in range(len(keys)) if abs(direction[n]) > MIN_COMPONENT]
+    along = np.flatnonzero(np.abs(direction) > MIN_COMPONENT).tolist()
     if len(along) < 2 or not any(end.open for n in along for end in ends[n]):
         return []
-    names = ", ".join(keys[n].name for n in along)
+    names = ", ".join(optimum.problem.keys[n].name for n in along)
     return [
         f"only a combination of {names} is identifiable: along the weakest direction of the scaled Jacobian"
-        f" (singular value {singular:.2g}) a re-fit meets no limit"
+        f" (singular value {singular:.2g}) re-fits meet no limit"
     ]
 
 
-def _fitted(
-    best: Optimum,
-    number: int,
-    ends: tuple[End, End],
-    candidates: Sequence[Candidate],
-    models: Sequence[Candidate],
-) -> Fitted:
+def _run(
+    rig: Rig, listed: Sequence[Free], starts: int, seed: int, progress: Progress, remarks: list[str]
+) -> FitResult:
+    """Search the optimum, then profiles, candidates and scale."""
+    data, names = rig.data, rig.data.columns
+    keys = tuple(key for key in listed if key.deviation)
+    exact = {key.name: key.start for key in listed if not key.deviation}
+    scatter = np.where(np.ptp(data.values, axis=0) > 0.0, data.values.std(axis=0), 1.0)
+    noise = [
+        data.noise.get(name, np.full(len(data.table), one)) for name, one in zip(names, scatter, strict=True)
+    ]
+    optima = _search(Problem(rig, keys, np.column_stack(noise), exact), starts, seed, progress)
+    best, ends = _profiles(_influential(optima[0]).with_estimated_noise(), progress)
+    values = best.problem.values(best.point)
+    scene = rig.scene.with_keys({name: value for name, value in values.items() if name not in data.sensors})
+    start = np.array([key.start for key in best.problem.keys])
+    candidates = release_candidates(
+        best, candidate_keys(scene, data, values), start, lambda share: progress(0.5 + 0.4 * share)
+    )
+    fixed = {one.name: one.nominal for one in candidates if one.nominal and has_mass(one.unit)}
+    fixed |= {key.name: key.start for key in listed if key.name in exact and key.start and has_mass(key.unit)}
+    scale, scale_remarks = _scale(best, fixed)
+    # the remaining remarks on units concern columns that no cause explains
+    if not best.is_systematic or any(one.other_unit and not one.is_systematic for one in causes(candidates)):
+        remarks = []
+    fitted = {key.name: _fitted(best, n, ends[n], candidates) for n, key in enumerate(best.problem.keys)}
+    is_open = any(end.open for pair in ends for end in pair)
+    return FitResult(
+        scene=scene,
+        parameters=[fitted.get(key.name) or _without_influence(key) for key in keys],
+        correlations=best.correlations,
+        measurement=data,
+        computed=Result({"time": data.table.time, **dict(zip(names, rig.computed(values).T, strict=True))}),
+        noise=dict(zip(names, np.sqrt(np.mean(best.problem.noise**2, axis=0)).tolist(), strict=True)),
+        estimated=[name for name in names if name not in data.noise],
+        chi_squared=best.chi_squared / best.freedom,
+        candidates=[one for one in candidates if one.is_separable],
+        inseparable=[one.name for one in candidates if not one.is_separable and not is_open],
+        scale=scale,
+        remarks=[
+            *remarks,
+            *(key.range_remark for key in keys if key.range_remark),
+            *_weakest(best, ends),
+            *scale_remarks,
+        ],
+        searches=(sum(one.chi_squared <= 1.01 * optima[0].chi_squared for one in optima), len(optima)),
+        runs=rig.runs,
+        converged=best.converged,
+    )
+
+
+def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Sequence[Candidate]) -> Fitted:
     """Return a fitted key with its intervals."""
     key, value = best.problem.keys[number], float(best.point[number])
     named = causes(candidates)
-    is_explained = bool(named) and not named[0].is_systematic
     is_systematic = named[0].is_systematic if named else best.is_systematic
-    doubt = _doubt(key, value, ends)
+    is_explained = bool(named) and not is_systematic
+    doubts = [_doubt(key, value, ends)]
     if is_systematic:
-        unreliable = "the residuals are systematic: no interval is reliable until their cause is known"
-        doubt = f"{doubt}; {unreliable}" if doubt else unreliable
-    exact = ends[0].value, ends[1].value
-    low, high = (exact[0], ""), (exact[1], "")
+        doubts.append("the residuals are systematic: no interval is reliable until their cause is known")
+    exact, envelope = (ends[0].value, ends[1].value), [(end.value, "") for end in ends]
     if is_explained or not any(end.open for end in ends):
-        plausible_models = [one for one in plausible(candidates) if one in models or one in named]
-        low = _envelope(number, -1, None if is_explained else exact[0], plausible_models)
-        high = _envelope(number, 1, None if is_explained else exact[1], plausible_models)
+        models = [one for one in plausible(candidates) if one.is_separable]
+        inner = (math.inf, -math.inf) if is_explained else exact
+        envelope = [_envelope(number, side, inner[side > 0], models) for side in (-1, 1)]
     return Fitted(
         name=key.name,
         value=value,
         error=float(best.deviations[number]),
-        interval=(low[0], high[0]),
+        interval=(envelope[0][0], envelope[1][0]),
         interval_if_exact=exact,
         unit=key.unit,
-        released=tuple(dict.fromkeys(name for name in (low[1], high[1]) if name)),
+        released=tuple(dict.fromkeys(name for _, name in envelope if name)),
         is_excluded=is_explained,
-        doubt=doubt,
+        doubt="; ".join(doubt for doubt in doubts if doubt),
     )
 
 
-def _envelope(number: int, side: int, exact: float | None, models: Sequence[Candidate]) -> tuple[float, str]:
+def _envelope(number: int, side: int, exact: float, models: Sequence[Candidate]) -> tuple[float, str]:
     """Return the outermost end of the profiles of several models, and the candidate that sets it.
 
     Discrete profiling: Dauncey, Kenzie, Wardle and Davies, Journal of Instrumentation 10 (2015) P04015. The
@@ -568,35 +536,29 @@ def _envelope(number: int, side: int, exact: float | None, models: Sequence[Cand
     Args:
         number: place of the key.
         side: -1 for the lower, 1 for the upper end.
-        exact: end without a released candidate, or None if the data exclude that.
+        exact: end without a released candidate; infinite, on the other side, if the data exclude that model.
         models: plausible candidates.
     """
-    linear = sorted(
-        ((side * widest_ends(one.optimum, number)[side > 0], one) for one in models),
-        key=lambda pair: -pair[0],
-    )
-    end, name = (-math.inf if exact is None else side * exact), ""
-    for estimate, model in linear[:MAX_PROFILES]:
-        if estimate <= end:
-            break
-        profiled = side * profile_end(model.optimum, number, side).value
-        if profiled > end:
-            end, name = profiled, model.name
-    return side * end, name
+    linear = [(side * widest_ends(one.optimum, number)[side > 0], one) for one in models]
+    outermost, name = side * exact, ""
+    for estimate, model in sorted(linear, key=lambda pair: -pair[0])[:MAX_PROFILES]:
+        if estimate > outermost:
+            end = side * profile_end(model.optimum, number, side).value
+            outermost, name = max((outermost, name), (end, model.name))
+    return side * outermost, name
 
 
 def _doubt(key: Free, value: float, ends: tuple[End, End]) -> str:
     """Return a remark on a key that is not identifiable or at the end of its range, or ""."""
-    is_open = [end.open for end in ends]
-    if not any(is_open):
-        return ""
-    at_end = key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size
-    if all(is_open):
+    lower, upper = (end.open for end in ends)
+    if lower and upper:
         return "not identifiable from the data: the profile likelihood has no limit within the ranges"
-    if at_end:
+    if (lower or upper) and key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size:
         return "is at the end of its range"
-    side = "lower" if is_open[0] else "upper"
-    return f"not identifiable from the data: they set no {side} limit within the ranges"
+    if lower or upper:
+        side = "lower" if lower else "upper"
+        return f"not identifiable from the data: they set no {side} limit within the ranges"
+    return ""
 
 
 def _without_influence(key: Free) -> Fitted:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -110,17 +109,15 @@ class Problem:
         rtol = REFIT_RTOL if refit else SEARCH_RTOL
 
         def point(variables: Array) -> Array:
-            return np.clip(origin + sizes * variables, low, high)
+            return np.asarray(np.clip(origin + sizes * variables, low, high))
 
-        differences: str | Callable[[Array], Array] = "3-point" if central else "2-point"
-        if jacobian is not None:
-            differences = lambda variables: jacobian * sizes  # noqa: E731
+        differences = "3-point" if central else "2-point"
         try:
             result = least_squares(
                 lambda variables: self.residuals(point(variables)),
                 (np.clip(start, low, high) - origin) / sizes,
                 bounds=((low - origin) / sizes, (high - origin) / sizes),
-                jac=differences,
+                jac=differences if jacobian is None else lambda variables: jacobian * sizes,
                 diff_step=0.5 * np.asarray(steps),
                 x_scale="jac",
                 tr_solver="exact",
@@ -190,18 +187,18 @@ class Optimum:
         """Covariance of the keys; huge along directions without influence, shape (keys, keys)."""
         _, singular, directions = np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)
         scaled = directions.T / np.maximum(singular, 1e-9) * self.problem.sizes[:, None]
-        return scaled @ scaled.T
+        return np.asarray(scaled @ scaled.T)
 
     @property
     def deviations(self) -> Array:
         """Standard error of each key in the linear model, shape (keys,)."""
-        return np.sqrt(np.diag(self.covariance))
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def steps(self) -> Array:
         """Steps of differences of one standard error, in sizes of the keys, shape (keys,)."""
         alone = 1.0 / np.maximum(np.linalg.norm(self.jacobian * self.problem.sizes, axis=0), 1e-9)
-        return np.clip(alone, MIN_STEP, MAX_STEP)
+        return np.asarray(np.clip(alone, MIN_STEP, MAX_STEP))
 
     @property
     def t_quantile(self) -> float:
@@ -232,11 +229,11 @@ class Optimum:
         scaled = np.linalg.lstsq(self.jacobian * sizes, -change, rcond=1e-10)[0]
         return np.asarray(sizes * scaled)
 
-    def without_key(self, number: int) -> Optimum:
-        """Return the optimum with one of the keys fixed at its value."""
+    def without_key(self, number: int, value: float) -> Optimum:
+        """Return the optimum with one of the keys fixed at a value."""
         return replace(
             self,
-            problem=self.problem.without_key(number, float(self.point[number])),
+            problem=self.problem.without_key(number, value),
             point=np.delete(self.point, number),
             jacobian=np.delete(self.jacobian, number, axis=1),
         )

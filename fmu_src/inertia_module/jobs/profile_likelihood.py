@@ -32,7 +32,7 @@ class End(NamedTuple):
 
     Attributes:
         value: of the key, SI.
-        open: whether the end of a range, of this key or another, stops the profile before it reaches its limit.
+        open: whether the end of a range, of this or another key, stops the profile below its limit.
         optimum: point with the least chi-squared of all re-fits, shape (keys,), and its chi-squared.
     """
 
@@ -53,7 +53,7 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
     """Find one end of the interval of a key.
 
     The root of the change of chi-squared is nearly linear in the key, so the secant method needs two or three
-    re-fits. Far outside, bisection replaces it. An end that is not accurate after MAX_REFITS is too far outside.
+    re-fits. Far outside, bisection replaces it. After MAX_REFITS the outer end of the bracket is returned.
 
     Args:
         optimum: with the noise by which chi-squared is measured.
@@ -63,7 +63,7 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
     problem, centre, least = optimum.problem, float(optimum.point[number]), optimum.chi_squared
     limit, quantile = limits(problem.keys[number], centre)[side > 0], optimum.t_quantile
     # direction along which the other keys follow
-    follow = optimum.without_key(number).compensation(optimum.jacobian[:, number])
+    follow = optimum.without_key(number, centre).compensation(optimum.jacobian[:, number])
     direction = np.insert(follow, number, 1.0)
     best, inside, outside = (least, optimum.point), (centre, 0.0, optimum.point), (math.nan, math.inf)
     value = centre + side * quantile * float(optimum.deviations[number])
