@@ -686,7 +686,7 @@ def fit(
 
     shown: list[Shown] = [
         (f"{found.scene.title}: fitted values with 95 % intervals", found.lines()),
-        ("fixed parameters, released one at a time", found.suspicions()),
+        ("fixed parameters, released one at a time", found.candidate_lines()),
     ]
     shown += [f"warning: {warning}" for warning in found.warnings]
     return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
