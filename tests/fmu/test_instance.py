@@ -182,7 +182,7 @@ WIDE = (
 
 def test_columns_that_the_fmu_does_not_know_are_left_out_with_a_warning(fmu_path, tmp_path):
     (tmp_path / "rig.csv").write_text(WIDE)
-    with pytest.warns(UserWarning, match="no inputs or readable outputs of .* are not used: ") as caught:
+    with pytest.warns(UserWarning, match="not inputs or readable outputs of .* are ignored: ") as caught:
         table = run(fmu_path, tmp_path / "rig.csv")
     names = str(caught[0].message).rpartition(": ")[2].split(", ")
     assert sorted(names) == ["energy_in", "note", "oil", "omega_out", "valve"]

@@ -27,7 +27,7 @@ SECTIONS = [
     *("Torque converter chart", "Orders", "Energy and losses", "Freewheel duty"),
 ]
 # times of this machine, which differ from run to run
-TIMES = {"wall time", "real time factor"}
+TIMES = {"wall-clock time", "real time factor"}
 
 
 @pytest.fixture

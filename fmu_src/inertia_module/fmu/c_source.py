@@ -94,7 +94,7 @@ def signed(value: str, kind: str) -> str:
 def calculation(what: str, kind: str, to: str, a: str, b: str) -> str:
     """Expression in C of one of CALCULATIONS with operands of a type, whose result is of another."""
     if what not in CALCULATIONS:
-        raise CompilationUnavailable(f"there is no C for {what}")
+        raise CompilationUnavailable(f"cannot translate to C: {what}")
     with_signs = [signed(value, kind) if kind[0] == "i" else "" for value in (a, b)]
     value = CALCULATIONS[what].format(a=a, b=b, A=with_signs[0], B=with_signs[1])
     # no bits that the type does not have
@@ -106,7 +106,7 @@ def constant(kind: str, text: str) -> str:
     if text in ("poison", "undef", "zeroinitializer", "null", "true", "false"):
         text = str(int(text == "true"))
     if kind == "ptr" and text != "0":
-        raise CompilationUnavailable(f"there is no C for the address {text}")
+        raise CompilationUnavailable(f"cannot translate to C: address {text}")
     if kind in ("ptr", "i1"):
         return "NULL" if kind == "ptr" else text
     if kind != "double":
@@ -172,7 +172,7 @@ class Function:
     def _match(pattern: str, text: str) -> re.Match[str]:
         found = re.match(pattern, text)
         if not found:
-            raise CompilationUnavailable(f"there is no C for {text[:80].strip()}")
+            raise CompilationUnavailable(f"cannot translate to C: {text[:80].strip()}")
         return found
 
     def _value(self, kind: str, text: str) -> list[str]:
@@ -254,7 +254,7 @@ class Function:
         elif known in CALCULATIONS:
             self._set(name, found[1], [calculation(known, found[1], found[1], *values)])
         elif found[2] not in self.names and known not in MATHEMATICS:
-            raise CompilationUnavailable(f"there is no C for {known}")
+            raise CompilationUnavailable(f"cannot translate to C: {known}")
         elif name:
             self._set(name, found[1], [call])
         else:

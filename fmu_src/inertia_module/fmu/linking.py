@@ -37,7 +37,7 @@ def header_folder() -> Path:
     folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
     for version in (2, 3):
         if not (folder / f"fmi{version}Functions.h").is_file():
-            raise CompilationUnavailable(f"the installed fmpy brings no headers of FMI {version}.0")
+            raise CompilationUnavailable(f"the installed fmpy has no headers of FMI {version}.0")
     return folder
 
 
@@ -78,7 +78,7 @@ def link_front(target: Target, behind: str) -> bytes:
 
     def linked() -> bytes:
         content = {Path(path).name: text for path, text in files.items()}
-        content |= version_file(target, "front.dll", "Library in front of pythonfmu's")
+        content |= version_file(target, "front.dll", "Wrapper library of pythonfmu")
         flags = ("-std=c11", "-isystem", str(header_folder()), f'-DPYTHONFMU="{behind}"')
         windows = {"kernel32.dll": WINDOWS_FUNCTIONS}
         needed = target._replace(libraries=("-ldl",))

@@ -84,7 +84,7 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     if unused and not inputs:
         raise next(iter(unused.values()))
     if unused and origin:
-        text = f"{origin.path}: columns that are not inputs or outputs of {file} are ignored: "
+        text = f"{origin.path}: columns that are not inputs or readable outputs of {file} are ignored: "
         warnings.warn(text + listed(unused), stacklevel=3)
     table = table.without(unused.keys()).converted({name: unit for name, unit in units.items() if unit})
     names = {name: name if name in (TIME, *inputs) else f"{name}_measured" for name in table.names}
