@@ -35,7 +35,7 @@ def largest_square(d, x):
 
 
 def see_load(d, x, q, omega1, omega2, alpha1, alpha2):
-    """Take a moment into the largest |a|^2 at once: the moment before an event, which no other one replaces."""
+    """Take a moment into the largest |a|^2 at once: the moment before an event."""
     ax, ay, az = acceleration(
         imbalance(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
     )

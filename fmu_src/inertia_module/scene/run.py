@@ -196,8 +196,8 @@ def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
             continue
         if name not in stiffness:
             texts.append(
-                f"{name} torque peak leaves out impacts: a rigid freewheel with an engagement angle has no finite"
-                f" torque in them; set freewheels.{name}.stiffness to compare them with the limit,"
+                f"{name} torque peak leaves out impacts: a rigid freewheel with an engagement angle has no"
+                f" finite torque in them; set freewheels.{name}.stiffness to compare them with the limit,"
                 f" {limit:.6g} N.m, or mechanism.{STIFFNESS[name]} at fidelity elastic"
             )
         elif (torque := duty[f"{name}_impact_torque"].value) > limit:
