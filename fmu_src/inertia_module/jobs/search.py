@@ -32,8 +32,9 @@ Array = NDArray[np.float64]
 NEARER = 1e-3
 # largest relative difference of the best designs of two starts in a search that has converged
 SPREAD = 0.05
-# first and last step of a polish, as shares of the ranges, and evaluations for each free key
-POLISH_FIRST, POLISH_LAST, POLISH_EVALUATIONS = 0.04, 1e-3, 14
+# first steps of the two passes of a polish and their last step, as shares of the ranges; evaluations of a pass
+# for each free key
+POLISH_FIRST, POLISH_LAST, POLISH_EVALUATIONS = (0.1, 0.03), 1e-3, 14
 # differential evolution: probability of crossover; the factor of differences is drawn from 0.5 to 1
 CROSSOVER = 0.9
 # the cost, over the cost of its start, of a design that cannot be computed during a polish
@@ -211,22 +212,26 @@ class DesignSearch:
         Returns:
             Best figure of each goal; empty if no row satisfies all limits.
         """
-        margin, best = self.spec.search.margin, dict[str, float]()
-        for number, goal in enumerate(self.spec.goals):
-            satisfying = [row for row in rows if self.judge.meets(row, margin)]
-            if not satisfying:
-                return {}
-            cost = partial(self._cost, number)
-            best[goal] = self._descend(min(satisfying, key=cost), cost).figures[goal]
-        return best
+        margin = self.spec.search.margin
+        satisfying = [row for row in rows if self.judge.meets(row, margin)]
+        if not satisfying:
+            return {}
+        costs = {goal: partial(self._cost, number) for number, goal in enumerate(self.spec.goals)}
+        for cost in costs.values():
+            satisfying += self._descend(min(satisfying, key=cost), cost)
+        return {goal: min(satisfying, key=cost).figures[goal] for goal, cost in costs.items()}
 
-    def _descend(self, start: Row, cost: Callable[[Row], float]) -> Row:
+    def _descend(self, start: Row, cost: Callable[[Row], float]) -> list[Row]:
         """Polish a design, and its neighbours in whole numbers as long as one is better.
 
         Args:
             start: a design that satisfies all limits.
             cost: of a design, to be small.
+
+        Returns:
+            All designs within the limits that were evaluated.
         """
+        satisfying = list[Row]()
         margin = self.spec.search.margin
         best, tried = start, set[tuple[float | str, ...]]()
         ahead = [self._shares[str(start.point)]]
@@ -237,10 +242,11 @@ class DesignSearch:
                 continue
             tried.add(combination)
             polished = [row for row in self._polish(shares, cost, best) if self.judge.meets(row, margin)]
+            satisfying += polished
             better = min([best, *polished], key=cost)
             if better is not best or len(tried) == 1:
                 best, ahead = better, self._neighbours(self._shares[str(better.point)])
-        return best
+        return satisfying
 
     def _combination(self, shares: Array) -> tuple[float | str, ...]:
         """Return the whole numbers and list values of a design, given by its shares."""
@@ -303,12 +309,18 @@ class DesignSearch:
             """Return the reserve to each limit, below 0 if it is violated."""
             return -np.array(self.judge.violations(row_at(x), margin))
 
-        minimize(
-            objective,
-            shares[free],
-            method="COBYLA",
-            bounds=[(0.0, 1.0)] * len(free),
-            constraints={"type": "ineq", "fun": reserves},
-            options={"rhobeg": POLISH_FIRST, "tol": POLISH_LAST, "maxiter": POLISH_EVALUATIONS * len(free)},
-        )
+        begin = shares[free]
+        for first_step in POLISH_FIRST:
+            minimize(
+                objective,
+                begin,
+                method="COBYLA",
+                bounds=[(0.0, 1.0)] * len(free),
+                constraints={"type": "ineq", "fun": reserves},
+                options={"rhobeg": first_step, "tol": POLISH_LAST, "maxiter": POLISH_EVALUATIONS * len(free)},
+            )
+            satisfying = [row for row in rows if self.judge.meets(row, margin)]
+            if not satisfying:
+                break
+            begin = self._shares[str(min(satisfying, key=cost).point)][free]
         return rows
