@@ -103,7 +103,7 @@ def main():
 
 
 def check_clone(folder):
-    """Check that an installed clone, with the tools of this environment, builds an FMU and runs a scene."""
+    """Check that a clone, installed with the tools of this environment, builds an FMU and runs a scene."""
     place, here = folder / "installed", [sys.executable, "-m"]
     given = ["--no-deps", "--no-build-isolation", "--target", str(place), str(ROOT)]
     subprocess.run([*here, "pip", "--disable-pip-version-check", "install", "-q", *given], check=True)

@@ -304,8 +304,8 @@ def fit(
         scene: scene, or its file.
         free: "NAME", "NAME=LOW:HIGH" or, with prior knowledge, "NAME=VALUE +- DEVIATION" each; or the text
             after the sign (or None) by name. NAME is a key of the scene by dots, a parameter of the
-            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" of a sensor (s, positive if late;
-            "shift.time" for all columns). A DEVIATION of 0 declares the value exact.
+            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late) of a sensor;
+            "shift.time" is for all columns. A DEVIATION of 0 declares the value exact.
         columns: names of the compared columns; by default all that the scene computes.
         starts: points of the ranges (Latin hypercube) that are compared besides the values of the scene. The
             best N_SEARCHES of them start a search.
@@ -512,14 +512,15 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
     named = causes(candidates)
     is_systematic = named[0].is_systematic if named else best.is_systematic
     is_explained = bool(named) and not is_systematic
-    doubts = [_doubt(key, value, ends)]
-    if is_systematic:
-        doubts.append("the residuals are systematic: no interval is reliable until their cause is known")
-    exact, envelope = (ends[0].value, ends[1].value), [(end.value, "") for end in ends]
+    exact, envelope = (ends[0].value, ends[1].value), [(end.value, "", end.open) for end in ends]
     if is_explained or not any(end.open for end in ends):
         models = [one for one in plausible(candidates) if one.is_separable]
         inner = (math.inf, -math.inf) if is_explained else exact
         envelope = [_envelope(number, side, inner[side > 0], models) for side in (-1, 1)]
+    doubts = [_doubt(key, value, [end.open for end in ends])]
+    doubts[0] = doubts[0] or _doubt(key, value, [is_open for *_, is_open in envelope])
+    if is_systematic:
+        doubts.append("the residuals are systematic: no interval is reliable until their cause is known")
     return Fitted(
         name=key.name,
         value=value,
@@ -527,14 +528,14 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
         interval=(envelope[0][0], envelope[1][0]),
         interval_if_exact=exact,
         unit=key.unit,
-        released=tuple(dict.fromkeys(name for _, name in envelope if name)),
+        released=tuple(dict.fromkeys(name for _, name, _ in envelope if name)),
         is_excluded=is_explained,
         doubt="; ".join(doubt for doubt in doubts if doubt),
     )
 
 
-def _envelope(number: int, side: int, exact: float, models: Sequence[Candidate]) -> tuple[float, str]:
-    """Return the outermost end of the profiles of several models, and the candidate that sets it.
+def _envelope(number: int, side: int, exact: float, models: Sequence[Candidate]) -> tuple[float, str, bool]:
+    """Return the outermost end of the profiles of several models, its candidate, and whether it is open.
 
     Discrete profiling: Dauncey, Kenzie, Wardle and Davies, Journal of Instrumentation 10 (2015) P04015. The
     linear model selects the models whose profile is computed.
@@ -546,17 +547,18 @@ def _envelope(number: int, side: int, exact: float, models: Sequence[Candidate])
         models: plausible candidates.
     """
     linear = [(side * widest_ends(one.optimum, number)[side > 0], one) for one in models]
-    outermost, name = side * exact, ""
+    outermost, name, is_open = side * exact, "", False
     for estimate, model in sorted(linear, key=lambda pair: -pair[0])[:MAX_PROFILES]:
         if estimate > outermost:
-            end = side * profile_end(model.optimum, number, side).value
-            outermost, name = max((outermost, name), (end, model.name))
-    return side * outermost, name
+            end = profile_end(model.optimum, number, side)
+            if side * end.value > outermost:
+                outermost, name, is_open = side * end.value, model.name, end.open
+    return side * outermost, name, is_open
 
 
-def _doubt(key: Free, value: float, ends: tuple[End, End]) -> str:
+def _doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
     """Return a remark on a key that is not identifiable or at the end of its range, or ""."""
-    lower, upper = (end.open for end in ends)
+    lower, upper = is_open
     if lower and upper:
         return "not identifiable from the data: the profile likelihood has no limit within the ranges"
     if (lower or upper) and key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size:

@@ -65,7 +65,11 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
     # direction along which the other keys follow
     follow = optimum.without_key(number, centre).compensation(optimum.jacobian[:, number])
     direction = np.insert(follow, number, 1.0)
-    best, inside, outside = (least, optimum.point), (centre, 0.0, optimum.point), (math.nan, math.inf)
+    best, inside, outside = (
+        (least, optimum.point),
+        (centre, 0.0, optimum.point),
+        (math.nan, math.inf, optimum.point),
+    )
     value = centre + side * quantile * float(optimum.deviations[number])
     for _ in range(MAX_REFITS):
         value = min(value, limit) if side > 0 else max(value, limit)
@@ -76,16 +80,13 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
         if root <= quantile:
             inside = value, root, point
         else:
-            outside = value, root
+            outside = value, root, point
         if (value == limit and root <= quantile) or abs(root - quantile) < PROFILE_RTOL * quantile:
             return End(value, _is_stopped(optimum, point), best)
-        value = _next(inside[:2], outside, centre, quantile)
-    is_unbounded = math.isnan(outside[0])
-    return End(
-        inside[0] if is_unbounded else outside[0],
-        is_unbounded or _is_stopped(optimum, inside[2]),
-        best,
-    )
+        value = _next(inside[:2], outside[:2], centre, quantile)
+    # without a limit so far, or with another key at the end of its range just outside
+    last = inside if math.isnan(outside[0]) else outside
+    return End(last[0], last is inside or _is_stopped(optimum, last[2]), best)
 
 
 def _is_stopped(optimum: Optimum, point: Array) -> bool:

@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 NEARER = 1e-3
 # largest relative difference of the best designs of two starts in a search that has converged
 SPREAD = 0.05
-# first steps of the two passes of a polish and their last step, as shares of the ranges; evaluations of a pass
-# for each free key
+# first steps of the two passes of a polish and their last step, as shares of the ranges; evaluations of a
+# pass for each free key
 POLISH_FIRST, POLISH_LAST, POLISH_EVALUATIONS = (0.1, 0.03), 1e-3, 14
 # differential evolution: probability of crossover; the factor of differences is drawn from 0.5 to 1
 CROSSOVER = 0.9
