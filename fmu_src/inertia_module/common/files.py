@@ -105,7 +105,8 @@ def naming(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        error.filename, error.filename2 = str(path), None
+        if error.errno is not None:  # otherwise the message has no place for a file
+            error.filename, error.filename2 = str(path), None
         raise
 
 
