@@ -414,7 +414,7 @@ def test_a_speed_extrapolated_over_steps_is_not_stopped_within_them(fmu):
     table = Result.from_columns({"time": [0.005, 0.007], "omega2": [0.0, 0.0]})
     with Rig(scene, measurement(table, scene), fmu) as rig:
         assert np.isnan(rig.computed({})).all()
-    assert re.match(r".* each time must be a multiple of .* = 0.005 s, is 0.007 s", rig.rejection)
+    assert re.match(r".* each time must be a multiple of .* = 0.005 s .got 0.007 s", rig.rejection)
 
 
 # --- what is refused, and the command ---
@@ -426,7 +426,7 @@ def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
     for measured, free, options, words in (
         (few, FREE, {}, r"values of omega2 must be at least 4 \(2 free parameters, 2 for the noise\), is 3"),
         (MEASURED, idle, {}, r"no free parameter .*shaft_damping.* has an influence on omega2, omega_out"),
-        (MEASURED, FREE, {"starts": -1}, "starts must be at least 0, is -1"),
+        (MEASURED, FREE, {"starts": -1}, "starts must be at least 0 .got -1"),
     ):
         assert_refused(words, jobs.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
     assert list(tmp_path.iterdir()) == []

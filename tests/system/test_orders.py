@@ -394,7 +394,7 @@ def test_orders_that_cannot_be_are_refused_in_a_sentence(fmu, drive, options, wo
 def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeypatch):
     monkeypatch.setattr(order_run, "SIGNALS", ("omega2", "input_speed"))
     assert_refused("all signals are constant: omega2, input_speed", jobs.orders, held(stop=1.0), fmu)
-    with pytest.raises(Refused, match=r"rigid or elastic for orders .got averaged"):
+    with pytest.raises(Refused, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"):
         jobs.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     words = r"must be increasing, is constant or decreasing at .* s; choose another time range"

@@ -553,9 +553,14 @@ def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run
     (tmp_path / "folder.html").mkdir()
     (tmp_path / "file").write_text("a file")
     shaft, missing = EXAMPLES / "papers" / "stelmashchuk_stepping.toml", tmp_path / "template.html"
-    told = "error: the page has not been built yet: `make page` in a clone builds it, and the wheel has it\n"
+    told = "error: the viewer has not been built. Run `make page` in a clone, or install the wheel.\n"
     for template, arguments, place, sentence in (
-        (TEMPLATE, ("run", shaft, "--view"), "", "--view must come with a scene of the module"),
+        (
+            TEMPLATE,
+            ("run", shaft, "--view"),
+            "",
+            "--fidelity, --error and --view require a scene of the module",
+        ),
         (TEMPLATE, ("view", shaft), "page.html", "must be a scene of the module (got a driven shaft)"),
         (TEMPLATE, ("view", ENGINE), "folder.html", "--output must be a file (got the folder "),
         (TEMPLATE, ("view", ENGINE), "page.txt", "--output must be a file with the ending .html (got "),

@@ -261,7 +261,12 @@ def test_it_says_what_why_and_what_the_next_would_cost():
 @pytest.mark.parametrize(
     "rows, error, wanted, words",
     [
-        (ROWS, 1e-12, "omega_out", "no fidelity level .* 1e-12 in omega_out; .*1e-09: error 1e-09"),
+        (
+            ROWS,
+            1e-12,
+            "omega_out",
+            "no fidelity level reaches error = 1e-12 in omega_out; best: .* error 1e-09",
+        ),
         ([TIGHT], 1.0, "energy_in", "no reference for energy_in"),
         # what a level does not model comes before what is unknown
         ([TIGHT], 1.0, "energy_in shaft_twist", "it has no elastic shaft"),

@@ -35,7 +35,7 @@ RECORD = np.linspace(0.0, 1.0, 101)
             r"0 to 60 s \(got 100 to 101 s\): subtract 100 s from all times, or name their unit",
         ),
         (RECORD - 5.0, 1.0, r"0 to 1 s \(got -5 to -4 s\): name their unit"),
-        (np.array([2.0, 3.0]), 1.0, "are 2 to 3 s"),
+        (np.array([2.0, 3.0]), 1.0, "got 2 to 3 s"),
     ],
 )
 def test_a_table_that_never_meets_the_run_is_rejected_with_both_ranges(times, stop_time, words):
@@ -121,7 +121,7 @@ def test_a_road_may_have_a_step_and_a_torque_over_the_speed_has_none(tmp_path):
     scene = load_scene(example("urban"), {"load.slope_over_distance.file": str(tmp_path / "road.csv")})
     assert scene.load.slope_over_distance.signal()(np.array([4.9, 5.0])).tolist() == [0.0, 0.1]
     (tmp_path / "map.csv").write_text("speed [rpm],torque\n0,20\n1000,30\n1000,40\n")
-    words = "drive.full_load: speed must increase, 104.72 comes after 104.72"
+    words = "drive.full_load: speed must be strictly increasing .got 104.72 after 104.72"
     assert_refused(
         words, load_scene, example("engine_launch"), {"drive.full_load": {"file": str(tmp_path / "map.csv")}}
     )
@@ -147,7 +147,7 @@ def test_a_scene_rejects_a_table_that_never_meets_its_run_and_warns_of_a_doubtfu
     (tmp_path / "rig.csv").write_text(f"time;omega1\n{rows}")
     table = changed(OPEN, SPEED, 'kind = "table"\nfile = "rig.csv"')
     with pytest.raises(
-        SceneError, match=r"times of drive \(rig.csv\) must be within the run, 0 to 1 s, are 100"
+        SceneError, match=r"times of drive \(rig.csv\) must be within the run, 0 to 1 s \(got 100"
     ):
         read(table, tmp_path)
     read(changed(table, "stop_time = 1", "stop_time = 130"), tmp_path)

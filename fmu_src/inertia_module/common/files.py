@@ -105,7 +105,7 @@ def naming(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.errno is not None:
+        if error.errno is not None:  # otherwise the message has no place for a file
             error.filename, error.filename2 = str(path), None
         raise
 
