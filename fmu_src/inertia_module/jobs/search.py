@@ -33,8 +33,9 @@ NEARER = 1e-3
 # largest relative difference of the best designs of two starts in a search that has converged
 SPREAD = 0.05
 # first steps of the two passes of a polish and their last step, as shares of the ranges; evaluations of a
-# pass for each free key
+# pass for each free key; designs of a neighbour in whole numbers that are polished besides the best one
 POLISH_FIRST, POLISH_LAST, POLISH_EVALUATIONS = (0.1, 0.03), 1e-3, 14
+CLOSEST = 4
 # differential evolution: probability of crossover; the factor of differences is drawn from 0.5 to 1
 CROSSOVER = 0.9
 # the cost, over the cost of its start, of a design that cannot be computed during a polish
@@ -218,35 +219,54 @@ class DesignSearch:
             return {}
         costs = {goal: partial(self._cost, number) for number, goal in enumerate(self.spec.goals)}
         for cost in costs.values():
-            satisfying += self._descend(min(satisfying, key=cost), cost)
+            satisfying += self._descend(min(satisfying, key=cost), rows, cost)
         return {goal: min(satisfying, key=cost).figures[goal] for goal, cost in costs.items()}
 
-    def _descend(self, start: Row, cost: Callable[[Row], float]) -> list[Row]:
+    def _descend(self, start: Row, rows: Sequence[Row], cost: Callable[[Row], float]) -> list[Row]:
         """Polish a design, and its neighbours in whole numbers as long as one is better.
+
+        A neighbour has several polishes, from the best design and from other designs of the start, until one
+        is better: it need not satisfy the limits yet, and a polish may end before it does.
 
         Args:
             start: a design that satisfies all limits.
+            rows: all designs of the start.
             cost: of a design, to be small.
 
         Returns:
             All designs within the limits that were evaluated.
         """
-        satisfying = list[Row]()
-        margin = self.spec.search.margin
-        best, tried = start, set[tuple[float | str, ...]]()
-        ahead = [self._shares[str(start.point)]]
+        margin, satisfying, best = self.spec.search.margin, list[Row](), start
+        tried, ahead = set[tuple[float | str, ...]](), [self._shares[str(start.point)]]
         while ahead:
             shares = ahead.pop(0)
             combination = self._combination(shares)
             if combination in tried:
                 continue
+            begins = [shares, *(self._closest(rows, combination) if tried else [])]
             tried.add(combination)
-            polished = [row for row in self._polish(shares, cost, best) if self.judge.meets(row, margin)]
-            satisfying += polished
-            better = min([best, *polished], key=cost)
-            if better is not best or len(tried) == 1:
-                best, ahead = better, self._neighbours(self._shares[str(better.point)])
+            before = best
+            for begin in begins:
+                polished = [row for row in self._polish(begin, cost, best) if self.judge.meets(row, margin)]
+                satisfying += polished
+                best = min([best, *polished], key=cost)
+                if best is not before:
+                    break
+            if best is not before or len(tried) == 1:
+                ahead = self._neighbours(self._shares[str(best.point)])
         return satisfying
+
+    def _closest(self, rows: Sequence[Row], combination: tuple[float | str, ...]) -> list[Array]:
+        """Return the shares of the designs of a combination that are the closest to the limits.
+
+        Args:
+            rows: designs to choose from.
+            combination: whole numbers and list values.
+        """
+        own = {str(row.point): row for row in rows if not row.refused}
+        own = {key: row for key, row in own.items() if self._combination(self._shares[key]) == combination}
+        closest = sorted(own, key=lambda key: self.judge.beyond(own[key]))
+        return [self._shares[key] for key in closest[:CLOSEST]]
 
     def _combination(self, shares: Array) -> tuple[float | str, ...]:
         """Return the whole numbers and list values of a design, given by its shares."""
