@@ -38,8 +38,8 @@ MAX_STEP_FACTOR, MAX_ZERO_STEP_FACTOR = 10.0, 1e3
 MIN_CHANGE = 1e-3
 # significance of a cause after Holm's correction
 SIGNIFICANCE = 0.01
-# collinearity index from which a candidate is inseparable; in practice it is below 100 or above 1000
-MAX_COLLINEARITY = 300.0
+# collinearity index from which a candidate is inseparable: 1 % of its influence remains
+MAX_COLLINEARITY = 100.0
 # differences of 2 ln L up to which candidates tie (evidence ratio 20) and are plausible
 TIE, PLAUSIBLE = 2.0 * math.log(20.0), 10.0
 # candidates that are re-fitted with their own Jacobian if one of them is significant

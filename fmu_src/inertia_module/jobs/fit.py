@@ -517,8 +517,10 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
         models = [one for one in plausible(candidates) if one.is_separable]
         inner = (math.inf, -math.inf) if is_explained else exact
         envelope = [_envelope(number, side, inner[side > 0], models) for side in (-1, 1)]
-    doubts = [_doubt(key, value, [end.open for end in ends])]
-    doubts[0] = doubts[0] or _doubt(key, value, [is_open for *_, is_open in envelope])
+    opens = [end.open for end in ends]
+    if is_explained and not any(opens):
+        opens = [is_open for *_, is_open in envelope]
+    doubts = [_doubt(key, value, opens)]
     if is_systematic:
         doubts.append("the residuals are systematic: no interval is reliable until their cause is known")
     return Fitted(

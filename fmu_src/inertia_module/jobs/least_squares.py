@@ -27,6 +27,8 @@ SEARCH_STEP, MIN_STEP, MAX_STEP = 1e-3, 1e-5, 0.05
 # relative change of chi-squared and of the keys that ends a search, and a re-fit
 SEARCH_RTOL, REFIT_RTOL = 1e-7, 1e-4
 MAX_EVALUATIONS, MAX_REFIT_EVALUATIONS = 100, 12
+# distance from a bound, of the size of a key, at which a key is at the bound
+BOUND_RTOL = 1e-9
 CONFIDENCE = 0.95
 
 Array = NDArray[np.float64]
@@ -130,7 +132,11 @@ class Problem(ByContent):
             raise Refused(
                 f"the scene rejects values within the ranges: {self.rig.rejection or error}"
             ) from error
-        return Optimum(self, point(result.x), result.fun, result.jac / sizes, bool(result.success))
+        # SciPy keeps a small distance from the bounds
+        best = point(result.x)
+        best = np.where(best - low < BOUND_RTOL * sizes, low, best)
+        best = np.where(high - best < BOUND_RTOL * sizes, high, best)
+        return Optimum(self, best, result.fun, result.jac / sizes, bool(result.success))
 
 
 @dataclass(frozen=True, eq=False)
