@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.terminal import Progress
 from ..contract.variables import PARAMETER, REAL, VARIABLES, Group
@@ -46,8 +47,8 @@ TIE, PLAUSIBLE = 2.0 * math.log(20.0), 10.0
 N_FULL_REFITS = 8
 
 
-@dataclass(frozen=True)
-class Candidate:
+@dataclass(frozen=True, eq=False)
+class Candidate(ByContent):
     """A candidate cause, released.
 
     Attributes:

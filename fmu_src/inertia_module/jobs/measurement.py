@@ -90,7 +90,7 @@ class Measurement(ByContent):
 
     @property
     def estimated(self) -> NDArray[np.bool_]:
-        """Whether the noise of a column is estimated from its residuals, shape (columns,)."""
+        """True for the columns whose noise is estimated from their residuals, shape (columns,)."""
         return np.array([name not in self.noise for name in self.columns])
 
     @property
