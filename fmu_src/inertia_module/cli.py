@@ -577,7 +577,7 @@ def orders(
     scene: SceneFile,
     output: OutputFolder = None,
     of: Annotated[
-        str, option("Reference angle: link1 (carrier) or drive_angle (planet shaft).", "ANGLE")
+        str, option("Reference angle: link1 (carrier) or drive_angle (pinion shaft).", "ANGLE")
     ] = "link1",
     signals: Annotated[Texts, option("Output to analyse; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Maximum order.", "ORDER")] = None,

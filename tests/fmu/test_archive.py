@@ -256,7 +256,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     for reason in skipped.values():
         assert f"{missing} is not installed. Run pip install 'inertia-module[fast]'." in reason
     message, _ = drive(path)
-    assert message.startswith("the kernel is plain Python, no compiled kernel is available")
+    assert message.startswith("the kernel is plain Python (no compiled kernel is available")
 
 
 def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_others(tmp_path, monkeypatch):

@@ -52,9 +52,7 @@ def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene
     module.set(omega1=module["omega1"] + 1.0)
     before = module.save()
     sentence = rejected_at_once(module.advance, 1e-3)
-    assert sentence.startswith(
-        "with input_hold = 1 (linear) omega1 must stay between -1000000 and 1000000 rad/s"
-    )
+    assert sentence.startswith("omega1 must stay between -1000000 and 1000000 rad/s over")
     assert module.save() == before
     advanced(module, SMALLEST_STEP, 1e-3)
 
@@ -62,7 +60,7 @@ def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene
 def test_the_speed_of_a_hub_that_is_held_linear_must_stay_within_its_limits(compiled):
     shaft = advanced(DrivenShaft(compiled).start(hub_speed=50.0, input_hold=1), 1e-3, 1e-9, hub_speed=50.0)
     shaft.set(hub_speed=50.1)
-    assert "(linear) hub_speed must stay between" in rejected_at_once(shaft.advance, 0.1)
+    assert "hub_speed must stay between" in rejected_at_once(shaft.advance, 0.1)
     advanced(shaft, 1e-9, 0.1)
 
 

@@ -36,8 +36,9 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
         )
     speed = inputs[0]
     sentences[codes.BAD_HOLD] = (
-        f"with {named('input_hold')} (linear) {speed.name} must stay {speed.allowed} over {{step}} s, does"
-        f" not: it has changed to {{{speed.name}}} over a far shorter step"
+        f"{speed.name} must stay {speed.allowed} over {{step}} s with input_hold = linear (got"
+        f" {{{speed.name}}} after a far shorter step). The extrapolated speed leaves this range. Use steps of"
+        " similar length, or input_hold = zero_order."
     )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     sentences[codes.NOT_FINITE] = (
