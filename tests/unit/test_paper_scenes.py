@@ -92,8 +92,8 @@ def test_one_line_says_what_is_wrong(key, value, line):
 
 
 def test_a_scene_of_a_shaft_is_none_of_the_module():
-    assert_refused(r"there is no such key .there are title", load_scene, SHAFT)
-    told = "--fidelity, --error and --view must come with a scene of the module"
+    assert_refused(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
+    told = "error: --fidelity, --error and --view require a scene of the module"
     is_one_line(command("run", SHAFT, "--fidelity", "rigid"), told)
 
 
