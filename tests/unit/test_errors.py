@@ -12,7 +12,7 @@ NAMES = ["omega1", "omega2", "omega_out", "tolerance"]
 @pytest.mark.parametrize(
     ("name", "end"),
     [
-        ("tolerence", "; did you mean 'tolerance'?"),
+        ("tolerance1", "; did you mean 'tolerance'?"),
         ("OMEGA", "; did you mean 'omega1', 'omega2' or 'omega_out'?"),
         ("xyz", "; available: omega1, omega2, omega_out, tolerance"),
         ("", "; available: omega1, omega2, omega_out, tolerance"),
@@ -54,5 +54,5 @@ def test_a_missing_value_has_its_reason():
     values = Named({"distance": 3.0}, "metric", {"time": "not reached"})
     with pytest.raises(Refused, match=r"^time: not reached$"):
         values["time"]
-    with pytest.raises(Refused, match=r"^unknown metric 'distanse'; did you mean 'distance'\?$"):
-        values["distanse"]
+    with pytest.raises(Refused, match=r"^unknown metric 'distances'; did you mean 'distance'\?$"):
+        values["distances"]
