@@ -102,7 +102,7 @@ def by_kernel(case: Case, settings: Mapping[str, float], step: float, timed: boo
     number = whole_steps(case.stop_time, step)
     if not number:
         raise ValueError(
-            f"the communication step must be a whole part of {case.stop_time:g} s, is {step:g} s"
+            f"the communication step must be an integer fraction of {case.stop_time:g} s (got {step:g} s)"
         )
     step, fidelity = case.stop_time / number, int(settings.get("fidelity", RIGID))
     values = {**at_fidelity(case.parameters, fidelity), **settings}

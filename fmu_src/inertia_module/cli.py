@@ -104,6 +104,10 @@ class Answer:
     warnings: Sequence[str] = ()
 
 
+# commands with a journal of their results
+CONTINUED = ("sweep", "design")
+
+
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
     """Turn a function into a command: add --json, errors in one line and the exit code."""
 
@@ -114,6 +118,9 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         except (ValueError, RuntimeError, OSError, MemoryError) as error:
             aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
+        except KeyboardInterrupt:
+            aside("stopped; the same command continues" if work.__name__ in CONTINUED else "stopped")
+            raise typer.Exit(128 + signal.SIGINT) from None
         try:
             present(answer, as_json)
         except OSError as error:
@@ -526,6 +533,12 @@ def chart(
     charts = {name: make(one.parameters()) for name, one in read.items()}
     lossy = [name for name, found in charts.items() if not found.lossless]
     files, shown, maps, allowed = list[Path](), list[Shown](), {}, {}
+    limits_of_drives = {name: one.drive_torque_limit(at) for name, one in read.items()}
+    weak = [
+        f"{name}: {beyond}"
+        for name, limit in limits_of_drives.items()
+        if omega1 is not None and limit is not None and (beyond := charts[name].beyond_drive(at, limit))
+    ]
     told: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
     for name, found in charts.items():
         machine = steady.SteadyMachine(read[name].parameters())
@@ -547,13 +560,13 @@ def chart(
         rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
         shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
     drawn = {name: maps[name] for name in lossy}
-    figure = inertia_module.chart_figure(charts, drawn, unit, allowed)
+    figure = inertia_module.chart_figure(charts, drawn, unit, allowed, omega1)
     files.append(write_figure(folder / "chart.png", figure))
 
     if mapped:
         shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
     listed = [str(file) for file in files]
-    return Answer({**told, "files": listed}, [*shown, *listed])
+    return Answer({**told, "files": listed, "warnings": weak}, [*shown, *listed], warnings=weak)
 
 
 # --- the engineer's jobs ---
@@ -564,7 +577,7 @@ def orders(
     scene: SceneFile,
     output: OutputFolder = None,
     of: Annotated[
-        str, option("Reference angle: link1 (carrier) or drive_angle (planet shaft).", "ANGLE")
+        str, option("Reference angle: link1 (carrier) or drive_angle (pinion shaft).", "ANGLE")
     ] = "link1",
     signals: Annotated[Texts, option("Output to analyse; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Maximum order.", "ORDER")] = None,
@@ -594,6 +607,7 @@ def orders(
     from .common.extras import library
     from .figures.jobs import order_figure
     from .jobs.orders import BASES
+    from .scene.reading import speed_unit
 
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     if uff:
@@ -612,13 +626,16 @@ def orders(
             end=last,
             progress=progress,
         )
-    files = found.write(folder)
+    unit, files = speed_unit(scene, keys), found.write(folder)
     files |= {"mat": found.write_mat(folder / "orders.mat")} if mat else {}
     files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
-    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz))
+    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz, unit))
 
     shown: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
-    for name, lines in found.lines(hz=hz).items():
+    if found.step < read.run.communication_step * (1.0 - 1e-9):
+        steps = f"{found.step * 1e3:.3g} ms instead of {read.run.communication_step * 1e3:.3g} ms"
+        shown.append(f"recorded in steps of {steps}, for orders up to {found.highest:.4g} without aliases")
+    for name, lines in found.lines(hz=hz, speed_unit=unit).items():
         still = {"no order": f"0 {found.units[name]}, constant"}
         shown.append((name.replace("_", " "), lines or still))
     return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
@@ -669,7 +686,7 @@ def fit(
 
     shown: list[Shown] = [
         (f"{found.scene.title}: fitted values with 95 % intervals", found.lines()),
-        ("fixed parameters, released one at a time", found.suspicions()),
+        ("fixed parameters, released one at a time", found.candidate_lines()),
     ]
     shown += [f"warning: {warning}" for warning in found.warnings]
     return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
@@ -842,6 +859,9 @@ def main() -> None:
         app()
     except SystemExit as leave:
         code = leave.code
+    except KeyboardInterrupt:
+        aside("stopped")
+        code = 128 + signal.SIGINT
     except OSError as error:  # of help, which is printed before any command runs
         error.filename = STANDARD_OUTPUT
         aside(f"error: {sentence_of(error)}")

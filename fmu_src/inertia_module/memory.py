@@ -71,6 +71,11 @@ def _at_start(model: Model) -> tuple[Any, ...]:
     return records
 
 
+def _copy(target: Any, source: Any) -> None:
+    """Copy a record into another of the same fields."""
+    ctypes.memmove(ctypes.addressof(target), ctypes.addressof(source), ctypes.sizeof(source))
+
+
 class Run(ctypes.Structure):
     """Many steps in one call: struct run of fmu/shell/instance.h, and with its end that of compiling/entry.c.
 
@@ -343,9 +348,21 @@ class ModelInstance(Plant):
         if not sound or (started and self.model.refused(parts["p"])):
             raise Refused(NO_STATE)
         self.load_kernel()
+        if started:
+            parts["d"] = self._derived_anew(parts["p"], parts["d"])
         self.started = started
         for record, part in zip(self._records, parts.values(), strict=False):
-            record.numbers[:] = part.numbers
+            _copy(record, part)
+
+    def _derived_anew(self, parameters: Any, derived: Any) -> Any:
+        """The constants of a saved state, calculated from its parameters: the kernel counts by them."""
+        trial = type(self)("plain" if self._compiled is None else "compiled")
+        trial.load_kernel()
+        _copy(trial.parameters, parameters)
+        _copy(trial.derived, derived)
+        if trial.call(codes.CHECK, 0.0) != codes.OK:
+            raise Refused(NO_STATE)
+        return trial.derived
 
     def snapshot(self) -> dict[str, Any]:
         """All variables by name."""

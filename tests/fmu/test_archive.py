@@ -23,7 +23,6 @@ from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.component import MANIFEST, PLATFORM
-from inertia_module.fmu.linking import SHELL_FOLDER, shell_sources
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.fmu.python_fmu import bundled_files
 from inertia_module.harness.fmu import Fmu
@@ -69,11 +68,7 @@ def check_native(folder, fmu, targets):
     assert files >= {METADATA, "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"}
     files |= PAPERS[fmu.fmi] | {fmu.library_path(target) for target in targets}
     if targets == TARGETS:
-        generated = {"kernel.c", "tables.c", "codes.h"} | (
-            {"buildDescription.xml"} if fmu.fmi == 3 else set()
-        )
-        shell = {path.name for path in (*shell_sources(fmu.fmi), *SHELL_FOLDER.glob("*.h"))}
-        files |= {f"sources/{name}" for name in shell | generated}
+        files |= {"sources/all.c"} | ({"sources/buildDescription.xml"} if fmu.fmi == 3 else set())
         if fmu.fmi == 3:
             files |= {MANIFEST, f"binaries/{PLATFORM}/{fmu.identifier}.wasm", f"{LICENCES}/fmi-ls-wasm.txt"}
     assert content.keys() == files
@@ -261,7 +256,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     for reason in skipped.values():
         assert f"{missing} is not installed. Run pip install 'inertia-module[fast]'." in reason
     message, _ = drive(path)
-    assert message.startswith("the kernel is plain Python, no compiled kernel is available")
+    assert message.startswith("the kernel is plain Python (no compiled kernel is available")
 
 
 def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_others(tmp_path, monkeypatch):
@@ -289,6 +284,7 @@ BUILDS = """
 import json
 import lzma
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -320,7 +316,8 @@ build("old")
 for file, change in json.loads(sys.argv[1]):
     path = files.PACKAGE_FOLDER / file
     before = path.read_bytes()
-    path.write_bytes(before + (b"/* changed */" if file.endswith(".c") else b"# changed") * (change == ""))
+    added = b"/* changed */" if file.endswith((".c", ".h")) else b"# changed"
+    path.write_bytes(before + added * (change == ""))
     if not os.fork():
         exec(change)
         build("new")
@@ -348,6 +345,7 @@ FILES = {
     "fmu/native_fmu.py": LINKED,
     "compiling/targets.py": LINKED,
     "fmu/shell/values.c": LINKED,
+    "compiling/kernel.h": LINKED,
     # the table of variables: by the fields that the records have of it, not by its words
     "contract/variables.py": set(),
 }

@@ -238,7 +238,11 @@ def test_absurd_rates_are_discarded(instance, name, rate):
         (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "to an input or a tunable parameter (got "),
         (
             lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),
-            "a direction must be finite (got nan",
+            "a number of a direction must be 0 or between 1e-100 and 1e100 in magnitude (got nan",
+        ),
+        (
+            lambda i: i.directional(("omega2",), ("omega1",), (1e308,)),
+            "a number of a direction must be 0 or between 1e-100 and 1e100 in magnitude (got 1e+308",
         ),
         (lambda i: i.rates("omega2", order=2), "order of a derivative of omega2 must be 1 (got 2"),
         (lambda i: i.rates("energy_in"), "must belong to an output (got "),

@@ -205,6 +205,30 @@ def test_intermediate_update_shows_every_switch_and_changes_nothing(instances):
     assert [time for time, finished, _ in seen if finished] == pytest.approx(np.arange(1, 21) * 0.01)
 
 
+def times_of_updates(instances, step, **settings):
+    """Times of the intermediate updates within a step, and whether it is taken."""
+    times = []
+
+    def update(_, time, *modes):
+        if not modes[2]:  # finished
+            times.append(time)
+
+    return times, not instances(intermediateUpdate=update).start(**R1, **settings).is_discarded(step)
+
+
+def test_intermediate_updates_of_a_long_step_are_spread_over_it(instances):
+    times, is_taken = times_of_updates(instances, 100.0)  # some 12,000 switches
+    assert is_taken
+    assert 1500 < len(times) <= 2000
+    first = times_of_updates(instances, 1.0)[0]
+    assert times[: len(first)] == pytest.approx(first, abs=1e-9)
+    assert max(np.diff(times)) < 0.2
+
+
+def test_a_rejected_step_makes_no_intermediate_update(instances):
+    assert times_of_updates(instances, 1.0, max_step=1e-9) == ([], False)
+
+
 def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(instances):
     instance = instances().start(**R1)
     instance.step(0.01)

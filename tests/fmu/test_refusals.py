@@ -28,8 +28,8 @@ STARTS = {
     DRIVEN_SHAFT: [{}],
 }
 BAD_VALUES = {"rad/s": (math.nan, -math.inf, 1e9), "N.m": (math.nan, -math.inf, 1e13, -1e13)}
-BAD_STEPS = (0.0, -0.01, math.nan, math.inf, 1e9)
-BAD_STEP = "communication step must be above 0 and at most 1e+06 s (got {:.16g})"
+BAD_STEPS = (0.0, -0.01, math.nan, math.inf, 1e9, 5e-324)
+BAD_STEP = "communication step must be between 1e-30 and 1e+06 s (got {:.16g})"
 PHASES = INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, IN_ERROR = (
     *("instantiated", "in initialization mode", "initialized", "terminated"),
     "in error since initialization",

@@ -71,7 +71,7 @@ class Workshop:
 
     def flags(self):
         """Options of every compilation: language, warnings as errors, headers, name of the kernel."""
-        headers = ["-I", str(SHELL_FOLDER), "-I", str(SOURCES), "-I", str(self.folder)]
+        headers = [f"-I{folder}" for folder in (SHELL_FOLDER, WITH_KERNEL, SOURCES, self.folder)]
         symbol = f"-DKERNEL={self.fmu.model.symbol}"
         return ["-std=c99", "-O1", *WARNINGS, *headers, "-isystem", str(header_folder()), symbol]
 

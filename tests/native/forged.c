@@ -3,12 +3,16 @@
 #include "snapshot.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+/* s: what a forged number may make long, an evaluation limit ends; what it makes endless, this */
+#define TIME_LIMIT 120
 #define WRAPPER 64 /* bytes in front of the block: mark, GUID, size, sum */
 
-static const double forged[] = {-1.0, 7.5, 1e9, 1e300, NAN};
+static const double forged[] = {-1.0, 0.5, 7.5, 1e9, 1e300, 1e308, INFINITY, -INFINITY, NAN};
 #define FORGED (sizeof forged / sizeof *forged)
 
 struct state {
@@ -57,9 +61,19 @@ static int is_taken(fmi2Component c, const struct state *state)
     return 1;
 }
 
+/* A place of the block that is being forged, for the report of a call that does not return. */
+static size_t forged_place;
+
+static void give_up(int signal)
+{
+    (void)signal;
+    fail("a call returns", "number %zu of the block is forged", forged_place);
+}
+
 /* All a host may call, whatever it answers: out of its bounds the sanitizers or the system end the program. */
 static void use(fmi2Component c)
 {
+    alarm(TIME_LIMIT);
     const fmi2ValueReference input = 0;
     const fmi2Integer order = 1;
     fmi2ValueReference output = 0;
@@ -69,12 +83,14 @@ static void use(fmi2Component c)
         output++;
     take_snapshot(c, &snapshot);
     fmi2DoStep(c, 0.0, 1e-3, fmi2True);
+    fmi2DoStep(c, 0.0, 1e-3, fmi2True);
     take_snapshot(c, &snapshot);
     fmi2GetRealOutputDerivatives(c, &output, 1, &order, &value);
     fmi2GetDirectionalDerivative(c, &output, 1, &input, 1, &direction, &value);
     fmi2EnterInitializationMode(c);
     fmi2ExitInitializationMode(c);
     fmi2Terminate(c);
+    alarm(0);
 }
 
 /* Forge one number after the other; answers how many forged states were taken. */
@@ -83,6 +99,7 @@ static unsigned forge(fmi2Component c, struct state *state, size_t begin, size_t
     unsigned taken = 0;
     for (size_t place = begin; place < end; place++) {
         const double good = get(state, place);
+        forged_place = place;
         for (size_t n = 0; n < FORGED; n++) {
             put(state, place, forged[n]);
             if (is_taken(c, state)) {
@@ -127,7 +144,7 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
         const struct bound *bound = &model.bounds[n];
         const size_t place = (bound->of == STATE ? x : d) + bound->slot;
         CHECK(get(&state, place) <= bound->most, "a good state is within its bounds");
-        put(&state, place, bound->most + 1.0);
+        put(&state, place, 2.0 * bound->most + 1.0);
         CHECK(!is_taken(c, &state), "number %zu of %s is taken beyond its bound", bound->slot,
               bound->of == STATE ? "the state" : "the constants");
         put(&state, place, bound->most);
@@ -151,11 +168,15 @@ int main(void)
     /* coasts */
     static const struct setting averaged[] = {{"fidelity", 1.0}, {"layout", 1.0}, {"omega_out_start", 150.0}, {NULL, 0.0}};
     static const struct setting elastic[] = {{"omega1", 100.0}, {"fidelity", 3.0}, {NULL, 0.0}};
+    static const struct setting losses[] = {{"omega1", 100.0}, {"mesh_efficiency", 0.98},
+                                            {"satellite_mesh_efficiency", 0.98}, {"satellites", 3.0}, {NULL, 0.0}};
     const fmi2Component c = instantiate(&journal, "instance");
-    attack(c, defaults, 0);
+    signal(SIGALRM, give_up);
+    attack(c, defaults, model.d_size < 200 ? model.d_size : 200);
     if (strcmp(model.name, "InertiaModule") == 0) {
         attack(c, averaged, 200); /* the map, and the first of its rows, all alike */
         attack(c, elastic, 0);
+        attack(c, losses, 200);
     }
     fmi2FreeInstance(c);
     return 0;

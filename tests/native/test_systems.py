@@ -11,8 +11,9 @@ from scenes import PLANAR
 from inertia_module.compiling.linking import import_library, run_tool, windows_arguments
 from inertia_module.compiling.targets import LINUX_ARM, WIN64
 from inertia_module.contract.variables import REAL
-from inertia_module.fmu.linking import header_folder
-from inertia_module.fmu.native_fmu import library, source_files
+from inertia_module.fmu.linking import SHELL_FOLDER, header_folder
+from inertia_module.fmu.native_fmu import SOURCE, library, source_files
+from inertia_module.fmu.tables import generated
 
 from ..fmu.conftest import ELASTIC, R1, Instance
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run
@@ -163,13 +164,16 @@ def test_the_sources_compute_the_same_on_any_processor(
     if emulator is None:
         pytest.skip(f"qemu-{processor} is not installed (Debian: qemu-user)")
     fmu = FMUS[identifier]
-    sources = source_files(fmu, fmu.guid(), lambda stage: None)
-    for path, content in sources.items():
-        (tmp_path / Path(path).name).write_bytes(content)
+    source = source_files(fmu, fmu.guid(), lambda stage: None)[f"sources/{SOURCE}"]
+    # the program finds variables by their names in tables of its own: those of the FMU are not visible
+    for name, text in generated(fmu.model, fmu.guid(), fmu.fmi).items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / SOURCE).write_bytes(source)
     (tmp_path / "scenes.h").write_text(header(identifier, ""))
-    files = [*sorted(str(path) for path in tmp_path.glob("*.c")), str(SOURCES / "scenes.c")]
+    files = [SOURCE, "tables.c", str(SOURCES / "scenes.c")]
+    headers = [f"-I{folder}" for folder in (".", SHELL_FOLDER, WITH_KERNEL)]
     given = ["-target", OTHERS[processor], "-static", "-std=c99", "-O1", "-fno-sanitize=all"]
-    run_tool("cc", [*given, "-I.", "-isystem", str(header_folder()), *files, "-o", "scenes"], tmp_path)
+    run_tool("cc", [*given, *headers, "-isystem", str(header_folder()), *files, "-o", "scenes"], tmp_path)
     found = deviations(identifier, opened, run([emulator, tmp_path / "scenes"]))
     record_testsuite_property(f"deviations of the sources of {identifier} on {processor}", found)
     assert max(found.values()) < RELATIVE, found

@@ -81,15 +81,17 @@ class Cluster:
             time.sleep(0.05)
         self.address = json.loads(self.file.read_text())["address"]
 
-    def start(self, *arguments):
-        process = subprocess.Popen([sys.executable, "-m", "dask", *arguments], stderr=subprocess.DEVNULL)
+    def start(self, *arguments, without=""):
+        """Start a process of Dask, in which a module cannot be imported."""
+        code = f"import sys; sys.modules[{without!r}] = None; from dask.__main__ import main; main()"
+        process = subprocess.Popen([sys.executable, "-c", code, *arguments], stderr=subprocess.DEVNULL)
         self.processes.append(process)
         return process
 
-    def worker(self):
-        """Start a worker."""
+    def worker(self, without=""):
+        """Start a worker, in which a module cannot be imported."""
         where = ("--local-directory", str(self.folder))
-        return self.start("worker", self.address, "--no-nanny", "--nthreads", "1", *where)
+        return self.start("worker", self.address, "--no-nanny", "--nthreads", "1", *where, without=without)
 
     def end(self):
         for process in reversed(self.processes):

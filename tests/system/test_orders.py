@@ -3,22 +3,24 @@
 import functools
 import json
 import math
+import re
 import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused
+from refused import REFUSED, assert_refused, refusal
 from scipy.io import loadmat
 
 from inertia_module import example, jobs
 from inertia_module.common.errors import Refused
 from inertia_module.figures.jobs import order_figure
 from inertia_module.harness.results import Result, read_columns
-from inertia_module.jobs.orders import spectra
+from inertia_module.jobs.orders import HARMONICS, spectra
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
 from inertia_module.scene import load_scene
+from inertia_module.scene.reading import speed_unit
 from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
@@ -163,6 +165,50 @@ def test_a_line_that_bends_is_one_line_with_its_whole_amplitude(turning):
     assert spectra(table, turned, ["x"]).largest()["x"][0].amplitude < 2.0
 
 
+@pytest.mark.parametrize("growth", [0.0, 1.0])
+def test_side_lobes_of_a_line_are_no_orders_and_small_lines_beyond_them_are(growth):
+    """The second side lobes of a Hann window are 0.4 % of the line, 4.5 / turns from it."""
+    turned = np.arange(0.0, 320.0, 0.01)
+    large = (1.0 + growth * turned / 320.0) * np.cos(math.tau * turned)
+    speed = 0.0 * turned + math.tau
+    columns = {"time": turned, "input_speed": speed, "x": large}
+    alone = spectra(Result.from_columns(columns), turned, ["x"], highest=3.0, turns=32.0)
+    assert [line.order for line in alone.largest()["x"]] == [1.0]
+    columns["x"] = large + 0.05 * np.cos(math.tau * 1.2 * turned)
+    both = spectra(Result.from_columns(columns), turned, ["x"], highest=3.0, turns=32.0)
+    assert [line.order for line in both.largest()["x"]] == pytest.approx([1.0, 1.2], abs=0.01)
+
+
+def test_a_trend_is_no_order():
+    turned = np.arange(0.0, 320.0, 0.01)
+    columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": (turned / 320.0) ** 2}
+    found = spectra(Result.from_columns(columns), turned, ["x"], highest=3.0, turns=32.0)
+    assert found.largest()["x"] == []
+
+
+def test_the_maximum_order_itself_is_listed_and_a_line_above_it_is_not():
+    turned = np.arange(0.0, 320.0, 0.01)
+    swing = np.cos(math.tau * 4.0 * turned) + np.cos(math.tau * 5.0 * turned)
+    columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": swing}
+    for highest, orders in ((4.0, [4.0]), (4.95, [4.0]), (5.0, [4.0, 5.0])):
+        found = spectra(Result.from_columns(columns), turned, ["x"], highest=highest, turns=32.0)
+        assert sorted(line.order for line in found.largest()["x"]) == orders
+        if highest == 4.95:
+            assert found.rms("x") == pytest.approx(math.sqrt(0.5), rel=1e-3)
+        figure = order_figure(found, "title")
+        assert figure.axes[0].get_xlim() == (0.0, highest)
+
+
+def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
+    found = known(highest=8.0)
+    more = {"x": found.spectrum["x"], "y": -found.spectrum["x"], "z": 2.0 * found.spectrum["x"]}
+    several = replace(found, spectrum=more, units=dict.fromkeys(more, "N"))
+    figure = order_figure(several, "title", speed_unit="rpm")
+    labels = [axes.get_title(loc="left") or axes.get_ylabel() for axes in figure.axes]
+    assert [label for label in labels if "[N]" in label] == ["x, y [N]", "z [N]"]
+    assert any("[rpm]" in axes.get_ylabel() for axes in figure.axes)
+
+
 # --- modules whose lines are known ---
 
 
@@ -216,6 +262,59 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
     assert all(line.speed > 220.0 for line in lines)
 
 
+def test_pulses_faster_than_the_steps_of_a_scene_are_recorded_in_shorter_ones(fmu):
+    """Steps of 10 ms alias the pulses of 27 to 53 Hz; the car and the control unit keep these steps."""
+    scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
+    coarse = jobs.orders(scene, fmu, signals=["output_torque"], turns=16.0)
+    fine = jobs.orders(
+        scene.replaced(run={"communication_step": 5e-4}), fmu, signals=["output_torque"], turns=16.0
+    )
+    assert coarse.step < 7e-4
+    assert coarse.highest == pytest.approx(HARMONICS * 5.0 / 3.0, rel=1e-2)
+    line, reference = (found.largest(1)["output_torque"][0] for found in (coarse, fine))
+    assert (line.low, line.high) == pytest.approx((reference.low, reference.high), abs=0.05)
+    assert line.high == pytest.approx(5.0 / 3.0, abs=0.1)
+    assert line.amplitude == pytest.approx(reference.amplitude, rel=0.05)
+
+
+def test_the_module_in_shorter_steps_moves_as_in_the_steps_of_the_scene(fmu):
+    scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 2.0})
+    recorder = order_run._Recorder(scene, fmu, 0.0, 2.0, None)
+    once, often = recorder.record(), recorder.record(20)
+    assert len(often) == 20 * (len(once) - 1) + 1
+    for name in ("omega_out", "input_speed", "vehicle_speed", "drive_torque"):
+        assert often[name][::20] == pytest.approx(once[name], rel=1e-4, abs=1e-4), name
+
+
+def test_aliases_stay_below_the_least_line_that_is_listed(fmu):
+    """A step twice as short moves no line by more than the share below which lines are left out."""
+    scene = held(2.0, **PLANAR)
+    first = jobs.orders(scene, fmu, signals=["output_torque"], highest=8.0)
+    shorter = scene.replaced(run={"communication_step": 0.5 * first.step})
+    second = jobs.orders(shorter, fmu, signals=["output_torque"], highest=8.0)
+    size = min(first.order.size, second.order.size)
+    a, b = first.amplitude["output_torque"][:size], second.amplitude["output_torque"][:size]
+    assert np.abs(a - b).max() < order_run.MIN_SHARE * b.max()
+
+
+def test_a_signal_that_the_scene_computes_too_seldom_is_refused_with_the_step_that_would_do(fmu):
+    scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
+    words = r"= ([\d.]+) ms or less .got 0.01 s.: the scene computes drive_torque once per communication step"
+    step = float(re.search(words, refusal(jobs.orders, scene, fmu, signals=["drive_torque"]))[1])
+    shorter = scene.replaced(run={"communication_step": 4.0 / math.ceil(4e3 / step)})
+    assert jobs.orders(shorter, fmu, signals=["drive_torque"]).step <= 1.001e-3 * step
+
+
+def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
+    assert speed_unit(example("engine_launch")) == "rpm"
+    assert speed_unit(example("orders")) == "rad/s"
+    assert speed_unit(example("orders"), ["drive.final='2000 rpm'"]) == "rpm"
+    found = known(highest=8.0)
+    line = found.largest(1)["x"][0]
+    text = found.lines(1, speed_unit="rpm")["x"]["order 2.5"]
+    assert text.endswith(f"at {line.speed * 30.0 / math.pi:.4g} rpm")
+
+
 # --- what is left out and refused ---
 
 
@@ -230,9 +329,12 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
         figure = order_figure(found, "title", in_hz)
         figure.savefig(tmp_path / "orders.png")
         drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
-        assert len(drawn) == 2 * len(names)
-        label = "frequency [Hz]" if in_hz else "order [cycles per revolution of link 1]"
-        assert drawn[-1].get_xlabel() == label
+        # without the constant signals
+        assert len(drawn) == 2 * in_hz
+        if in_hz:
+            assert drawn[-1].get_xlabel() == "frequency [Hz]"
+        else:
+            assert figure.texts[-1].get_text() == "all signals are constant"
         assert read_columns(found.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * found.order.size
 
 
@@ -295,7 +397,7 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeyp
     with pytest.raises(Refused, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"):
         jobs.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
-    words = r"must be increasing .got constant or decreasing at .* s.; choose another time range"
+    words = r"must be increasing, is constant or decreasing at .* s; choose another time range"
     assert_refused(words, jobs.orders, locked, fmu, of="drive_angle")
 
 

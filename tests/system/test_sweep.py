@@ -7,9 +7,12 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
+from refused import assert_refused
 
 from inertia_module import jobs
 from inertia_module.common.errors import Refused
@@ -20,11 +23,14 @@ from inertia_module.jobs.evaluation import Task, evaluate, summaries
 from inertia_module.jobs.workers import evaluations, pool
 from inertia_module.scene import SceneError, load_scene, run_scene
 from inertia_module.scene.run import Quantity, SceneRunner
+from tests.system.conftest import Cluster
+from tests.system.programs import process
 
 dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickle")
 Client = pytest.importorskip("distributed").Client
 psutil = pytest.importorskip("psutil")
 pytest.importorskip("pyarrow")
+workers = pytest.importorskip("inertia_module.jobs.workers")
 
 REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 SHORT = {"load": {"kind": "shaft", "torque": None, "inertia": 0.5}, "run": {"stop_time": 0.1}}
@@ -195,6 +201,113 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
     assert told(some) == told(evaluated(slow_scene, fmu, [row.point for row in some]))
 
 
+# --- clusters that cannot do the work, scripts, Ctrl-C ---
+
+
+@pytest.fixture
+def empty_cluster(tmp_path):
+    """A scheduler without workers."""
+    cluster = Cluster(tmp_path)
+    yield cluster
+    cluster.end()
+
+
+def sweep_command(fmu, folder, *options):
+    """A command that sweeps 60 points of some hundredths of a second."""
+    keys = [f"--set={key}={value}" for key, value in LONG.items()]
+    command = [sys.executable, "-m", "inertia_module", "sweep", str(REFERENCE), "--vary", SLOW[0]]
+    return [*command, *keys, "-o", str(folder), "--fmu", str(fmu), *options]
+
+
+def test_scheduler_of_another_version_is_one_line(scene, fmu, cluster, tmp_path, monkeypatch):
+    failing = Mock(side_effect=TypeError("Scheduler.identity() got an unexpected keyword argument"))
+    monkeypatch.setattr(workers, "Client", failing)
+    monkeypatch.setattr(workers.distributed, "__version__", "2024.8.0")
+    words = (
+        rf"the scheduler at {cluster.address} must run distributed 2024.8.0, .*, runs {dask.__version__}: "
+    )
+    with pytest.raises(workers.ClusterError, match=words):
+        jobs.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+
+
+def test_worker_without_the_package_is_one_line(scene, fmu, empty_cluster, tmp_path):
+    empty_cluster.worker(without="inertia_module")
+    with Client(empty_cluster.address) as client:
+        client.wait_for_workers(1, timeout=60)
+    words = f"^the workers of {empty_cluster.address} cannot do the task: .*inertia_module"
+    with pytest.raises(workers.ClusterError, match=words):
+        jobs.sweep(scene, VARY, output=tmp_path / "out", fmu=fmu, scheduler=empty_cluster.address)
+
+
+def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "__version__", "0.1.0")
+    words = "cannot do the task: .*inertia-module must be version 0.1.0 here, is 0"
+    with pytest.raises(workers.ClusterError, match=words):
+        jobs.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+
+
+def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
+    task = Task(fmu.read_bytes(), {}, print)
+    words = "a worker cannot do the task: TypeError: "
+    with pool(task, cluster.address) as client, pytest.raises(workers.ClusterError, match=words):
+        list(evaluations(client, task.identity, [{}]))
+
+
+def test_file_that_is_no_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
+    (tmp_path / "x.fmu").write_text("no FMU")
+    sweep = partial(jobs.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
+    assert_refused("Module.fmu must be an FMU: ", sweep, scheduler=cluster.address)
+
+
+@pytest.mark.parametrize("number", [0, -1])
+def test_number_of_workers_is_at_least_one(scene, fmu, tmp_path, number):
+    assert_refused(
+        f"workers must be at least 1, is {number}",
+        partial(jobs.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
+    )
+
+
+def test_scheduler_without_workers_is_a_notice_and_workers_that_come_do_the_work(
+    fmu, empty_cluster, tmp_path
+):
+    command = sweep_command(fmu, tmp_path / "out", "--scheduler", empty_cluster.address)
+    client = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    notice = f"the scheduler at {empty_cluster.address} has no workers: waiting for some\n"
+    assert client.stderr.readline() == notice
+    empty_cluster.worker()
+    assert client.communicate(timeout=100)[1] == ""
+    assert client.returncode == 0
+
+
+SCRIPT = """
+from inertia_module import sweep
+print(len(sweep({scene!r}, ["imbalance_mass=1:2:4"], output="out", fmu={fmu!r}, workers=1).rows))
+"""
+
+
+def test_script_needs_no_guard(fmu, tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT.format(scene=str(REFERENCE), fmu=str(fmu)))
+    assert process("script.py", folder=tmp_path).stdout == "4\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="process groups are those of POSIX")
+def test_ctrl_c_is_one_line_and_the_same_command_continues(fmu, tmp_path):
+    command = sweep_command(fmu, tmp_path / "out", "--workers", "1")
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    client = subprocess.Popen(command, start_new_session=True, **pipes)
+    journal = tmp_path / "out" / "journal.jsonl"
+    deadline = time.monotonic() + 100.0
+    while time.monotonic() < deadline and not (journal.exists() and journal.read_text().count("\n") > 4):
+        time.sleep(0.01)
+    os.killpg(client.pid, signal.SIGINT)
+    assert client.communicate(timeout=60)[1] == "stopped; the same command continues\n"
+    assert client.returncode == 128 + signal.SIGINT
+    done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().split("\n")[1:-1])
+    again = json.loads(subprocess.run([*command, "--json"], capture_output=True, check=True).stdout)
+    assert (again["rows"], again["new"]) == (60, 60 - done)
+    assert 0 < done < 60
+
+
 # --- designs searched, checked and written ---
 
 
@@ -224,7 +337,9 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
             if designs.judge.meets(other, 0.05):
                 lighter = other.figures["total_imbalance_mass"] <= mass
                 assert not (lighter and other.figures["torque_ripple"] < ripple)
-    assert designs.verdict().startswith("3 of 3 verified designs satisfy all limits; tightest in design 1: ")
+    verdict = designs.verdict()
+    assert verdict.startswith("3 of 3 verified designs satisfy all limits; converged; best of 3 starts: ")
+    assert "; tightest in design 1: " in verdict
 
 
 def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):

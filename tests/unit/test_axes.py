@@ -107,9 +107,9 @@ def test_free_keys_begin_at_the_values_of_the_scene_and_change_by_a_range_or_as_
     mass, load, start = free_keys(["imbalance_mass=500 g:2", "load.mass", "omega_out_start=-1:3"], scene)
     assert [one.name for one in (mass, load)] == ["mechanism.imbalance_mass", "load.mass"]
     # the default of 1 kg
-    assert (mass.start, mass.size, mass.held) == (1.0, 1.5, True)
+    assert (mass.start, mass.size, mass.has_range) == (1.0, 1.5, True)
     assert (mass.at(0.5), mass.low, mass.high) == (1.25, 0.5, 2.0)
-    assert (load.start, load.size, load.held, load.at(0.2)) == (900.0, 900.0, False, 900.0)
+    assert (load.start, load.size, load.has_range, load.at(0.2)) == (900.0, 900.0, False, 900.0)
     assert start.start == 0.0
     (back,) = free_keys(["drive.omega1"], scene.with_keys({"drive.omega1": -100.0}))
     assert (back.low < back.start < back.high, back.size) == (True, 100.0)
@@ -117,15 +117,15 @@ def test_free_keys_begin_at_the_values_of_the_scene_and_change_by_a_range_or_as_
 
 def test_what_is_known_before_is_a_value_and_its_deviation(scene):
     mass, efficiency = free_keys(["imbalance_mass=900 g +- 10 g", "mesh_efficiency=0.97±0.01"], scene)
-    assert (mass.start, mass.deviation, mass.held) == (0.9, 0.01, False)
+    assert (mass.start, mass.deviation, mass.has_range) == (0.9, 0.01, False)
     assert (efficiency.start, efficiency.deviation) == (0.97, 0.01)
     assert (efficiency.high, efficiency.size) == (1.0, pytest.approx(0.1))
 
 
 def test_keys_beside_the_scene_have_their_own_value_unit_and_limits(scene):
     beside = {
-        "offset.omega2": Free("offset.omega2", "rad/s", -np.inf, np.inf, start=0.0, size=2.0),
-        "shift.time": Free("shift.time", "s", -0.1, 0.1, start=0.0, size=1e-3),
+        "offset.omega2": Free("offset.omega2", "rad/s", -np.inf, np.inf, start=0.0, nominal=0.0, size=2.0),
+        "shift.time": Free("shift.time", "s", -0.1, 0.1, start=0.0, nominal=0.0, size=1e-3),
     }
     offset, shift = free_keys(["offset.omega2", "shift.time=-2 ms:5 ms"], scene, beside)
     assert (offset.start, offset.size, offset.low, offset.high) == (0.0, 2.0, -np.inf, np.inf)

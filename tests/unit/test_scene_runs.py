@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from inertia_module.common.errors import UnknownName
+from inertia_module.common.errors import Refused, UnknownName
 from inertia_module.contract.variables import BY_NAME, LOSSES
 from inertia_module.fidelity.trials import run_in_process, time_of
 from inertia_module.figures.jobs import chart_figure
@@ -230,6 +230,113 @@ def test_times_to_a_speed_count_from_the_last_standstill():
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
 
+PLAY = {"output_engagement_angle": 0.03, "housing_engagement_angle": 0.0}
+
+
+def played(mechanism=None, **freewheels):
+    return scene(mechanism=PLAY | (mechanism or {}), freewheels=freewheels)
+
+
+def test_a_torque_limit_is_not_passed_by_the_peak_that_leaves_out_impacts(fmu):
+    result = run_scene(played(torque=1e4), fmu)
+    assert result.summary["output_torque_peak"] < 1e4
+    (warning,) = [one for one in result.warnings if "impacts" in one]
+    assert "set freewheels.output.stiffness to compare them with the limit, 10000 N.m" in warning
+    assert not any("housing" in one for one in result.warnings)
+    assert not [one for one in run_scene(played(), fmu).warnings if "impacts" in one]
+
+
+def test_the_torque_of_an_impact_is_that_of_a_spring_that_takes_up_its_energy(fmu):
+    stiffness = 2e4
+    result = run_scene(played(torque=1e4, stiffness=stiffness), fmu)
+    energy, torque = (result.summary[f"output_impact_{name}"] for name in ("energy", "torque"))
+    assert torque == pytest.approx(math.sqrt(2.0 * stiffness * energy))
+    assert not [one for one in result.warnings if "impact" in one]
+    lost = np.diff(result.record["energy_lost_freewheel"])
+    assert energy == lost.max() > 0.0
+    # the limit of which it is above
+    low = run_scene(played(torque=0.9 * torque, stiffness=stiffness), fmu)
+    assert [one for one in low.warnings if one.startswith("output impact torque is above the limit")]
+
+
+def test_a_compliant_freewheel_takes_the_torque_that_the_estimate_predicts(fmu):
+    """Half a sine of slip sqrt(c J), on top of what the freewheel carries then."""
+    stiffness = 2e4
+    rigid = run_scene(played(stiffness=stiffness), fmu)
+    shaft = {
+        "fidelity": "elastic",
+        "driven_inertia": 1e-3,
+        "shaft_stiffness": 1e6,
+        "freewheel_stiffness": stiffness,
+    }
+    spring = run_scene(played(shaft), fmu)
+    assert "output_impact_torque" not in spring.summary
+    peak, base = spring.summary["output_torque_peak"], rigid.summary["output_torque_peak"]
+    estimate = rigid.summary["output_impact_torque"]
+    assert max(estimate, base) < 1.2 * peak
+    assert peak < 1.2 * (estimate + 2.0 * base)
+
+
+def test_the_tractive_force_accelerates_the_vehicle_and_overcomes_its_resistances():
+    vehicle = load_scene(EXAMPLES / "engine_launch.toml").load
+    time = np.linspace(0.0, 2.0, 201)
+    ratio = vehicle.wheel_radius / vehicle.final_drive
+    torques = {"rolling_torque": np.full(201, 100.0 * ratio), "slope_torque": np.full(201, 300.0 * ratio)}
+    record = car(np.maximum(time - 1.0, 0.0) * 2.0, time, **torques)
+    force = run.tractive_force(record, vehicle)
+    assert force[:99].max() == 0.0
+    assert force[101:] == pytest.approx(vehicle.mass * 2.0 + 400.0)
+
+
+@pytest.mark.parametrize("friction, slips", [(2.0, False), (0.15, True)])
+def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slips):
+    keys = {"friction_coefficient": friction, "driven_axle_load": "4 kN"}
+    launch = load_scene(EXAMPLES / "engine_launch.toml").replaced(load=keys, run={"stop_time": 2.0})
+    result = run_scene(launch, fmu)
+    largest = result.summary["tractive_force_maximum"]
+    assert result.limits == {"tractive_force_maximum": pytest.approx(4000.0 * friction)}
+    assert (largest > 4000.0 * friction) == slips
+    assert ("grip" in result.remarks) == slips
+    assert any("tractive force maximum exceeds its limit" in one for one in result.warnings) == slips
+    # the mean torque of the module drives the car and its own output inertia
+    torque = result.record["output_torque_mean"].max() * launch.load.final_drive / launch.load.wheel_radius
+    assert largest == pytest.approx(torque, rel=0.15)
+
+
+def test_without_a_friction_coefficient_there_is_no_tractive_force(fmu):
+    result = run_scene(load_scene(EXAMPLES / "engine_launch.toml").replaced(run={"stop_time": 0.1}), fmu)
+    assert not {name for name in result.summary if name.startswith("tractive")}
+
+
+@pytest.mark.parametrize(
+    "keys, words",
+    [
+        ({"driven_axle_load": "4 kN"}, "driven_axle_load requires friction_coefficient"),
+        (
+            {"friction_coefficient": 1.0, "driven_axle_load": "9 kN"},
+            "at most the weight of the vehicle, 8825.98 N",
+        ),
+        ({"friction_coefficient": 0.0}, "friction_coefficient must be .*above 0"),
+    ],
+)
+def test_a_grip_that_cannot_be_is_refused(keys, words):
+    launch = load_scene(EXAMPLES / "engine_launch.toml")
+    with pytest.raises(Refused, match=words):
+        launch.replaced(load=keys)
+
+
+def test_a_launch_on_a_hill_begins_with_the_first_motion_that_is_not_undone():
+    """Pulses move the car, it stands in between; before, it rolls forward and back."""
+    time = np.linspace(0.0, 4.0, 401)
+    pulses = np.where(time % 0.2 < 0.1, 1.0, 0.0)
+    speed = np.where(time < 1.0, np.sin(math.tau * time), np.where(time < 3.0, pulses, 10.0 * (time - 3.0)))
+    (quantity,) = run.times_to(car(speed, time), [5.0])[0].values()
+    assert quantity.value == pytest.approx(2.5, abs=0.011)
+    rolls_back = np.where(time < 3.0, -0.1 * pulses, 10.0 * (time - 3.0))
+    (quantity,) = run.times_to(car(rolls_back, time), [5.0])[0].values()
+    assert quantity.value == pytest.approx(0.5, abs=0.011)
+
+
 def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
     time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
     lower, _ = CYCLE.tolerance_band(time)
@@ -302,8 +409,9 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
     assert {"satellite bearing", "mounting", "viscous", "losses"} <= labels(figure)
     assert len(figure.axes) == 12
     # the power lost, drawn over the end of the run, is that of the table
-    panels = [axes for axes in figure.axes if axes.get_ylabel() == "losses [W]"]
-    lost = next(axes for axes in panels if axes.get_xlim()[0] > 0.3)
+    lost = next(
+        axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3
+    )
     power = np.diff(result.record["energy_lost"]) / 1e-3
     assert lost.lines[0].get_ydata() == pytest.approx(power[-lost.lines[0].get_ydata().size :])
 

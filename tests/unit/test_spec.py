@@ -8,6 +8,7 @@ import pytest
 from refused import REFUSED, assert_refused
 
 from inertia_module.common.examples import example
+from inertia_module.harness.chart import torque_converter_chart
 from inertia_module.jobs.design import (
     NAMED,
     DesignResult,
@@ -21,6 +22,7 @@ from inertia_module.jobs.design import (
     read_spec,
 )
 from inertia_module.jobs.evaluation import Row
+from inertia_module.jobs.search import DesignSearch, Searched, Start
 from inertia_module.jobs.sweep import unreached
 from inertia_module.kernel.layout import imbalance
 from inertia_module.memory import Module
@@ -177,6 +179,7 @@ def test_figures_tell_what_satellites_that_weigh_something_cannot(density, end):
     assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
     doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
+    doubts.pop("drive too weak", None)  # of the machine that locks up: it takes the most
     assert doubts == (
         {"no lock-up": f"no torque is transmitted above a speed ratio of {end}"}
         if density
@@ -238,7 +241,7 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     def verdict(checked, front, cut, doubts):
         finalists = [Finalist(good, one, spec, tmp_path, doubts) for one in checked]
         judge = Judge(spec, UNITS)
-        return DesignResult(judge, [good, short], front, finalists, 2, {}, cut)
+        return DesignResult(judge, [good, short], front, finalists, 2, {}, Searched([good, short], [], cut))
 
     found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
     assert found.verdict().endswith("; caveats: no lock-up in 2 of them")
@@ -254,8 +257,109 @@ def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
     far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
     assert judge.beyond(far) > judge.beyond(refused)
-    none = DesignResult(judge, [refused, far], [], [], 2, {}, False).verdict()
+    none = DesignResult(judge, [refused, far], [], [], 2, {}, Searched([], [], False)).verdict()
     assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
+
+
+# --- the search: global, polished, from several starts ---
+
+
+def searched(read, height, **settings):
+    """Search the least mass of designs whose mass is a function of imbalance mass and satellites alone."""
+    text = SPEC.replace(', goal = "greatest"', "").replace("[search]", "[search]\nstarts = 3")
+    keys = "".join(f"{name} = {value}\n" for name, value in settings.items())
+    spec = read(text.replace("[search]\n", f"[search]\n{keys}"))
+
+    def evaluate(points):
+        rows = []
+        for point in points:
+            mass, number = point["mechanism.imbalance_mass"], point["mechanism.satellites"]
+            figures = {"omega_out_final": 40.0, "stall_torque": 20.0 + mass - 1.0}
+            rows.append(Row(point, figures | {"total_imbalance_mass": height(mass, number)}, 0.0))
+        return rows
+
+    judge = Judge(spec, UNITS)
+    search = DesignSearch(spec, judge, evaluate)
+    return search, search.run()
+
+
+def test_the_polish_reaches_the_limit_and_the_starts_agree(read):
+    """The least mass is where the limit of the torque is, at an imbalance mass of 1 kg."""
+    _, result = searched(read, lambda mass, number: mass + number, population=8, generations=4)
+    assert result.has_converged
+    assert len(result.starts) == 3
+    for start in result.starts:
+        assert start.best["total_imbalance_mass"] == pytest.approx(2.0, rel=5e-3)
+    assert all(0.0 <= spread < 5e-3 for spread in result.spread().values())
+
+
+def test_starts_that_end_in_different_minima_are_not_converged(read):
+    """Dips that are far narrower than the distance of the designs."""
+    _, result = searched(
+        read, lambda mass, number: 1e-3 + abs(math.sin(3e5 * mass)), population=4, generations=1
+    )
+    assert not result.has_converged
+    assert max(result.spread().values()) > 0.05
+
+
+def test_the_verdict_says_whether_the_starts_agree(read, tmp_path):
+    spec, good = read(SPEC), row(22.0, 40.0, 1.0)
+
+    def convergence(masses, cut=False):
+        starts = [
+            Start(seed, {"omega_out_final": 40.0, "total_imbalance_mass": mass} if mass else {})
+            for seed, mass in enumerate(masses)
+        ]
+        result = Searched([good], starts, cut)
+        finalists = [Finalist(good, good, spec, tmp_path, {})]
+        return DesignResult(Judge(spec, UNITS), [good], [good], finalists, 1, {}, result).verdict()
+
+    assert "; converged; best of 3 starts: " in convergence([1.0, 1.01, 1.02])
+    assert "total_imbalance_mass 1, 1.01, 1.02 kg (spread 2 %)" in convergence([1.0, 1.01, 1.02])
+    assert "not converged: the best designs of the starts differ by more than 5 %" in convergence([1.0, 1.5])
+    assert "not converged: 1 of 3 starts found no design" in convergence([1.0, None, 1.0])
+    assert "not converged: one start shows no spread" in convergence([1.0])
+    assert "not converged: search.longest = 600 s ended" in convergence([1.0, 1.0], cut=True)
+
+
+def test_the_tightest_limit_is_one_that_designs_can_pass(read):
+    """A speed ratio of at least 1 is reached exactly by each machine that locks up."""
+    text = SPEC.replace("[search]", "end_ratio = { speed = 9, minimum = 1 }\n[search]")
+    judge = Judge(read(text), UNITS | {"end_ratio": "1"})
+
+    def design(torque, ratio, speed=40.0):
+        good = row(torque, speed, 1.0)
+        return good._replace(figures=good.figures | {"end_ratio": ratio})
+
+    rows = [design(22.0, 1.0), design(15.0, 0.5), design(30.0, 1.0), design(40.0, 1.0, 60.0)]
+    assert judge.tightest(rows[0]).startswith("end_ratio")
+    assert judge.tightest(rows[0], rows).startswith("stall_torque")
+    # a design that violates it has it as its limit
+    assert judge.tightest(design(22.0, 0.5), rows).startswith("end_ratio")
+
+
+# --- power and grip ---
+
+
+def test_a_drive_that_cannot_hold_the_speed_of_the_figures_is_a_caveat():
+    scene = load_scene(example("engine_launch"))
+    torque = scene.drive_torque_limit(200.0)
+    assert torque == pytest.approx(35.6, abs=0.5)
+    found = doubts_of(scene, {}, 200.0)["drive too weak"]
+    chart = torque_converter_chart(scene.parameters(), 200.0)
+    assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
+    strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
+    assert "drive too weak" not in doubts_of(strong, {}, 200.0)
+    assert load_scene(example("planar")).drive_torque_limit(200.0) is None
+
+
+def test_wheels_that_would_slip_are_a_caveat():
+    scene = load_scene(example("engine_launch")).replaced(load={"friction_coefficient": 0.5})
+    grip = 0.5 * 900.0 * 9.80665
+    assert scene.load.grip == pytest.approx(grip)
+    found = doubts_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
+    assert found["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
+    assert "wheels slip" not in doubts_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---

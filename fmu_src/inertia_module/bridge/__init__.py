@@ -2,23 +2,29 @@
 
 from .fmu_system import FmuSystem, fmu_system
 from .small_signal import (
+    OperatingPoint,
     SmallSignal,
     TransientInertia,
     averaged_response,
     averaged_system,
+    carried_range,
     measured_response,
     operating_point,
+    operating_points,
     transient_inertia,
 )
 
 __all__ = [
     "FmuSystem",
+    "OperatingPoint",
     "SmallSignal",
     "TransientInertia",
     "averaged_response",
     "averaged_system",
+    "carried_range",
     "fmu_system",
     "measured_response",
     "operating_point",
+    "operating_points",
     "transient_inertia",
 ]

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
 
 from ..common.equality import ByContent
 from ..common.errors import did_you_mean, must_be
@@ -297,26 +298,104 @@ def measured_response(
     return SmallSignal(wanted, response, bench.outputs, mean, rate)
 
 
-def operating_point(system: Any, omega1: float, load_torque: float, guess: float | None = None) -> float:
-    """Find the output speed, rad/s, at which an averaged_system carries a load.
+class OperatingPoint(NamedTuple):
+    """Balance of mean torque and load.
+
+    Attributes:
+        omega_out: output speed, rad/s.
+        is_stable: True if a small change of the output speed decays.
+    """
+
+    omega_out: float
+    is_stable: bool
+
+    def __str__(self) -> str:
+        return f"{self.omega_out:.6g} rad/s ({'stable' if self.is_stable else 'unstable'})"
+
+
+# speed ratios at which balances are looked for
+RATIOS = np.linspace(1e-3, 1.0 - 1e-6, 500)
+
+
+def operating_points(system: Any, omega1: float, load_torque: float) -> list[OperatingPoint]:
+    """Find all output speeds below lock-up at which an averaged_system carries a load.
+
+    Sign changes of the acceleration over the speed ratio, refined by Brent's method. A balance is stable if
+    the acceleration falls with the speed (Lyapunov's indirect method).
 
     Args:
-        system: of averaged_system. omega1, load_torque: rad/s and N.m.
-        guess: where to look first, rad/s: where there are two balances, which one.
+        system: of averaged_system.
+        omega1: rad/s, above 0.
+        load_torque: N.m.
+
+    Returns:
+        Balances by rising speed; without any, an empty list.
+    """
+
+    def acceleration(omega_out: float) -> float:
+        return _acceleration(system, omega1, load_torque, omega_out)
+
+    speeds = omega1 * RATIOS
+    values = np.array([acceleration(speed) for speed in speeds])
+    signs = np.sign(values)
+    return [
+        OperatingPoint(
+            float(brentq(acceleration, *speeds[n : n + 2], xtol=1e-12 * omega1)), bool(signs[n] > 0.0)
+        )
+        for n in np.flatnonzero(signs[:-1] * signs[1:] < 0.0)
+    ]
+
+
+def _acceleration(system: Any, omega1: float, load_torque: float, omega_out: float) -> float:
+    """Return the acceleration of the output shaft, rad/s2, at constant inputs, rad/s and N.m."""
+    values = {SPEED: omega1, LOAD: load_torque}
+    inputs = [values.get(name, 0.0) for name in system.input_labels]
+    return float(system.dynamics(0.0, [omega_out], inputs)[0])
+
+
+def carried_range(system: Any, omega1: float) -> tuple[float, float]:
+    """Return the smallest and the largest load, N.m, that an averaged_system carries below lock-up.
+
+    Args:
+        system: of averaged_system.
+        omega1: rad/s, above 0.
+    """
+    loads = []
+    for speed in omega1 * RATIOS:
+        # the acceleration is linear in the load
+        without, loaded = (_acceleration(system, omega1, load, speed) for load in (0.0, 1.0))
+        loads.append(without / (without - loaded))
+    return min(loads), max(loads)
+
+
+def operating_point(system: Any, omega1: float, load_torque: float, guess: float | None = None) -> float:
+    """Find the stable output speed, rad/s, at which an averaged_system carries a load.
+
+    Args:
+        system: of averaged_system.
+        omega1: rad/s, above 0.
+        load_torque: N.m.
+        guess: rad/s; the balance next to it is returned, stable or not.
 
     Raises:
-        ValueError: there is none below lock-up.
+        ValueError: there is no balance below lock-up, or without a guess not exactly one that is stable.
     """
-    first = 0.5 * omega1 if guess is None else guess
-    given = {SPEED: omega1, LOAD: load_torque}
-    inputs = [given.get(name, 0.0) for name in system.input_labels]
-    point = ct.find_operating_point(system, [first], inputs)
-    if point.states is None or not 0.0 < point.states[0] < omega1:
+    points = operating_points(system, omega1, load_torque)
+    if not points:
+        low, high = carried_range(system, omega1)
+        allowed = f"between {low:.4g} and {high:.4g} N.m at omega1 = {omega1:g} rad/s"
         raise ValueError(
-            f"with omega1 = {omega1:g} rad/s load_torque must be carried below lock-up, is {load_torque:g}"
-            f" N.m: no operating point was found from omega_out = {first:g} rad/s"
+            f"{must_be('load_torque', allowed, load_torque)}: otherwise no speed below lock-up is steady"
         )
-    return float(point.states[0])
+    if guess is not None:
+        return min(points, key=lambda point: abs(point.omega_out - guess)).omega_out
+    stable = [point for point in points if point.is_stable]
+    if len(stable) != 1:
+        raise ValueError(
+            f"guess must select one of the operating points at load_torque = {load_torque:g} N.m, is None:"
+            f" {', '.join(map(str, points))}"
+        )
+    return stable[0].omega_out
 
 
 def averaged_response(

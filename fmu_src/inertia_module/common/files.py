@@ -153,18 +153,63 @@ def write_figure(path: Path, figure: Any) -> Path:
     return write_atomically(path, picture_of(figure, path.suffix))
 
 
-def kept(name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes]) -> Path:
-    """A file of the cache folder, made where it is not there yet, whoever else makes it.
+def kept_file(name: str, made_from: Mapping[str, bytes], folder: Path | None = None) -> Path | None:
+    """A whole file that kept has written for the same sources, or None.
 
-    To its name a hash of all that the content depends on is added.
+    Args:
+        name: name of the file, with its ending.
+        made_from: all that the content depends on.
+        folder: where it is; None for the cache folder.
     """
-    path = cache_folder() / name
-    path = path.with_stem(f"{path.stem}-{content_hash(made_from)[:16]}")
-    if not path.exists():
-        content = make()
-        try:
-            write_atomically(path, content)
-        except PermissionError:  # Windows, when another process has made it meanwhile and has it open
-            if not path.exists():
-                raise
-    return path
+    stem, ending = _kept_name(name, made_from)
+    for path in sorted((folder or cache_folder()).glob(f"{stem}-*.{ending}")):
+        with contextlib.suppress(OSError):
+            if path.name == _checked_name(stem, ending, path.read_bytes()):
+                return path
+    return None
+
+
+def kept(
+    name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes], folder: Path | None = None
+) -> Path:
+    """A file of the cache folder, made if no whole one is there, whoever else makes it.
+
+    Its name holds a hash of all that the content depends on and a hash of the content. So a file that is cut,
+    empty or of another program is not used, and made again.
+
+    Args:
+        name: name of the file, with its ending.
+        made_from: all that the content depends on.
+        make: makes the content.
+        folder: where it is; None for the cache folder.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    folder = folder or cache_folder()
+    path = kept_file(name, made_from, folder)
+    if path is not None:
+        return path
+    try:
+        writable_folder(folder)
+    except OSError as error:
+        raise OSError(f"{error}; INERTIA_MODULE_CACHE names another cache folder") from error
+    content = make()
+    path = folder / _checked_name(*_kept_name(name, made_from), content)
+    try:
+        return write_atomically(path, content)
+    except PermissionError:  # Windows, when another process has made it meanwhile and has it open
+        if kept_file(name, made_from, folder) != path:
+            raise
+        return path
+
+
+def _kept_name(name: str, made_from: Mapping[str, bytes]) -> tuple[str, str]:
+    """Stem, with a hash of all that a content depends on, and ending of the name of a file of the cache."""
+    stem, _, ending = name.partition(".")
+    return f"{stem}-{content_hash(made_from)[:16]}", ending
+
+
+def _checked_name(stem: str, ending: str, content: bytes) -> str:
+    """Name of a file of the cache with this content."""
+    return f"{stem}-{content_hash({stem: content})[:16]}.{ending}"

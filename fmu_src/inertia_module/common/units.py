@@ -194,6 +194,11 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return factor, {name: power for name, power in dimension.items() if power}
 
 
+def has_mass(unit: str) -> bool:
+    """Return True if a quantity in a unit ("" for none) scales with mass, like an inertia or a torque."""
+    return "kg" in parse_unit(unit or "1")[1]
+
+
 def _readings(unit: str) -> Iterator[str]:
     """Yield a unit as it is written, then as engineers mean it: 1/min of a shaft, lb of a force."""
     plain = _plain(unit)

@@ -1,6 +1,7 @@
 /* The kernel on its own, for those who know its arrays. */
+#include "kernel.h"
+
 #include <stddef.h>
-#include <stdint.h>
 
 #if defined _WIN32
 #define OFFERED __declspec(dllexport)
@@ -8,14 +9,13 @@
 #define OFFERED __attribute__((visibility("default")))
 #endif
 
-int64_t KERNEL(int64_t operation, double *p, double *d, double *u, double *x, double *y, double *w, double h);
 OFFERED int64_t inertia_module_kernel(int64_t operation, double *p, double *d, double *u, double *x, double *y,
                                       double *w, double h);
 
 int64_t inertia_module_kernel(int64_t operation, double *p, double *d, double *u, double *x, double *y, double *w,
                               double h)
 {
-    return KERNEL(operation, p, d, u, x, y, w, h);
+    return call_kernel(operation, p, d, u, x, y, w, h);
 }
 
 /* A run: many steps in one call (memory.Run in Python). */
@@ -50,7 +50,7 @@ int64_t inertia_module_kernel_run(struct kernel_run *run)
         for (size_t n = 0; n < run->input_count; n++)
             *run->inputs[n] = run->set[run->steps * run->input_count + n];
         const double length = run->lengths[run->steps];
-        const int64_t status = KERNEL(run->operation, r[0], r[1], r[2], r[3], r[4], r[5], length);
+        const int64_t status = call_kernel(run->operation, r[0], r[1], r[2], r[3], r[4], r[5], length);
         if (status != 0)
             return status;
         for (size_t n = 0; n < run->rate_count; n++)

@@ -12,9 +12,10 @@ import os
 import platform
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
-from ..common.files import PACKAGE_FOLDER, cache_folder, content_hash, sources
+from ..common.files import PACKAGE_FOLDER, kept, kept_file, sources
 from ..contract.models import Model
 from . import CompilationUnavailable
 
@@ -45,24 +46,30 @@ def made_from(model: Model) -> dict[str, bytes]:
     return model.source | translator | tool_versions(*NEEDED)
 
 
-def _path(model: Model) -> Path:
-    return cache_folder() / f"{model.name}-{content_hash(made_from(model))[:16]}.ll.xz"
+def _name(model: Model) -> str:
+    return f"{model.name}.ll.xz"
 
 
 def is_cached(model: Model) -> bool:
     """Tell whether llvm_text will find the text of this source in the cache."""
-    return _path(model).exists()
+    return kept_file(_name(model), made_from(model)) is not None
 
 
-def llvm_text(model: Model) -> str:
-    """LLVM IR of a kernel, from the cache or, the first time ever, translated: about a minute."""
-    path = _path(model)
-    if not path.exists():
-        environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
-        # the package of this file, wherever it lies
-        environment |= ENVIRONMENT | {"PYTHONPATH": str(PACKAGE_FOLDER.parent)}
+def _translate(model: Model) -> bytes:
+    """LLVM IR of a kernel, compressed, translated in a process of its own."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
+    # the package of this file, wherever it lies
+    environment |= ENVIRONMENT | {"PYTHONPATH": str(PACKAGE_FOLDER.parent)}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / _name(model)
         command = [sys.executable, "-m", f"{__package__}.lowered", model.name, str(path)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise CompilationUnavailable(f"numba failed: {done.stderr.strip()[-2000:]}")
+        return path.read_bytes()
+
+
+def llvm_text(model: Model) -> str:
+    """LLVM IR of a kernel, from the cache or, the first time ever, translated: about a minute."""
+    path = kept(_name(model), made_from(model), lambda: _translate(model))
     return lzma.decompress(path.read_bytes()).decode()

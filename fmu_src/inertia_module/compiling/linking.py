@@ -135,7 +135,7 @@ def link(
 
 def with_kernel(model: Model, target: Target, file: str, content: dict[str, bytes], *flags: str) -> bytes:
     """A shared library that offers the kernel of a model and has it in it, for link."""
-    entry = {Path(path).name: text for path, text in sources("compiling/*.c").items()}
+    entry = {Path(path).name: text for path, text in sources("compiling/*.[ch]").items()}
     own = entry | {"kernel.o": object_file(model, target)}
     return link(target, file, own | content, f"-DKERNEL={model.symbol}", *flags)
 
@@ -143,7 +143,9 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
 def kernel_library(model: Model) -> Path:
     """The shared library of a kernel alone, in the cache: machine code as an FMU of this platform has it."""
     target = here()
-    made = made_from(model) | ir.tool_versions("ziglang") | sources("compiling/*.c", "compiling/targets.py")
+    made = (
+        made_from(model) | ir.tool_versions("ziglang") | sources("compiling/*.[ch]", "compiling/targets.py")
+    )
     name = f"{model.name}-kernel-{target.label}{target.suffix}"
     return kept(name, made, lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {}))
 

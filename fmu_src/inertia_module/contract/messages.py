@@ -11,9 +11,10 @@ from collections.abc import Iterable, Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
+from ..kernel.inputs import SMALLEST_STEP
 from .variables import INPUT, LARGEST_STEP, VARIABLES, Group, Variable, with_causality
 
-_STEPS = f"above 0 and at most {LARGEST_STEP:g} s"
+_STEPS = f"between {SMALLEST_STEP:g} and {LARGEST_STEP:g} s"
 _ABANDONED = "communication step = {step} s is rejected: "
 
 
@@ -23,7 +24,7 @@ def named(*names: str) -> str:
 
 
 def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
-    """Sentences for inputs and rates that are not finite or absurd, for a bad step, for an overflow."""
+    """Sentences for inputs, rates and steps that are not finite or absurd, and for an overflow."""
     sentences = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
     inputs = list(with_causality(INPUT, table=table))
     for n, variable in enumerate(inputs):
@@ -33,6 +34,12 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
             f"the rate of {name} must keep it {allowed} over {{step}} s (got {{{name}_rate}}"
             f" {variable.unit}/s from {named(name)})"
         )
+    speed = inputs[0]
+    sentences[codes.BAD_HOLD] = (
+        f"{speed.name} must stay {speed.allowed} over {{step}} s with input_hold = linear (got"
+        f" {{{speed.name}}} after a far shorter step). The extrapolated speed leaves this range. Use steps of"
+        " similar length, or input_hold = zero_order."
+    )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     sentences[codes.NOT_FINITE] = (
         f"{_ABANDONED}numerical overflow (magnitude above 1e300) with {', '.join(others)} and {last}"

@@ -162,6 +162,9 @@ INERTIA_MODULE = Model(
         Bound("d", place(_D, "backward.count"), fields.KNOTS),
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
         Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
+        # moments that were seen in the last step; signs of all satellites, a bit each
+        Bound("x", place(fields.STATE, "seen"), 2**53),
+        Bound("x", place(fields.STATE, "spin_signs"), 2 ** int(variables.BY_NAME["satellites"].ends[1])),
     ),
     terminals=variables.TERMINALS,
 )

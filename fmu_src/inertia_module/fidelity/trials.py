@@ -11,6 +11,7 @@ import csv
 import dataclasses
 import math
 import statistics
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,7 +26,7 @@ from pydantic_core import to_jsonable_python
 
 from ..common.equality import ByContent
 from ..common.errors import Refused
-from ..common.files import cache_folder, content_hash, sources
+from ..common.files import kept, sources
 from ..common.terminal import Progress, terminal
 from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..harness import results
@@ -529,15 +530,12 @@ def measure_scene(
 # --- kept between runs ---
 
 
-def measurement_file(scene: Scene) -> Path:
-    """Name the file of the measurements of a scene: by what it simulates, whatever error is asked of it."""
+def measured_from(scene: Scene) -> dict[str, bytes]:
+    """All that the measurements of a scene depend on: the simulated system, and the code."""
     chosen = {"mechanism": {"fidelity", "method", "max_step"}, "accuracy": {"tolerance", "error"}}
     others: dict[str, Any] = {"title": True, "description": True, "run": {"outputs"}}
     content = scene.model_dump_json(exclude_none=True, exclude=chosen | others)
-    # and by the code that a measurement depends on: kernel, loops and this study
-    code = sources("kernel/**/*.py", "loops/*.py", "fidelity/*.py")
-    name = content_hash(code | {"scene": content.encode()})[:24]
-    return cache_folder() / f"trials-{name}.csv"
+    return sources("kernel/**/*.py", "loops/*.py", "fidelity/*.py") | {"scene": content.encode()}
 
 
 def candidates(scene: Scene) -> list[Level]:
@@ -547,10 +545,13 @@ def candidates(scene: Scene) -> list[Level]:
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """Give the rows of the candidates for a scene, from the last time if nothing has changed since."""
-    path = measurement_file(scene)
-    if not path.exists():
-        write_rows(path, measure_scene(scene, candidates(scene), progress=progress))
-    return read_rows(path)
+
+    def measure() -> bytes:
+        rows = measure_scene(scene, candidates(scene), progress=progress)
+        with tempfile.TemporaryDirectory() as folder:
+            return write_rows(Path(folder) / "trials.csv", rows).read_bytes()
+
+    return read_rows(kept("trials.csv", measured_from(scene), measure))
 
 
 def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choice]:

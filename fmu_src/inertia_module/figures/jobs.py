@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
@@ -33,12 +34,14 @@ LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 # panels of a chart, the last two of one with engagements: title and unit
 PANELS = (
     ("torque ratio, efficiency (dashed)", ""),
-    ("mean output torque / ω1²; bar: lock-up torque", "N·m·s²"),
-    ("mean input torque / ω1²", "N·m·s²"),
+    ("mean output torque{per_square}; bar: lock-up torque", "{torque}"),
+    ("mean input torque{per_square}", "{torque}"),
     ("output torque ripple (RMS) / mean", "-"),
-    ("engagements: output, housing (dashed), limit (dotted)", "per input revolution"),
-    ("maximum output freewheel torque / ω1²", "N·m·s²"),
+    ("engagements: output, housing (dashed), limit (dotted)", "{engagements}"),
+    ("maximum output freewheel torque{per_square}", "{torque}"),
 )
+AT_ANY_SPEED = {"per_square": " / ω1²", "torque": "N·m·s²", "engagements": "per input revolution"}
+AT_ONE_SPEED = {"per_square": "", "torque": "N·m", "engagements": "Hz"}
 
 
 def chart_figure(
@@ -46,19 +49,28 @@ def chart_figure(
     maps: Mapping[str, Mapping[str, Array]] | None = None,
     speed_unit: str = "rad/s",
     allowed: Mapping[str, float] = MappingProxyType({}),
+    omega1: float | None = None,
 ) -> Figure:
     """Draw torque ratio and efficiency, output and input torque, ripple and engagements over the speed ratio.
 
     Args:
-        charts: by the names for the legend. maps: of steady_map, whose efficiency is drawn.
-        speed_unit: of the input. allowed: by name, engagements of a freewheel a turn of the input.
+        charts: by the names for the legend.
+        maps: of steady_map, whose efficiency is drawn.
+        speed_unit: of the input.
+        allowed: by name, maximum number of engagements of a freewheel per revolution of the input.
+        omega1: speed of the input, rad/s, for torques in N.m; without it torques are divided by its square.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, with engagements and with maps higher by half.
     """
     engaged = any(one.output_engagements is not None for one in charts.values())
     height = 1.0 + 0.5 * engaged
-    figure = sheet("Torque converter chart", (height + 0.5 * bool(maps)) * SIZE[1])
+    squared, turns = (1.0, 1.0) if omega1 is None else (omega1**2, abs(omega1) / math.tau)
+    units, at = AT_ANY_SPEED, ""
+    if omega1 is not None:
+        units = AT_ONE_SPEED
+        at = f" at {omega1 * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
+    figure = sheet(f"Torque converter chart{at}", (height + 0.5 * bool(maps)) * SIZE[1])
     upper: Figure | SubFigure = figure
     if maps:
         parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0 * height, 1))
@@ -76,20 +88,21 @@ def chart_figure(
         passing = torque > 1e-3 * max(chart.stall_torque, 1e-300)
         ratio.plot(speed[gentle], torque[gentle] / chart.input_torque[gentle], color=colour, label=name)
         ratio.plot(speed, chart.efficiency, "--", color=colour)
-        output.plot(speed, torque, color=colour, label=name)
+        output.plot(speed, squared * torque, color=colour, label=name)
         if chart.lock_up_torque[0] > 0.0:
-            output.plot([1.0, 1.0], [0.0, chart.lock_up_torque[0]], color=colour, linewidth=3.0, alpha=0.5)
-        taken.plot(speed, chart.input_torque, color=colour, label=name)
+            bar = [0.0, squared * chart.lock_up_torque[0]]
+            output.plot([1.0, 1.0], bar, color=colour, linewidth=3.0, alpha=0.5)
+        taken.plot(speed, squared * chart.input_torque, color=colour, label=name)
         ripple.plot(speed[passing], chart.ripple[passing] / torque[passing], color=colour, label=name)
         if chart.output_engagements is not None and chart.housing_engagements is not None:
-            duty[0].plot(speed, chart.output_engagements, color=colour, label=name)
-            duty[0].plot(speed, chart.housing_engagements, "--", color=colour)
-            duty[1].plot(speed, chart.peak, color=colour, label=name)
+            duty[0].plot(speed, turns * chart.output_engagements, color=colour, label=name)
+            duty[0].plot(speed, turns * chart.housing_engagements, "--", color=colour)
+            duty[1].plot(speed, squared * chart.peak, color=colour, label=name)
             if name in allowed:
-                duty[0].axhline(allowed[name], color=colour, linestyle=":")
+                duty[0].axhline(turns * allowed[name], color=colour, linestyle=":")
     for axes, (title, unit) in zip(panels.flat, PANELS, strict=False):
-        axes.set_title(title, loc="left", fontsize=11)
-        axes.set_ylabel(unit)
+        axes.set_title(title.format(**units), loc="left", fontsize=11)
+        axes.set_ylabel(unit.format(**units))
         axes.set_ylim(bottom=0.0)
         axes.legend(fontsize=9, frameon=False)
         plain(axes)
@@ -273,48 +286,77 @@ def fit_figure(found: FitResult) -> Figure:
 
 # --- orders ---
 
-# lines named in a panel, and the share of all that swings that a picture goes out to
+# lines named in a panel
 NAMED = 3
-SHOWN = 0.99
+# signals whose amplitudes differ by less than this share of the largest share a row
+SAME_RTOL = 1e-6
 
 
-def order_figure(found: Orders, title: str, in_hz: bool = False) -> Figure:
+def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: str = "rad/s") -> Figure:
     """Draw left the spectrum of each signal, right its waterfall: over the speed in a run-up, else over time.
 
+    Constant signals are left out. Signals with the same amplitudes share a row.
+
     Args:
-        in_hz: whether the waterfall has Hz and rpm, in place of orders and rad/s.
+        result: of orders.
+        title: of the figure.
+        in_hz: True for waterfalls over Hz and rpm instead of orders.
+        speed_unit: unit of the speed of link 1 over orders.
     """
-    names = list(found.amplitude)
-    figure = sheet(title, 1.2 + 2.6 * len(names))
-    panels = figure.subplots(len(names), 2, sharex="col" if in_hz else "all", squeeze=False)
-    lines = found.largest(NAMED)
-    over, label = found.time, "time [s]"
-    if found.time.size > 1 and (np.diff(found.speed) > 1e-3 * found.speed[0]).all():
-        over, label = found.rpm if in_hz else found.speed, f"speed of link 1 [{'rpm' if in_hz else 'rad/s'}]"
-    across = found.frequency if in_hz else found.order
-    for (left, right), name in zip(panels, names, strict=True):
-        amplitude, unit = found.amplitude[name], found.units[name]
-        left.plot(found.order, amplitude, color=VERMILION, linewidth=1.2)
-        for line in lines[name]:
-            place = (line.order, float(np.interp(line.order, found.order, amplitude)))
-            left.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
-        left.set_ylim(0.0, 1.15 * float(amplitude.max()) or 1.0)
-        dress(left, titled(name, unit))
-        right.set_ylabel(label)
-        if over.size < 2 or not amplitude.any():
-            told = "one window" if amplitude.any() else "constant"
-            right.text(0.5, 0.5, told, ha="center", transform=right.transAxes)
-            continue
-        largest = float(found.waterfall[name].max())
-        norm = LogNorm(1e-3 * largest, largest, clip=True)
-        colours = {"norm": norm, "cmap": "viridis", "shading": "nearest"}
-        drawn = right.pcolormesh(across, over, found.waterfall[name], **colours)
-        figure.colorbar(drawn, ax=right, label=unit)
-    # a little above the order up to which SHOWN of all that swings is found, of every signal
-    sums = [np.cumsum(amplitude**2) for amplitude in found.amplitude.values() if amplitude.any()]
-    last = max((int(np.searchsorted(total, SHOWN * total[-1])) for total in sums), default=-1)
-    highest = min(1.1 * float(found.order[last]), float(found.order[-1]))
+    rows = _rows_of(result)
+    figure = sheet(title, 1.2 + 2.6 * max(len(rows), 1))
+    if not rows:
+        figure.text(0.5, 0.5, "all signals are constant", ha="center")
+        return figure
+    panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
+    for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
+        _spectrum(left, result, name, label)
+        drawn = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
+        if drawn is not None:
+            figure.colorbar(drawn, ax=right, label=result.units[name])
     for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
-        axes.set_xlim(0.0, highest if in_order else highest * float(found.rate.max()))
-        axes.set_xlabel(f"order [cycles per {BASES[found.of]}]" if in_order else "frequency [Hz]")
+        axes.set_xlim(0.0, result.highest * (1.0 if in_order else float(result.rate.max())))
+        axes.set_xlabel(f"order [cycles per {BASES[result.of]}]" if in_order else "frequency [Hz]")
     return figure
+
+
+def _rows_of(result: Orders) -> dict[str, str]:
+    """Return the signals that swing, each with its label, which lists signals with the same amplitudes."""
+    labels: dict[str, list[str]] = {}
+    for name, amplitude in result.amplitude.items():
+        if not amplitude.any():
+            continue
+        largest = float(amplitude.max())
+        same = (
+            other
+            for other in labels
+            if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * largest)
+        )
+        labels.setdefault(next(same, name), []).append(name.replace("_", " "))
+    return {name: titled(", ".join(names), result.units[name]) for name, names in labels.items()}
+
+
+def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
+    """Draw the mean spectrum of a signal with the orders of its largest lines."""
+    amplitude = result.amplitude[name]
+    axes.plot(result.order, amplitude, color=VERMILION, linewidth=1.2)
+    for line in result.largest(NAMED)[name]:
+        place = (line.order, float(np.interp(line.order, result.order, amplitude)))
+        axes.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
+    axes.set_ylim(0.0, 1.15 * float(amplitude.max()))
+    dress(axes, label)
+
+
+def _waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: str) -> Any:
+    """Draw the amplitudes of a signal in each window; None if there is one window."""
+    over, label = result.time, "time [s]"
+    if result.time.size > 1 and (np.diff(result.speed) > 1e-3 * result.speed[0]).all():
+        over, label = result.speed * factor_between("rad/s", speed_unit), f"speed of link 1 [{speed_unit}]"
+    axes.set_ylabel(label)
+    if over.size < 2:
+        axes.text(0.5, 0.5, "one window", ha="center", transform=axes.transAxes)
+        return None
+    largest = float(result.waterfall[name].max())
+    norm = LogNorm(1e-3 * largest, largest, clip=True)
+    across = result.frequency if in_hz else result.order
+    return axes.pcolormesh(across, over, result.waterfall[name], norm=norm, cmap="viridis", shading="nearest")

@@ -13,6 +13,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import date
+from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,10 +33,11 @@ from ..jobs.orders import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
 from ..kernel.codes import ELASTIC
 from ..scene import Scene, SceneResult
 from ..scene.keys import in_range, keys_of
+from ..scene.reading import speed_unit
 from ..scene.run import DUTY, FREEWHEELS, input_speed, start_of
 from .jobs import NAMED, chart_figure, order_figure
 from .mechanism import mechanism_figure
-from .scenes import is_coarse, scene_figure
+from .scenes import scene_figure
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
 # what a run for a report records besides what the scene wants
@@ -86,7 +88,8 @@ def report_file(
         "Results": _found(result),
     }
     sections |= dict([asked])
-    for number, (title, make) in enumerate(PARTS.items()):
+    parts = PARTS | {"Orders": partial(_orders, fmu=fmu, speed_unit=speed_unit(file, keys))}
+    for number, (title, make) in enumerate(parts.items()):
         progress(number / len(PARTS))
         try:
             sections[title] = make(result)
@@ -214,26 +217,35 @@ def _chart(result: SceneResult) -> Part:
     numbers = chart.summary(omega1, limits).items()
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
-    figure = chart_figure({"mechanism": chart}, allowed=allowed)
+    figure = chart_figure({"mechanism": chart}, allowed=allowed, omega1=omega1)
     at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
-    text = f"Steady-state means over the speed ratio, {at}."
-    return Part([text], ("number", "value"), rows, _picture(figure))
+    limit = scene.drive_torque_limit(omega1)
+    beyond = "" if limit is None else chart.beyond_drive(omega1, limit)
+    texts = [f"Steady-state means over the speed ratio, {at}."]
+    texts += [f"{beyond[0].upper()}{beyond[1:]}."] if beyond else []
+    return Part(texts, ("number", "value"), rows, _picture(figure))
 
 
-def _orders(result: SceneResult) -> Part:
-    """The largest orders from the first to the last turn of link 1."""
+def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad/s") -> Part:
+    """Report the largest orders from the first to the last turn of link 1.
+
+    Args:
+        result: of the run.
+        fmu: the file that was run, for a run in shorter steps.
+        speed_unit: unit of the speed of link 1.
+    """
     scene, record = _module(result), result.record
     turning = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
     if not turning.size:
         raise Refused("link 1 does not turn")
     begin, end = record.time[turning[0]], record.time[turning[-1] + 1]
-    found = orders(scene, record=record, begin=begin, end=end)
-    rows = [(_words(name), *line) for name, lines in found.lines(NAMED).items() for line in lines.items()]
-    texts = [f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."]
-    if is_coarse(record):
-        step = "The communication step is too long for the pulses"
-        texts.append(f"{step}: orders above the maximum are aliased.")
-    return Part([" ".join(texts)], ("signal", "order", "amplitude"), rows, _picture(order_figure(found, "")))
+    spectra = orders(scene, fmu, record=record, begin=begin, end=end)
+    lines = spectra.lines(NAMED, speed_unit=speed_unit)
+    rows = [(_words(name), *line) for name, texts in lines.items() for line in texts.items()]
+    text = f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."
+    text += f" They were recorded in steps of {spectra.step * 1e3:.3g} ms."
+    picture = _picture(order_figure(spectra, "", speed_unit=speed_unit))
+    return Part([text], ("signal", "order", "amplitude"), rows, picture)
 
 
 def _energy(result: SceneResult) -> Part:

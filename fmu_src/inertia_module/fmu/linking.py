@@ -53,7 +53,10 @@ def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
     Args:
         model: what it computes. guid: of modelDescription.xml. fmi: version of FMI, 2 or 3.
     """
-    files = {path.name: path.read_bytes() for path in (*shell_sources(fmi), *SHELL_FOLDER.glob("*.h"))}
+    files = {
+        path.name: path.read_bytes() for path in (*shell_sources(fmi), *sorted(SHELL_FOLDER.glob("*.h")))
+    }
+    files |= {Path(path).name: content for path, content in sources("compiling/*.h").items()}
     return files | {file: text.encode() for file, text in generated(model, guid, fmi).items()}
 
 

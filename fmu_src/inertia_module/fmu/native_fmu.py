@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +18,7 @@ from ..compiling.linking import made_from as machine_code_made_from
 from ..compiling.linking import with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
-from .archive import DESCRIPTION, TEMPLATES, archive, filled_xml, generation_date, guid_of
+from .archive import DESCRIPTION, TEMPLATES, archive, filled, filled_xml, generation_date, guid_of
 from .c_source import c_source
 from .component import FOLDER, MANIFEST, PLATFORM, component
 from .description import FLANGE, model_description, terminals
@@ -26,6 +27,8 @@ from .linking import Progress, header_folder, join_for_mac, shell_files, version
 from .tables import generated
 
 Content = TypeVar("Content")
+# name of the source file
+SOURCE = "all.c"
 # where SSP Traceability looks for it
 METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
 
@@ -74,7 +77,7 @@ class NativeFmu(NamedTuple):
     def guid(self) -> str:
         """Hash of all that the FMU is made from: its sources and the versions of the tools."""
         made_from = tool_versions("ziglang") | machine_code_made_from(self.model)
-        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.c")
+        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.[ch]")
         made_from |= sources("compiling/targets.py")
         made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
         made_from |= accompanying_files(self.model, self.picture, self.fmi)
@@ -109,7 +112,8 @@ class NativeFmu(NamedTuple):
         of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
         files |= accompanying_files(self.model, self.picture, self.fmi, **of_standard)
         description = self.identifier, made_for, generation_date(), self.fmi
-        described = model_description(self.model, *description, sources=c_files(files))
+        sources = [SOURCE] if f"sources/{SOURCE}" in files else []
+        described = model_description(self.model, *description, sources=sources)
         return archive(files | {DESCRIPTION: described})
 
 
@@ -144,19 +148,42 @@ def _picture(name: str) -> bytes:
     return (Path(__file__).parent / "pictures" / name).read_bytes()
 
 
+def expanded(name: str, files: Mapping[str, bytes], seen: set[str]) -> Iterator[str]:
+    """Lines of a C file with the files that it includes in it, each once.
+
+    Args:
+        name: name of the file.
+        files: contents by name; other includes stay as they are.
+        seen: names of the files that are in it already.
+    """
+    seen.add(name)
+    for line in files[name].decode().splitlines():
+        include = re.fullmatch(r'#include "(.*)"', line)
+        if include is None or include[1] not in files:
+            yield line
+        elif include[1] not in seen:
+            yield from expanded(include[1], files, seen)
+
+
 def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The FMU in C99, by path in it, for processors that it has no library for; made_for: its GUID."""
+    """The FMU in C99, by path in it, for processors that it has no library for.
+
+    It is one file, so that a compiler makes all but the functions of FMI invisible to the host.
+
+    Args:
+        fmu: the FMU.
+        made_for: its GUID.
+        progress: called with the stage.
+    """
     progress(f"translating {fmu.identifier} to C")
-    files = shell_files(fmu.model, made_for, fmu.fmi) | {"kernel.c": c_source(fmu.model).encode()}
+    files = {"kernel.c": c_source(fmu.model).encode()} | shell_files(fmu.model, made_for, fmu.fmi)
+    included = [name for name in files if name.endswith(".c")]
+    files[SOURCE] = filled(TEMPLATES / SOURCE, {"model": fmu.model, "files": included}).encode()
+    made = {SOURCE: "\n".join([*expanded(SOURCE, files, set()), ""]).encode()}
     if fmu.fmi == 3:
-        values = {"identifier": fmu.identifier, "sources": c_files(files)}
-        files["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
-    return {f"sources/{name}": content for name, content in files.items()}
-
-
-def c_files(files: Iterable[str]) -> list[str]:
-    """Names of the files to compile among those in sources/."""
-    return sorted(Path(path).name for path in files if path.endswith(".c"))
+        values = {"identifier": fmu.identifier, "source": SOURCE}
+        made["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
+    return {f"sources/{name}": content for name, content in made.items()}
 
 
 def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:

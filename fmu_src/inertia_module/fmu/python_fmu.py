@@ -84,9 +84,10 @@ from {package}.fmu.slave import {identifier}
 
 # where FMI 2.0 looks for what an FMU takes of the machine
 DEPENDENCIES = "documentation/externalDependencies.txt"
-NEEDED = """The process of the importer must contain the library of Python 3.11 or later, 64 bit.
-On Linux it requires glibc 2.32 or later and libstdc++ of GCC 12 or later.
-The native FMU of this model has no run-time requirements.
+NEEDED = """The host process must load the 64-bit library of Python 3.11 or later.
+No Python packages are necessary.
+On Linux the FMU requires glibc 2.32 or later and libstdc++ of GCC 12 or later.
+The native FMU of this model has no such requirements.
 """
 
 
@@ -106,7 +107,7 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
         what = f"{fmu.identifier} for {target.label}"
         kernel = build.attempt(f"compiled kernel in {what}", compiled, target)
         front = build.attempt(
-            f"wrapper of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
+            f"wrapper library of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
         )
         if kernel is not None:
             kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel

@@ -266,8 +266,8 @@ class TorqueConverterChart(ByContent):
 
     @property
     def end_ratio(self) -> float:
-        """Speed ratio from which on no torque is passed, 1 with lock-up; with losses the last one found."""
-        return float(self.speed_ratio[-1])
+        """Speed ratio above which no torque is transmitted; 1 with lock-up, also beyond the last row."""
+        return 1.0 if self.lock_up_torque[0] > 0.0 else float(self.speed_ratio[-1])
 
     def summary(
         self, omega1: float | None = None, indexing: Mapping[str, float] | None = None
@@ -299,6 +299,25 @@ class TorqueConverterChart(ByContent):
     def units(self, omega1: float | None = None) -> dict[str, str]:
         """Units of the numbers of summary, "" for ratios."""
         return {name: _scale(name, omega1)[1] for name in (*self.summary(), "indexing_speed")}
+
+    def beyond_drive(self, omega1: float, torque: float) -> str:
+        """Describe where the mechanism takes more torque than its drive has at a speed.
+
+        Args:
+            omega1: speed of link 1, rad/s.
+            torque: largest torque of the drive there, N.m.
+
+        Returns:
+            A sentence without its subject, or "" if the drive has enough torque at all speed ratios.
+        """
+        taken = self.input_torque * omega1**2
+        if not (taken > torque * (1.0 + 1e-9)).any():
+            return ""
+        first = float(self.speed_ratio[np.argmax(taken > torque)])
+        return (
+            f"the mechanism takes up to {taken.max():.4g} N.m at {abs(omega1):.4g} rad/s, the drive has"
+            f" {torque:.4g} N.m: from a speed ratio of {first:.2g} on it cannot hold this speed"
+        )
 
     def save(self, path: Path) -> Path:
         """Write as CSV, whole or not at all; the numbers read back are the same doubles."""

@@ -27,8 +27,8 @@ Point = dict[str, float | str]
 Range = str | tuple[float, float] | None
 LARGEST_GRID = 10_000_000
 _RANGE = re.compile(r"(log:)?([^:]+):([^:]+?)(?::\s*(\d+)\s*)?")
-# of a value that is known, and its standard deviation
-_KNOWN = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
+# prior value and its standard deviation
+_PRIOR = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
 
 
 @dataclass(frozen=True)
@@ -187,57 +187,71 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, kw_only=True)
 class Free(Axis):
-    """One key that is searched.
+    """A free key of a fit.
 
     Attributes:
-        start: value that a search begins at, SI. size: of a change that tells, SI: the width of a range that
-            was asked for, without one of the size of the start. held: whether one was. deviation: standard
-            deviation of what is known of it before, about the start: infinite for nothing, 0 of what is
-            known to be the start.
+        start: value at which a search starts, SI.
+        nominal: value in the scene, SI; NaN if there is none.
+        size: scale of the key, SI: the width of its range, or else the size of its start.
+        has_range: whether a range is specified.
+        physical: limits of the key without the range, SI.
+        deviation: standard deviation of the prior value, which is the start, SI; infinite without a prior
+            value, 0 for an exact one.
     """
 
     start: float
+    nominal: float
     size: float
-    held: bool = False
+    has_range: bool = False
+    physical: tuple[float, float] = (-math.inf, math.inf)
     deviation: float = math.inf
 
     def at(self, share: float) -> float | str:
-        """The value at a share (0 to 1) of the range; without one the start."""
-        return super().at(share) if self.held else self.start
+        """Return the value at a share (0 to 1) of the range, or the start if there is no range."""
+        return super().at(share) if self.has_range else self.start
+
+    @property
+    def range_remark(self) -> str:
+        """A warning if the range does not contain the value in the scene, else ""."""
+        if not self.has_range or math.isnan(self.nominal) or self.low <= self.nominal <= self.high:
+            return ""
+        allowed = f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
+        return f"{self.name}: the range {allowed} does not contain the value in the scene, {self.nominal:g}"
 
 
 def free_keys(
-    free: Sequence[str] | Mapping[str, Range], scene: Scene, beside: Mapping[str, Free] | None = None
+    free: Sequence[str] | Mapping[str, Range], scene: Scene, sensors: Mapping[str, Free] | None = None
 ) -> list[Free]:
-    """The free keys of a fit, which begin at the values of a scene.
+    """Return the free keys of a fit.
 
     Args:
-        free: "NAME", "NAME=LOW:HIGH" (or log:LOW:HIGH, whose starts are even in the logarithm) or, where the
-            value is known so well before, "NAME=VALUE +- DEVIATION" each, or by name such a text, (low, high)
-            or None. beside: keys that are not the scene's, by name, as they are free without more.
+        free: "NAME", "NAME=LOW:HIGH", "NAME=log:LOW:HIGH" (starts are even in the logarithm) or, with prior
+            knowledge, "NAME=VALUE +- DEVIATION" each; or such a text, (low, high) or None by name.
+        scene: its values are starts.
+        sensors: keys of the sensors, by name.
     """
-    found, known = [], beside or {}
-    kinds = {name.partition(".")[0] for name in known}
-    for name, given in _by_key(free, "free", "imbalance_mass=0.5:2"):
-        if name in known:
-            key = known[name]
-            found.append(_free(key, given, partial(_number, name, key.unit)))
+    keys, others = [], sensors or {}
+    kinds = {name.partition(".")[0] for name in others}
+    for name, text in _by_key(free, "free", "imbalance_mass=0.5:2"):
+        if name in others:
+            key = others[name]
+            keys.append(_free(key, text, partial(_number, name, key.unit)))
         elif name.partition(".")[0] in kinds:
-            raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, known)}")
+            raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, others)}")
         else:
-            key, read = as_given(name, scene), partial(_value, scene, name)
-            if given is None and not abs(key.start) > 0.0:
+            key, read = key_of_scene(name, scene), partial(_value, scene, name)
+            if text is None and not abs(key.start) > 0.0:
                 scene.with_keys({name: 1.0})  # which says so if there is no such key
                 raise Refused(
                     f"{name} requires a range, {name}=LOW:HIGH, because the scene has no start value other"
                     " than 0"
                 )
-            found.append(_free(key, given, read))
-    return found
+            keys.append(_free(key, text, read))
+    return keys
 
 
-def as_given(name: str, scene: Scene) -> Free:
-    """A key of the scene without a range: near the value that it has there, NaN for none."""
+def key_of_scene(name: str, scene: Scene) -> Free:
+    """Return a key of a scene without a range; it starts at its value there, NaN for none."""
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
     unit, value = _unit_and_value(name, scene)
     if value is None and variable is not None:
@@ -245,30 +259,45 @@ def as_given(name: str, scene: Scene) -> Free:
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
         raise Refused(f"{name} must be a continuous number to be free; vary other keys with sweep")
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
-    begin = math.nan if value is None else float(value)
-    return Free(name, unit, low, high, start=begin, size=abs(begin))
+    nominal = math.nan if value is None else float(value)
+    return Free(
+        name, unit, low, high, start=nominal, nominal=nominal, size=abs(nominal), physical=(low, high)
+    )
 
 
-def _free(key: Free, given: Range, read: Callable[[str], float | str]) -> Free:
-    """A key that is free as given; read: one of its values."""
-    if given is None:
+def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
+    """Return a key with its range or its prior value.
+
+    Args:
+        key: without a range.
+        limits: range or prior value, None for neither.
+        read: reads a value of the key, in SI.
+    """
+    if limits is None:
         return key
-    name, text = key.name, given if isinstance(given, str) else ":".join(map(repr, given))
-    known = _KNOWN.fullmatch(text)
-    if known is not None:
-        mean, deviation = float(read(known[1])), _number(name, key.unit, known[2])
+    name, text = key.name, limits if isinstance(limits, str) else ":".join(map(repr, limits))
+    prior = _PRIOR.fullmatch(text)
+    if prior is not None:
+        mean, deviation = float(read(prior[1])), _number(name, key.unit, prior[2])
         if deviation < 0.0:
-            raise Refused(must_be(f"the deviation of {name}", "at least 0", known[2].strip()))
+            raise Refused(must_be(f"the deviation of {name}", "at least 0", prior[2].strip()))
         return replace(key, start=mean, size=10.0 * deviation or 1.0, deviation=deviation)
     if ":" not in text:
         raise Refused(must_be(name, "LOW:HIGH or VALUE +- DEVIATION", repr(text)))
-    held = _range(name, key.unit, text, read)
-    if held.number:
+    axis = _range(name, key.unit, text, read)
+    if axis.number:
         raise Refused(must_be(name, "LOW:HIGH without a number of points", repr(text)))
-    # of a start that is not there it is not
-    inside = held.low <= key.start <= held.high
-    start = key.start if inside else 0.5 * (held.low + held.high)
-    return Free(**vars(held), start=start, size=held.high - held.low, held=True)
+    # False if the scene has no value
+    inside = axis.low <= key.start <= axis.high
+    start = key.start if inside else 0.5 * (axis.low + axis.high)
+    return Free(
+        **vars(axis),
+        start=start,
+        nominal=key.nominal,
+        size=axis.high - axis.low,
+        has_range=True,
+        physical=key.physical,
+    )
 
 
 def _number(name: str, unit: str, text: str) -> float:

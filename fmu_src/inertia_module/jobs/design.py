@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import operator
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -16,7 +15,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ..common.equality import ByContent
@@ -33,9 +31,10 @@ from ..scene import Scene, SceneError
 from ..scene.keys import Duration, Keys, Strict, quantity, validated
 from ..scene.parts import VehicleLoad
 from ..scene.reading import load_tables, scene_text
-from ..scene.run import TIME_TO, Quantity, SceneRunner
-from .axes import Axis, Point, axes_of, of_shares, shares_sampled
-from .evaluation import Evaluate, Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
+from ..scene.run import TIME_TO, TRACTIVE_FORCE, Quantity, SceneRunner
+from .axes import Axis, Point, axes_of, of_shares
+from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
+from .search import SPREAD, DesignSearch, Searched, population
 
 # --- figures of a mechanism ---
 
@@ -132,6 +131,8 @@ NAMED = {
 
 LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
 MOST_GOALS = 3
+# reserve to a limit, relative to it, below which a figure is at the limit
+TOUCHING = 1e-9
 # violation of a limit whose figure there is not: the run was refused, or a speed is not reached
 MISSING = 1.0
 
@@ -156,9 +157,14 @@ class Search(Strict):
     """Settings of the search for designs (docs/design.md).
 
     Attributes:
-        population, generations, seed: of NSGA-II. starts, stall, longest: how long it goes on; see _search.
-        fidelity, check: levels of the search and of the finalists. margin: by which limits of what the scene
-            gives are narrower in the search, relative to them, for what the cheap fidelity leaves out.
+        population, generations: of each start.
+        starts: number of independent searches, each with another seed and population.
+        stall: generations without improvement that end a start in which no design satisfies all limits.
+        longest: s, after which no generation is added and no start begins.
+        seed: of the first start.
+        fidelity, check: levels of the search and of the finalists.
+        finalists: number of designs to verify.
+        margin: relative reserve to the limits of summary metrics, for effects that the fidelity omits.
     """
 
     population: int = Field(default=40, ge=4, le=10_000)
@@ -306,10 +312,27 @@ class Judge:
         """Sum of what a row is beyond its limits: 0 where all are met."""
         return sum(max(violation, 0.0) for violation in self.violations(row))
 
-    def tightest(self, row: Row) -> str:
-        """Line on the limit that a row is the furthest beyond, or nearest to; "" without limits."""
-        limit = max(self.limits, key=lambda limit: limit.violation(row), default=None)
+    def tightest(self, row: Row, rows: Sequence[Row] = ()) -> str:
+        """Describe the limit that a row violates most, or is nearest to.
+
+        Args:
+            row: a design.
+            rows: all designs; a limit that none of them violates, or that all others just reach, like a speed
+                ratio of at least 1, does not restrict the design.
+
+        Returns:
+            A line, or "" without limits.
+        """
+        restricting = [limit for limit in self.limits if self._restricts(limit, row, rows)]
+        limit = max(restricting or self.limits, key=lambda limit: limit.violation(row), default=None)
         return "" if limit is None else limit.text(row)
+
+    def _restricts(self, limit: Limit, row: Row, rows: Sequence[Row]) -> bool:
+        """Return True if a row violates a limit, or other rows lie on both sides of it."""
+        if limit.violation(row) > 0.0 or not rows:
+            return True
+        violations = [limit.violation(other) for other in rows if limit.figure in other.figures]
+        return any(one > 0.0 for one in violations) and any(one < -TOUCHING for one in violations)
 
     def costs(self, row: Row) -> list[float]:
         """The goals as numbers that are to be small."""
@@ -337,8 +360,6 @@ class Judge:
 
 # key of a point that is none of the scene: the fidelity it is run at
 LEVEL = "fidelity"
-# share by which the nearest design comes nearer to the limits while a search still improves
-NEARER = 1e-3
 # rad, a turn of the output shaft, or of the wheels of a car, below which a load stays at rest
 AT_REST = math.tau
 
@@ -386,6 +407,9 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
         chart = mechanism.chart(speed)
         if not chart.lock_up_torque[0] > 0.0:
             found["no lock-up"] = f"no torque is transmitted above a speed ratio of {chart.end_ratio:.2g}"
+        limit = scene.drive_torque_limit(speed)
+        if limit is not None and (beyond := chart.beyond_drive(speed, limit)):
+            found["drive too weak"] = beyond
     except Refused as error:
         found["no mean torque"] = str(error)
     if mechanism.module["satellite_inertia"] == 0.0:
@@ -394,6 +418,11 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
     turned = figures.get("omega_out_maximum", math.inf) * scene.run.stop_time
     if isinstance(scene.load, VehicleLoad):
         turned = figures.get("distance", math.inf) / scene.load.wheel_radius
+    if isinstance(scene.load, VehicleLoad) and figures.get(TRACTIVE_FORCE, 0.0) > (
+        scene.load.grip or math.inf
+    ):
+        force, grip = figures[TRACTIVE_FORCE], scene.load.grip
+        found["wheels slip"] = f"the tractive force reaches {force:.4g} N, the grip is {grip:.4g} N"
     if turned < AT_REST:
         found["load does not move"] = f"{turned / math.tau:.2g} revolutions in the run"
     return found
@@ -407,7 +436,7 @@ class DesignResult(ByContent):
         judge: by the specification, its spec. rows: all designs of the search, in order.
         front: those of them that meet all limits and that no other is better than.
         finalists: those that were checked. new: how many rows were not there before. files: by kind.
-        cut: whether time ended the search before it had made its starts.
+        searched: outcome of the search, with the best figures of each start.
     """
 
     judge: Judge
@@ -416,7 +445,12 @@ class DesignResult(ByContent):
     finalists: list[Finalist]
     new: int
     files: dict[str, Path]
-    cut: bool
+    searched: Searched
+
+    @property
+    def cut(self) -> bool:
+        """True if time ended the search before it had made its starts."""
+        return self.searched.is_cut
 
     @property
     def chosen(self) -> list[Finalist]:
@@ -443,14 +477,15 @@ class DesignResult(ByContent):
         rows = [one.checked for one in self.chosen or finalists]
         rows = rows or [row for row in self.rows if not row.refused]
         row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
-        where = self.judge.tightest(row)
+        where = self.judge.tightest(row, self.rows)
         if self.chosen:
             first = self.chosen[0].file.stem.replace("_", " ")
             binds = f"; tightest in {first}: {where}" if where else ""
             short = [name for one in self.chosen for name in one.doubts]
             doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
             binds += f"; caveats: {doubts} of them" if doubts else ""
-            return f"{len(self.chosen)} of {len(finalists)} verified designs satisfy all limits{binds}"
+            number = f"{len(self.chosen)} of {len(finalists)} verified designs satisfy all limits"
+            return f"{number}; {self.convergence()}{binds}"
         what = f"{len(self.rows)} designs"
         why = f"no improvement in the last {search.stall} generations of {search.starts} starts"
         if self.front:
@@ -459,6 +494,30 @@ class DesignResult(ByContent):
         elif self.cut:
             why = f"search.longest = {search.longest:g} s ended the search before it was complete"
         return f"0 of {what} satisfy all limits; {why}; closest design: {where}"
+
+    def convergence(self) -> str:
+        """Compare the best designs of the starts: converged or not, with their figures."""
+        searched, search = self.searched, self.judge.spec.search
+        starts, successful = searched.starts, [start for start in searched.starts if start.best]
+        texts = []
+        for goal, spread in searched.spread().items():
+            values = ", ".join(f"{start.best[goal]:.4g}" for start in successful)
+            texts.append(f"{goal} {values} {self.judge.unit(goal)} (spread {100.0 * spread:.2g} %)")
+        best = f"best of {len(successful)} starts: {', '.join(texts)}"
+        if searched.has_converged:
+            return f"converged; {best}"
+        if searched.is_cut:
+            reason = f"search.longest = {search.longest:g} s ended the search"
+        elif len(starts) < 2:
+            reason = "one start shows no spread; increase search.starts"
+        elif len(successful) < len(starts):
+            reason = (
+                f"{len(starts) - len(successful)} of {len(starts)} starts found no design within the limits"
+            )
+        else:
+            reason = f"the best designs of the starts differ by more than {100.0 * SPREAD:g} %"
+            reason += "; increase search.generations or search.population"
+        return f"not converged: {reason}" + (f"; {best}" if texts else "")
 
 
 def design(
@@ -470,9 +529,9 @@ def design(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> DesignResult:
-    """Search designs by NSGA-II at a cheap fidelity, check finalists, and write tables and scenes.
+    """Search designs at a cheap fidelity, check finalists, and write tables and scenes.
 
-    Source: Deb et al. (2002), A fast and elitist multiobjective genetic algorithm: NSGA-II.
+    For methods and sources see jobs/search.py.
 
     Args:
         spec: a specification, or its file.
@@ -500,7 +559,7 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        rows = evaluate(of_shares(read.axes, _population(read, read.search.seed)))
+        rows = evaluate(of_shares(read.axes, population(read, read.search.seed)))
         units = {axis.name: axis.unit for axis in read.axes} | evaluator.units
         known = [*(name for row in rows for name in row.figures), *NAMED]
         if all(row.refused for row in rows):
@@ -509,7 +568,8 @@ def design(
             if figure not in known and not figure.startswith(TIME_TO):
                 raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
         judge = Judge(read, units)
-        rows, cut = _search(read, judge, evaluate, progress)
+        searched = DesignSearch(read, judge, evaluate, progress).run()
+        rows = searched.rows
         computed = [row for row in rows if not row.refused]
         fronts = judge.fronts([row for row in computed if judge.meets(row, read.search.margin)])
         picked = _finalists(fronts, read.search.finalists) or [min(computed, key=judge.beyond)]
@@ -531,7 +591,7 @@ def design(
             finalists.append(Finalist(row, again, scene, file, doubts))
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
-    return DesignResult(judge, rows, fronts[0], finalists, evaluator.new, files, cut)
+    return DesignResult(judge, rows, fronts[0], finalists, evaluator.new, files, searched)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
@@ -541,58 +601,3 @@ def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
         return [*first, *rest[: number - len(first)]]
     places = {round(n * (len(first) - 1) / max(number - 1, 1)) for n in range(number)}
     return [first[place] for place in sorted(places)]
-
-
-def _population(spec: Spec, seed: int) -> NDArray[np.float64]:
-    """Shares of the ranges that a start of a search begins at, shape (population, axes)."""
-    return shares_sampled(len(spec.axes), f"latin:{spec.search.population}", seed)
-
-
-def _search(
-    spec: Spec, judge: Judge, evaluate: Evaluate, progress: Progress | None
-) -> tuple[list[Row], bool]:
-    """Search by NSGA-II; all designs, each once, in the order asked for, and whether time ended it.
-
-    The search is over shares (0 to 1) of the ranges, so that whole numbers, lists and logarithmic ranges are
-    searched alike. A design that is refused is beyond its limits. As long as none meets all limits a start
-    gets more generations until the nearest has come no nearer over `stall` of them, then there is another
-    start with another population; once one meets them there are as many generations as asked for from there.
-    """
-    from pymoo.algorithms.moo.nsga2 import NSGA2
-    from pymoo.core.problem import Problem
-    from pymoo.core.termination import NoTermination
-
-    settings, found, begun = spec.search, dict[str, Row](), time.monotonic()
-
-    class Designs(Problem):  # type: ignore[misc]
-        """Designs by shares of the ranges of their keys."""
-
-        def _evaluate(self, x: Any, out: dict[str, Any], *_: Any, **__: Any) -> None:
-            rows = evaluate(of_shares(spec.axes, x))
-            found.update({str(row.point): row for row in rows})
-            out["F"] = np.array([judge.costs(row) for row in rows])
-            out["G"] = np.array([judge.violations(row, settings.margin) for row in rows])
-
-    keys, limits = len(spec.axes), len(judge.limits) + 1
-    problem = Designs(n_var=keys, n_obj=len(spec.goals), n_ieq_constr=limits, xl=0.0, xu=1.0)
-    for seed in range(settings.seed, settings.seed + settings.starts):
-        algorithm = NSGA2(pop_size=settings.population, sampling=_population(spec, seed))
-        algorithm.setup(problem, termination=NoTermination(), seed=seed)
-        # of the nearest design to the limits, by generation: what it is beyond them in all
-        nearest, wanted, improving = list[float](), settings.generations, False
-        while len(nearest) < wanted or improving:
-            added = seed > settings.seed or len(nearest) >= settings.generations
-            if added and time.monotonic() - begun > settings.longest:
-                return list(found.values()), nearest[-1:] != [0.0]
-            algorithm.next()
-            nearest.append(float(np.maximum(algorithm.pop.get("G"), 0.0).sum(axis=1).min()))
-            before = nearest[-1 - settings.stall] if len(nearest) > settings.stall else math.inf
-            improving = 0.0 < nearest[-1] < (1.0 - NEARER) * before
-            if nearest[-1] == 0.0 and len(nearest) > wanted == settings.generations:
-                # the goals get as many as if the search had begun here
-                wanted += len(nearest)
-            if progress is not None:
-                progress(min(len(nearest) / wanted, 1.0))
-        if nearest[-1] == 0.0:
-            break
-    return list(found.values()), False

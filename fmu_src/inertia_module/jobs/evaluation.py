@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..common.equality import ByContent
-from ..common.errors import Refused
+from ..common.errors import Refused, must_be
 from ..common.extras import library
 from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
@@ -119,6 +119,8 @@ class Evaluator(ExitStack):
         progress: Progress | None = None,
     ) -> None:
         super().__init__()
+        if workers is not None and workers < 1:
+            raise Refused(must_be("workers", "at least 1", workers))
         self.path = writable_folder(folder) / JOURNAL
         self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})

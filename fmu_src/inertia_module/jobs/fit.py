@@ -1,7 +1,7 @@
-"""Fit: values of a scene's keys at which it computes what was measured, and how well the data tell them.
+"""Fit: values of keys of a scene for which it computes a measurement, with intervals and candidate causes.
 
-An interval that can be signed is that with any one suspect free which the data do not exclude; the one that
-holds if the scene is right in all else stands beside it.
+Least squares from several starts (least_squares), intervals by profile likelihood (profile_likelihood) and
+F-tests of released parameters (candidates).
 """
 
 from __future__ import annotations
@@ -22,62 +22,82 @@ from ..common.errors import Refused, listed, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
+from ..common.units import has_mass
 from ..harness.fmu import fmu_file
 from ..harness.simulate import Result
 from ..scene import Scene
 from ..scene.reading import scene_text
 from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
+from .candidates import (
+    SIGNIFICANCE,
+    Candidate,
+    candidate_keys,
+    causes,
+    plausible,
+    release_candidates,
+    widest_ends,
+)
 from .evaluation import read
-from .least_squares import End, Problem
-from .measurement import CHANCE, Measurement, Rig, lag_one, measurement
-from .suspects import AS_GOOD, EXCLUDED, Suspect, causes, suspected, tried
+from .least_squares import Optimum, Problem
+from .measurement import N_DEVIATIONS, Measurement, Rig, autocorrelation, measurement
+from .profile_likelihood import END_RTOL, End, profile_end
 
-# of the points looked at, as many of the best are starts of a search
-SEARCHED = 3
-# share of the progress that points and searches each are
-LOOKED = 0.2
-# what all of a range changes, of the noise, without influence
-NOTHING = 1e-2
-# so near to an end of its range, of the range, a value is at it
-AT_END = 1e-4
+# best start points from which a search begins
+N_SEARCHES = 3
+# change of the residuals along the whole size of a key, in noise, that is no influence
+MIN_INFLUENCE = 1e-2
+# values of a column that are necessary to estimate its noise, besides one per free key
+N_FREE_VALUES = 2
+# decrease of chi-squared in a profile after which the search is repeated from there, and repetitions
+NEW_OPTIMUM, MAX_RESTARTS = 1.0, 2
+# models whose profile is computed for an end of an interval
+MAX_PROFILES = 3
+# components of the weakest direction that are named; correlations from which there is a warning
+MIN_COMPONENT, MAX_CORRELATION = 0.1, 0.95
+# factor by which the scale of all masses and torques is tested, and the change in noise that is none
+SCALE_FACTOR, MAX_SCALE_CHANGE = 1.1, 1.0
+# relative accuracy of the gain by which the whole scene suggests another unit
+UNIT_RTOL = 0.25
 
 Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """A free key.
+    """A fitted key.
 
     Attributes:
-        name: by dots. value, error: the value and its standard error if the scene is right in all else, SI.
-        interval: of 95 %, with any one suspect free that the data do not exclude. narrow: of 95 %, if the
-            scene is right in all else. What is not known of errors and intervals is infinite.
-        unit: "" for none. rests_on: the suspects that set the ends of the interval.
-        holds: whether the data allow all else to be as in the scene; the value is of no use if not.
-        doubt: what is wrong with it, or "".
+        name: dotted name.
+        value: estimate, SI.
+        error: its standard error in the linear model, SI; infinite without influence.
+        interval: 95 % interval by profile likelihood, with each plausible candidate released in turn, SI.
+        interval_if_exact: 95 % interval by profile likelihood if everything else is exact, SI.
+        unit: of these, "" for none.
+        released: candidates whose release sets the ends of the interval.
+        is_excluded: whether a candidate explains the residuals, so that the value does not apply.
+        doubt: a remark on the estimate, or "".
     """
 
     name: str
     value: float
     error: float
     interval: Interval
-    narrow: Interval
+    interval_if_exact: Interval
     unit: str
-    rests_on: tuple[str, ...] = ()
-    holds: bool = True
+    released: tuple[str, ...] = ()
+    is_excluded: bool = False
     doubt: str = ""
 
     @property
     def text(self) -> str:
-        """Value, interval, what that rests on and what is wrong with it, in a line."""
+        """Value, interval, released candidates and doubt, in a line."""
         value, (low, high) = f"{self.value:.6g} {self.unit}".rstrip(), self.interval
         doubt = f"; {self.doubt}" if self.doubt else ""
-        released = f" with {' or '.join(self.rests_on)} released" if self.rests_on else ""
+        released = f" with {' or '.join(self.released)} released" if self.released else ""
         if not math.isfinite(high - low):
             return f"{value}{doubt}"
-        if not self.holds:
-            interval = f"from {low:.6g} to {high:.6g} {self.unit}".rstrip()
-            return f"{interval}{released}{doubt}"
+        if self.is_excluded:
+            return f"{f'from {low:.6g} to {high:.6g} {self.unit}'.rstrip()}{released}{doubt}"
         return f"{value}, from {low:.6g} to {high:.6g}{released}{doubt}"
 
 
@@ -86,14 +106,22 @@ class FitResult(ByContent):
     """Result of a fit.
 
     Attributes:
-        scene: with the values found. parameters: the free keys. correlations: by pairs of them.
-        measurement: what was fitted. computed: by the fitted scene, at the same times.
-        noise: standard deviation by column, RMS. estimated: columns whose noise was found from the residuals.
-        chi_squared: of the residuals over noise, over degrees of freedom.
-        suspects: what is not free, freed in turn; what explains the most first. units_doubted: sentences
-            on columns that are as far from what the scene computes as it is as another unit is.
-        same_end: how many searches ended at the best, of how many. runs: of the scene. ended: whether the
-            last search came to an end. files: written, by kind.
+        scene: with the fitted values.
+        parameters: fitted keys.
+        correlations: by pairs of names.
+        measurement: the data.
+        computed: columns of the fitted scene at the measured times, SI.
+        noise: standard deviation of each column, SI, RMS.
+        estimated: columns whose noise is estimated from the residuals.
+        chi_squared: reduced chi-squared.
+        candidates: fixed parameters and sensor errors, released in turn; the most significant first.
+        inseparable: candidates that the data cannot separate from the fitted keys, taken as exact.
+        scale: fixed parameters that set the scale of all masses and torques.
+        remarks: warnings on units, ranges, scale and combinations.
+        searches: number that converged to the optimum, and number of all.
+        runs: of the scene.
+        converged: whether the last search converged.
+        files: written files, by kind.
     """
 
     scene: Scene
@@ -104,95 +132,101 @@ class FitResult(ByContent):
     noise: dict[str, float]
     estimated: list[str]
     chi_squared: float
-    suspects: list[Suspect]
-    units_doubted: list[str]
-    same_end: tuple[int, int]
+    candidates: list[Candidate]
+    inseparable: list[str]
+    scale: list[str]
+    remarks: list[str]
+    searches: tuple[int, int]
     runs: int
-    ended: bool
+    converged: bool
     files: dict[str, Path] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Fitted:
-        """A free key, by dots or, of the mechanism, by its bare name."""
+        """Return a fitted key by its dotted name or, of the mechanism, by its bare name."""
         return next(one for one in self.parameters if name in (one.name, one.name.rpartition(".")[2]))
 
     @property
-    def causes(self) -> list[Suspect]:
-        """Suspects of which one explains the residuals, as well as the first; none where it may be chance."""
-        return causes(self.suspects)
+    def causes(self) -> list[Candidate]:
+        """Candidates that explain the residuals equally well; none if that may be chance."""
+        return causes(self.candidates)
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of what the user has to know, in sentences."""
-        found = [f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt]
+        """Warnings, in sentences."""
+        lines = [*self.remarks, *(f"{one.name}: {one.doubt}" for one in self.parameters if one.doubt)]
         if self.measurement.unused:
             unused = listed(self.measurement.unused)
-            found.append(f"columns that the scene does not compute are not compared: {unused}")
-        for (first, second), number in self.correlations.items():
-            if abs(number) > 0.95:
-                found.append(
-                    f"{first} and {second} have a correlation of {number:.3f}: the data determine only a"
-                    " combination of them"
-                )
-        if not self.ended:
-            found.append("the search did not converge within the maximum number of iterations")
-        same, all_searches = self.same_end
-        if all_searches > 1 and same == 1:
-            found.append(
-                f"only 1 of {all_searches} searches converged to this optimum: more starts may find a"
+            lines.append(f"columns that the scene does not compute are not compared: {unused}")
+        doubtful = {one.name for one in self.parameters if one.doubt}
+        lines += [
+            f"{first} and {second} have a correlation of {number:.3f}: the data determine only a"
+            " combination of them"
+            for (first, second), number in self.correlations.items()
+            if abs(number) > MAX_CORRELATION and not {first, second} <= doubtful
+        ]
+        if not self.converged:
+            lines.append("the search did not converge within the maximum number of iterations")
+        agreeing, searches = self.searches
+        if searches > 1 and agreeing == 1:
+            lines.append(
+                f"only 1 of {searches} searches converged to this optimum: more starts may find a"
                 " better optimum"
             )
-        chance = CHANCE * math.sqrt(2.0 / self.measurement.number)
-        if not self.estimated and self.chi_squared > 1.0 + chance:
-            found.append(
+        if not self.estimated and self.chi_squared > 1.0 + N_DEVIATIONS * math.sqrt(
+            2.0 / self.measurement.number
+        ):
+            lines.append(
                 f"reduced chi-squared is {self.chi_squared:.3g}: the residuals are larger than the specified"
                 " noise, so the scene does not explain the data"
             )
         table = self.table()
-        following = {name: lag_one(table[f"{name}_residual"]) for name in self.measurement.columns}
-        related = [
-            f"residuals of {name} are autocorrelated (lag-1 {one:.2f}): the model has a systematic error"
-            for name, one in following.items()
-            if one > self.measurement.chance
-        ]
-        # of the one column in another unit the cause tells
-        alone = any(one.other_unit and self._whole(one) for one in self.causes)
-        doubted = self.units_doubted if related and not alone else []
-        return [*doubted, *found, *related, *self._verdict()]
+        for name in self.measurement.columns:
+            number = autocorrelation(table[f"{name}_residual"])
+            if number > self.measurement.max_autocorrelation:
+                lines.append(
+                    f"residuals of {name} are autocorrelated (lag-1 {number:.2f}): the model has a"
+                    " systematic error"
+                )
+        return [*lines, *self._cause()]
 
-    def _whole(self, one: Suspect) -> bool:
-        """Tell whether a suspect leaves nothing that is systematic."""
-        return one.autocorrelation <= self.measurement.chance
-
-    def _verdict(self) -> list[str]:
-        """The sentence on what would explain the residuals."""
+    def _cause(self) -> list[str]:
+        """Return the sentence on the causes."""
         if not self.causes:
             return []
         first, *others = self.causes
         before, after = first.chi_squared
-        residuals = "the residuals" if self._whole(first) else "part of the residuals"
-        answers = ", ".join(
+        values = ", ".join(
             f"{name} would be {value:.5g} instead of {self[name].value:.5g}"
-            for name, (value, _, _) in first.answers.items()
+            for name, value in first.values.items()
         )
-        also = f"; {' or '.join(one.cause for one in others)} would explain the data equally well"
+        p_value = f"p = {first.p_value:.1g}" if first.p_value > 1e-15 else "p < 1e-15"
+        tied = "".join(f" or {one.cause}" for one in others)
+        equally = " equally well" if others else ""
+        rest = " in part; autocorrelated residuals remain" if first.is_systematic else ""
         return [
-            f"{first.cause} would explain {residuals} (chi-squared {before:,.0f} → {after:,.0f},"
-            f" {self.measurement.number} values): {answers}{also if others else ''}; correct the cause or"
-            f" fit again with --free {first.freed}"
+            f"{first.cause}{tied} would explain the residuals{equally}{rest} (chi-squared {before:,.0f} →"
+            f" {after:,.0f}, {p_value}): {values}; correct the cause or fit again with --free {first.option}"
         ]
 
-    def suspicions(self) -> dict[str, str]:
-        """Give lines, by name, on the suspects that explain something and on those answers rest on."""
-        setting = {name for one in self.parameters for name in one.rests_on}
-        explaining = [one.name for one in self.suspects if one.evidence > AS_GOOD][:6]
-        lines = {one.name: one.told for one in self.suspects if one.name in {*explaining, *setting}}
-        together = [one.name for one in self.suspects if not math.isfinite(one.error)]
-        return lines | ({"not separately identifiable": ", ".join(together)} if together else {})
+    def candidate_lines(self) -> dict[str, str]:
+        """Return a line for each significant candidate and each that sets an end of an interval, by name."""
+        setting = {name for one in self.parameters for name in one.released}
+        shown = [one for one in self.candidates if one.name in setting or one.p_value < SIGNIFICANCE]
+        lines = {one.name: one.text for one in shown[:8]}
+        if self.inseparable:
+            lines["not separately identifiable"] = f"{', '.join(self.inseparable)}, taken as exact"
+        if len(self.scale) > 1:
+            lines["scale of masses and torques"] = f"{', '.join(self.scale)}, taken as exact"
+        return lines
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the result for machines: what is not known is None."""
+        """Return the result for machines; None is unknown."""
         units = self.measurement.table.units
-        told: dict[str, Any] = to_jsonable_python(
+        candidates = [
+            {one.name: getattr(candidate, one.name) for one in dataclasses.fields(candidate)[:-1]}
+            for candidate in self.candidates
+        ]
+        content: dict[str, Any] = to_jsonable_python(
             {
                 "parameters": {one.name: one for one in self.parameters},
                 "correlations": [[*pair, number] for pair, number in self.correlations.items()],
@@ -201,43 +235,45 @@ class FitResult(ByContent):
                     for name, value in self.noise.items()
                 },
                 "chi_squared": self.chi_squared,
-                "suspects": self.suspects,
+                "candidates": candidates,
                 "causes": [one.name for one in self.causes],
+                "inseparable": self.inseparable,
+                "scale": self.scale,
                 "values": self.measurement.number,
-                "searches_that_agree": self.same_end,
+                "searches_that_agree": self.searches,
                 "runs": self.runs,
                 "warnings": self.warnings,
             },
             inf_nan_mode="null",
         )
-        return told
+        return content
 
     def lines(self) -> dict[str, str]:
-        """Give the lines of the printed table, by heading."""
-        found = {}
+        """Return the lines of the printed table, by heading."""
+        lines = {}
         for one in self.parameters:
-            found[one.name], (low, high) = one.text, one.narrow
+            lines[one.name], (low, high) = one.text, one.interval_if_exact
             if math.isfinite(high - low):
-                excluded = "" if one.holds else f" around {one.value:.6g}; excluded by the data"
-                found[f"{one.name}, if everything else is exact"] = f"from {low:.6g} to {high:.6g}{excluded}"
+                excluded = f" around {one.value:.6g}; excluded by the data" if one.is_excluded else ""
+                lines[f"{one.name}, if everything else is exact"] = f"from {low:.6g} to {high:.6g}{excluded}"
         for (first, second), number in self.correlations.items():
-            found[f"correlation of {first} and {second}"] = f"{number:.3f}"
+            lines[f"correlation of {first} and {second}"] = f"{number:.3f}"
         for name, value in self.noise.items():
             source = ", estimated from the residuals" if name in self.estimated else ""
-            found[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
+            lines[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
         freedom = self.measurement.number - len(self.parameters)
-        judged = "; no test of the model, because the noise is estimated" if self.estimated else ""
-        found["chi-squared"] = f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{judged}"
-        agree = "{} of {}".format(*self.same_end)
-        return {**found, "searches converged to this optimum": agree, "runs": str(self.runs)}
+        untested = "; no test of the model, because the noise is estimated" if self.estimated else ""
+        lines["chi-squared"] = f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{untested}"
+        lines["searches converged to this optimum"] = "{} of {}".format(*self.searches)
+        return {**lines, "runs": str(self.runs)}
 
     def table(self) -> Result:
-        """Measured, computed and residual (computed less measured) of each column over time."""
+        """Return measured, computed and residual (computed - measured) of each column over time, SI."""
         columns, units, measured = {"time": self.computed.time}, {"time": "s"}, self.measurement.table
         for name in self.measurement.columns:
             values = measured[name], self.computed[name], self.computed[name] - measured[name]
-            for kind, found in zip(("measured", "computed", "residual"), values, strict=True):
-                columns[f"{name}_{kind}"], units[f"{name}_{kind}"] = found, measured.units[name]
+            for kind, column in zip(("measured", "computed", "residual"), values, strict=True):
+                columns[f"{name}_{kind}"], units[f"{name}_{kind}"] = column, measured.units[name]
         return Result(columns, units)
 
     def write(self, folder: Path) -> dict[str, Path]:
@@ -261,164 +297,282 @@ def fit(
     fmu: Path | str | None = None,
     progress: Progress | None = None,
 ) -> FitResult:
-    """Fit keys of a scene to a measurement; leave the fitted scene, the residuals and the numbers.
+    """Fit keys of a scene to a measurement; write the fitted scene, the residuals and the numbers.
 
     Args:
-        measured: a table, or a CSV file; see measurement. scene: a scene, or its file.
-        free: "NAME", "NAME=LOW:HIGH" or, where so much is known of the value, "NAME=VALUE +- DEVIATION" each,
-            or what follows the sign (or None) by name; NAME is a key of the scene by dots, a parameter of the
-            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, late is above 0; "shift.time":
-            of all columns) of a sensor. A DEVIATION of 0 says that it is so: it is no suspect.
-        columns: those that are compared, by default all that the scene computes.
-        starts: points of the ranges (Latin hypercube) that are looked at besides the scene's own values; the
-            best SEARCHED of all are starts of a search.
-        seed: of these points: same seed, same result.
+        measured: table, or CSV file; see measurement.
+        scene: scene, or its file.
+        free: "NAME", "NAME=LOW:HIGH" or, with prior knowledge, "NAME=VALUE +- DEVIATION" each; or the text
+            after the sign (or None) by name. NAME is a key of the scene by dots, a parameter of the
+            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late) of a sensor;
+            "shift.time" is for all columns. A DEVIATION of 0 declares the value exact.
+        columns: names of the compared columns; by default all that the scene computes.
+        starts: points of the ranges (Latin hypercube) that are compared besides the values of the scene. The
+            best N_SEARCHES of them start a search.
+        seed: of these points; the same seed gives the same result.
         output: folder, by default out/SCENE_fit.
-        fmu: as of sweep.
-        progress: as of sweep.
+        fmu: FMU file, by default the current one.
+        progress: called with the share that is done.
 
     Raises:
-        Refused: the scene, the measurement or what is free is not as above, nothing free has an influence, or
-            the scene refuses all values tried, in one sentence.
-        NotInstalled: the extra jobs is not.
+        Refused: scene, measurement or free keys are invalid, the measurement has too few values, no free key
+            has an influence, or the scene rejects all values; in one sentence.
+        NotInstalled: the extra jobs is not installed.
     """
     library("tomli_w", "jobs")
     base, title = read(scene)
     data = measurement(measured, base, columns)
-    given = free_keys(free, base, data.sensors)
-    keys = [key for key in given if key.deviation]
-    so = {key.name: key.start for key in given if not key.deviation}
+    listed = free_keys(free, base, data.sensors)
+    keys = [key for key in listed if key.deviation]
+    exact = {key.name: key.start for key in listed if not key.deviation}
     if not keys:
         raise Refused("at least one key must be free; a deviation of 0 fixes a key")
-    if data.number <= len(keys):
-        allowed = f"greater than {len(keys)}, the number of free parameters"
-        raise Refused(must_be("the number of measured values", allowed, str(data.number)))
+    _check_number(data, len(keys))
     if starts < 0:
         raise Refused(must_be("starts", "at least 0", str(starts)))
     if seed < 0:
         raise Refused(must_be("seed", "at least 0", str(seed)))
     with Rig(base, data, fmu_file(fmu)) as rig:
-        doubted = _units_doubted(rig, {key.name: key.start for key in given})
+        remarks = _unit_remarks(rig, exact)
         try:
-            found = _run(rig, keys, so, starts, seed, progress or (lambda share: None))
+            result = _run(rig, listed, starts, seed, progress or (lambda share: None), remarks)
         except Refused as error:
-            raise Refused("; ".join([str(error), *doubted])) from error
+            raise Refused("; ".join([str(error), *remarks])) from error
     folder = OUTPUT_FOLDER / f"{title}_fit" if output is None else Path(output)
-    found = dataclasses.replace(found, units_doubted=doubted)
-    return dataclasses.replace(found, files=found.write(folder))
+    return dataclasses.replace(result, files=result.write(folder))
 
 
-def _units_doubted(rig: Rig, values: dict[str, float]) -> list[str]:
-    """Tell of columns that are as far from what the scene computes as it is as another unit is."""
-    computed, data = rig.computed(values), rig.data
-    squares = np.maximum(np.sum(computed**2, axis=0), 1e-300)
-    gains = np.sum(data.values * computed, axis=0) / squares
+def _check_number(data: Measurement, keys: int) -> None:
+    """Reject a measurement with too few values for a number of free keys and the noise of its columns."""
+    least = keys + N_FREE_VALUES
+    for name, number in zip(data.columns, data.counted.sum(axis=0).tolist(), strict=True):
+        if name not in data.noise and number < least:
+            allowed = f"at least {least} ({keys} free parameters, {N_FREE_VALUES} for the noise)"
+            raise Refused(must_be(f"the number of measured values of {name}", allowed, str(number)))
+    if data.number <= keys:
+        allowed = f"greater than {keys}, the number of free parameters"
+        raise Refused(must_be("the number of measured values", allowed, str(data.number)))
+
+
+def _unit_remarks(rig: Rig, exact: Mapping[str, float]) -> list[str]:
+    """Return warnings on columns whose ratio to the scene, as it is, is the factor of another unit."""
+    computed, data = rig.computed(exact), rig.data
+    gains = np.sum(data.values * computed, axis=0) / np.maximum(np.sum(computed**2, axis=0), 1e-300)
     return [
         f"{name} is {gain:.3g} times the value that the unfitted scene computes; possible cause: {unit}"
         for name, gain in zip(data.columns, gains, strict=True)
-        # the scene as it is may be off by so much
-        if (unit := data.unit_by(name, gain, 0.25))
+        if (unit := data.unit_hint(name, gain, UNIT_RTOL))
+    ]
+
+
+def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> list[Optimum]:
+    """Search from the best of the start points; the best optimum first."""
+    keys = problem.keys
+    places: list[Point] = [{key.name: key.start for key in keys}]
+    if starts and any(key.has_range for key in keys):
+        places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
+    points = np.array([[place[key.name] for key in keys] for place in places], dtype=float)
+    chi_squared = []
+    for n, point in enumerate(points):
+        progress(0.1 * n / len(points))
+        chi_squared.append(float(np.sum(problem.residuals(point) ** 2)))
+    best = [points[n] for n in np.argsort(chi_squared)[:N_SEARCHES] if math.isfinite(chi_squared[n])]
+    if not best:
+        raise Refused(f"the scene rejects all start values of the free parameters: {problem.rig.rejection}")
+    optima = []
+    for n, point in enumerate(best, 1):
+        progress(0.1 + 0.2 * n / len(best))
+        optima.append(problem.minimise(point))
+    return sorted(optima, key=lambda optimum: optimum.chi_squared)
+
+
+def _influential(optimum: Optimum) -> Optimum:
+    """Return the optimum with keys without influence fixed at their starts."""
+    keys = optimum.problem.keys
+    changes = np.linalg.norm(optimum.jacobian, axis=0) * optimum.problem.sizes / optimum.noise_ratios.max()
+    if not (changes >= MIN_INFLUENCE).any():
+        raise Refused(
+            f"no free parameter ({', '.join(key.name for key in keys)}) has an influence on"
+            f" {', '.join(optimum.problem.rig.data.columns)}"
+        )
+    for number in np.flatnonzero(changes < MIN_INFLUENCE)[::-1]:
+        optimum = optimum.without_key(int(number), keys[number].start)
+    return optimum
+
+
+def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple[End, End]]]:
+    """Find the profile ends of all keys; a profile that finds a better optimum repeats the search there."""
+    for _ in range(MAX_RESTARTS + 1):
+        ends = []
+        for number in range(optimum.point.size):
+            progress(0.3 + 0.2 * number / optimum.point.size)
+            ends.append((profile_end(optimum, number, -1), profile_end(optimum, number, 1)))
+        least, point = min((end.optimum for pair in ends for end in pair), key=lambda pair: pair[0])
+        if least > optimum.chi_squared - NEW_OPTIMUM:
+            break
+        optimum = optimum.problem.minimise(point, optimum.steps).with_estimated_noise()
+    return optimum, ends
+
+
+def _scale(optimum: Optimum, fixed: Mapping[str, float]) -> tuple[list[str], list[str]]:
+    """Find the fixed parameters that set the scale of masses and torques.
+
+    A common factor of all quantities with kg in their unit is a null direction of the Jacobian if only motion
+    is measured. One run with the factor confirms it.
+
+    Args:
+        optimum: of the fit.
+        fixed: values of fixed parameters with kg in their unit and with an influence, SI, by name.
+
+    Returns:
+        Names of these parameters, and warnings.
+    """
+    keys = optimum.problem.keys
+    free = [key.name for key in keys if has_mass(key.unit)]
+    factors = np.where([key.name in free for key in keys], SCALE_FACTOR, 1.0)
+    scaled = optimum.problem.fixed | {name: SCALE_FACTOR * value for name, value in fixed.items()}
+    problem = dataclasses.replace(optimum.problem, fixed=scaled)
+    change = np.linalg.norm(problem.residuals(factors * optimum.point) - optimum.residuals)
+    if not free or not change < MAX_SCALE_CHANGE:
+        return [], []
+    ratios = f"only ratios of {', '.join(free)} are identifiable:"
+    if not fixed:
+        return [], [f"{ratios} a common factor changes nothing, because no mass, inertia or torque is fixed"]
+    alone = [f"{ratios} the result scales with {name}, which is taken as exact" for name in fixed]
+    return list(fixed), alone if len(fixed) == 1 else []
+
+
+def _weakest(optimum: Optimum, ends: Sequence[tuple[End, End]]) -> list[str]:
+    """Return a warning on the weakest direction of the Jacobian if re-fits along it meet no limit."""
+    singular, direction = optimum.weakest_direction()
+    along = np.flatnonzero(np.abs(direction) > MIN_COMPONENT).tolist()
+    if len(along) < 2 or not any(end.open for n in along for end in ends[n]):
+        return []
+    names = ", ".join(optimum.problem.keys[n].name for n in along)
+    return [
+        f"only a combination of {names} is identifiable: along the weakest direction of the scaled Jacobian"
+        f" (singular value {singular:.2g}) re-fits meet no limit"
     ]
 
 
 def _run(
-    rig: Rig, keys: Sequence[Free], so: dict[str, float], starts: int, seed: int, progress: Progress
+    rig: Rig, listed: Sequence[Free], starts: int, seed: int, progress: Progress, remarks: list[str]
 ) -> FitResult:
-    """Look at points, search from the best of them, find the noise, then suspects."""
+    """Search the optimum, then profiles, candidates and scale."""
     data, names = rig.data, rig.data.columns
-    spread = np.where(np.ptp(data.values, axis=0) > 0.0, data.values.std(axis=0), 1.0)
-    sigma = [
-        data.noise.get(name, np.full(len(data.table), one)) for name, one in zip(names, spread, strict=True)
+    keys = tuple(key for key in listed if key.deviation)
+    exact = {key.name: key.start for key in listed if not key.deviation}
+    scatter = np.where(np.ptp(data.values, axis=0) > 0.0, data.values.std(axis=0), 1.0)
+    noise = [
+        data.noise.get(name, np.full(len(data.table), one)) for name, one in zip(names, scatter, strict=True)
     ]
-    problem = Problem(rig, tuple(keys), np.column_stack(sigma), so)
-    places: list[Point] = [{key.name: key.start for key in keys}]
-    if starts and any(key.held for key in keys):
-        places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
-    points = np.array([[place[key.name] for key in keys] for place in places], dtype=float)
-    costs = []
-    for n, point in enumerate(points):
-        progress(LOOKED * n / len(points))
-        costs.append(float(np.sum(problem.residuals(point) ** 2)))
-    begun = [points[n] for n in np.argsort(costs)[:SEARCHED] if math.isfinite(costs[n])]
-    if not begun:
-        raise Refused(f"the scene rejects all start values of the free parameters: {rig.refused}")
-    ends = []
-    for n, point in enumerate(begun, 1):
-        progress(LOOKED + LOOKED * n / len(begun))
-        ends.append(problem.solve(point))
-    ends.sort(key=lambda end: end.chi_squared)
-    best = _of_influence(ends[0]).settled()
+    optima = _search(Problem(rig, keys, np.column_stack(noise), exact), starts, seed, progress)
+    best, ends = _profiles(_influential(optima[0]).with_estimated_noise(), progress)
     values = best.problem.values(best.point)
     scene = rig.scene.with_keys({name: value for name, value in values.items() if name not in data.sensors})
     start = np.array([key.start for key in best.problem.keys])
-    # their values are those of the scene as it is
-    freed = suspected(scene, data, values)
-    suspects = tried(best, freed, start, lambda share: progress(2.0 * LOOKED + (1.0 - 2.0 * LOOKED) * share))
+    candidates = release_candidates(
+        best, candidate_keys(scene, data, values), start, lambda share: progress(0.5 + 0.4 * share)
+    )
+    fixed = {one.name: one.nominal for one in candidates if one.nominal and has_mass(one.unit)}
+    fixed |= {key.name: key.start for key in listed if key.name in exact and key.start and has_mass(key.unit)}
+    scale, scale_remarks = _scale(best, fixed)
+    # the remaining remarks on units concern columns that no cause explains
+    if not best.is_systematic or any(one.other_unit and not one.is_systematic for one in causes(candidates)):
+        remarks = []
+    fitted = {key.name: _fitted(best, n, ends[n], candidates) for n, key in enumerate(best.problem.keys)}
+    is_open = any(end.open for pair in ends for end in pair)
     return FitResult(
         scene=scene,
-        parameters=[_fitted(key, best, suspects) for key in keys],
+        parameters=[fitted.get(key.name) or _without_influence(key) for key in keys],
         correlations=best.correlations,
         measurement=data,
         computed=Result({"time": data.table.time, **dict(zip(names, rig.computed(values).T, strict=True))}),
-        noise=dict(zip(names, np.sqrt(np.mean(best.problem.sigma**2, axis=0)).tolist(), strict=True)),
+        noise=dict(zip(names, np.sqrt(np.mean(best.problem.noise**2, axis=0)).tolist(), strict=True)),
         estimated=[name for name in names if name not in data.noise],
         chi_squared=best.chi_squared / best.freedom,
-        suspects=suspects,
-        units_doubted=[],
-        same_end=(sum(end.chi_squared <= 1.01 * ends[0].chi_squared for end in ends), len(ends)),
+        candidates=[one for one in candidates if one.is_separable],
+        inseparable=[one.name for one in candidates if not one.is_separable and not is_open],
+        scale=scale,
+        remarks=[
+            *remarks,
+            *(key.range_remark for key in keys if key.range_remark),
+            *_weakest(best, ends),
+            *scale_remarks,
+        ],
+        searches=(sum(one.chi_squared <= 1.01 * optima[0].chi_squared for one in optima), len(optima)),
         runs=rig.runs,
-        ended=best.ended,
+        converged=best.converged,
     )
 
 
-def _of_influence(end: End) -> End:
-    """The end of a search with what has no influence put back to its start and held."""
-    told, keys = end.changes >= NOTHING, end.problem.keys
-    if not told.any():
-        raise Refused(
-            f"no free parameter ({', '.join(key.name for key in keys)}) has an influence on"
-            f" {', '.join(end.problem.rig.data.columns)}"
-        )
-    free = tuple(key for key, one in zip(keys, told, strict=True) if one)
-    fixed = end.problem.fixed | {key.name: key.start for key in keys if key not in free}
-    problem = dataclasses.replace(end.problem, keys=free, fixed=fixed)
-    return dataclasses.replace(end, problem=problem, point=end.point[told], slopes=end.slopes[:, told])
-
-
-def _fitted(key: Free, best: End, suspects: Sequence[Suspect]) -> Fitted:
-    """A free key as it was found."""
-    value, endless = best.problem.values(best.point)[key.name], (-math.inf, math.inf)
-    if key not in best.problem.keys:
-        doubt = "has no influence on the measured columns and keeps its start value"
-        return Fitted(key.name, value, math.inf, endless, endless, key.unit, doubt=doubt)
-    narrow = best.ranges[key.name]
-    width, doubts = narrow[1] - narrow[0], list[str]()
-    if not key.held and width > 2.0 * abs(value):
-        doubts.append("not identifiable from the data: the interval is wider than twice the value")
-    elif key.held and width >= (1.0 - AT_END) * key.size:
-        doubts.append("not identifiable from the data: the interval is as wide as its range")
-    elif key.held and min(value - key.low, key.high - value) < AT_END * key.size:
-        doubts.append("is at the end of its range")
-    named = causes(suspects)
-    following = named[0].autocorrelation if named else best.following
-    unexplained = following > best.problem.rig.data.chance
-    if unexplained:
+def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Sequence[Candidate]) -> Fitted:
+    """Return a fitted key with its intervals."""
+    key, value = best.problem.keys[number], float(best.point[number])
+    named = causes(candidates)
+    is_systematic = named[0].is_systematic if named else best.is_systematic
+    is_explained = bool(named) and not is_systematic
+    exact, envelope = (ends[0].value, ends[1].value), [(end.value, "", end.open) for end in ends]
+    if is_explained or not any(end.open for end in ends):
+        models = [one for one in plausible(candidates) if one.is_separable]
+        inner = (math.inf, -math.inf) if is_explained else exact
+        envelope = [_envelope(number, side, inner[side > 0], models) for side in (-1, 1)]
+    opens = [end.open for end in ends]
+    if is_explained and not any(opens):
+        opens = [is_open for *_, is_open in envelope]
+    doubts = [_doubt(key, value, opens)]
+    if is_systematic:
         doubts.append("the residuals are systematic: no interval is reliable until their cause is known")
-    holds = not named or unexplained
-    # where a cause explains all, nothing that explains much less is possible, nor that all is as it should be
-    enough = -math.inf if holds else named[0].evidence - EXCLUDED
-    possible = [one for one in suspects if math.isfinite(one.error) and one.evidence > enough]
-    ends = [(*narrow, "")] if holds else []
-    ends += [(*one.answers[key.name][1:], one.name) for one in possible]
-    least, greatest = min(ends), max(ends, key=lambda end: end[1])
     return Fitted(
         name=key.name,
         value=value,
-        error=best.errors[key.name],
-        interval=(least[0], greatest[1]),
-        narrow=narrow,
+        error=float(best.deviations[number]),
+        interval=(envelope[0][0], envelope[1][0]),
+        interval_if_exact=exact,
         unit=key.unit,
-        rests_on=tuple(dict.fromkeys(name for name in (least[2], greatest[2]) if name)),
-        holds=holds,
-        doubt="; ".join(doubts),
+        released=tuple(dict.fromkeys(name for _, name, _ in envelope if name)),
+        is_excluded=is_explained,
+        doubt="; ".join(doubt for doubt in doubts if doubt),
     )
+
+
+def _envelope(number: int, side: int, exact: float, models: Sequence[Candidate]) -> tuple[float, str, bool]:
+    """Return the outermost end of the profiles of several models, its candidate, and whether it is open.
+
+    Discrete profiling: Dauncey, Kenzie, Wardle and Davies, Journal of Instrumentation 10 (2015) P04015. The
+    linear model selects the models whose profile is computed.
+
+    Args:
+        number: place of the key.
+        side: -1 for the lower, 1 for the upper end.
+        exact: end without a released candidate; infinite, on the other side, if the data exclude that model.
+        models: plausible candidates.
+    """
+    linear = [(side * widest_ends(one.optimum, number)[side > 0], one) for one in models]
+    outermost, name, is_open = side * exact, "", False
+    for estimate, model in sorted(linear, key=lambda pair: -pair[0])[:MAX_PROFILES]:
+        if estimate > outermost:
+            end = profile_end(model.optimum, number, side)
+            if side * end.value > outermost:
+                outermost, name, is_open = side * end.value, model.name, end.open
+    return side * outermost, name, is_open
+
+
+def _doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
+    """Return a remark on a key that is not identifiable or at the end of its range, or ""."""
+    lower, upper = is_open
+    if lower and upper:
+        return "not identifiable from the data: the profile likelihood has no limit within the ranges"
+    if (lower or upper) and key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size:
+        return "is at the end of its range"
+    if lower or upper:
+        side = "lower" if lower else "upper"
+        return f"not identifiable from the data: they set no {side} limit within the ranges"
+    return ""
+
+
+def _without_influence(key: Free) -> Fitted:
+    """Return a key without influence."""
+    unbounded = (-math.inf, math.inf)
+    doubt = "has no influence on the measured columns and keeps its start value"
+    return Fitted(key.name, key.start, math.inf, unbounded, unbounded, key.unit, doubt=doubt)

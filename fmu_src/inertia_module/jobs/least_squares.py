@@ -1,6 +1,8 @@
-"""Least squares over free keys of a scene: where chi-squared is least, and how far off a key may be.
+"""Weighted least squares over free keys of a scene: the optimum, its Jacobian and its singular values.
 
-By SciPy's trust-region reflective search, weighted by the noise of each column.
+SciPy's trust-region reflective method (Branch, Coleman and Li 1999) within the ranges of the keys.
+Noise that is not specified is estimated from the residuals, column by column, and the search is repeated with
+it: iteratively reweighted least squares (Seber and Wild, Nonlinear Regression, 1989, section 2.8).
 """
 
 from __future__ import annotations
@@ -11,23 +13,22 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..common.equality import ByContent
 from ..common.errors import Refused
 from .axes import Free
-from .measurement import Rig, lag_one
+from .measurement import Rig, autocorrelation
 
-# noise that is not known is found anew so often at most, and until no more than this share of it changes
-PASSES, SETTLED = 3, 0.02
-# step of differences, of a range or a start value; later the standard error, the others held, within these
-STEP, SMALLEST_STEP, LARGEST_STEP = 1e-3, 1e-5, 0.05
-# length of the slopes that tell errors, in standard errors: where freewheels switch from one row to the next
-# slopes change over less, and would make intervals too narrow
-REACH = 2.0
-# chi-squared and shares that change less end a search
-ENOUGH = 1e-7
-MOST_ITERATIONS = 100
+# iterations of the noise, and its relative change that ends them
+MAX_NOISE_ITERATIONS, NOISE_RTOL = 3, 0.02
+# step of the differences in a first search, and limits of later steps of a standard error; in sizes of a key
+SEARCH_STEP, MIN_STEP, MAX_STEP = 1e-3, 1e-5, 0.05
+# relative change of chi-squared and of the keys that ends a search, and a re-fit
+SEARCH_RTOL, REFIT_RTOL = 1e-7, 1e-4
+MAX_EVALUATIONS, MAX_REFIT_EVALUATIONS = 100, 12
+# distance from a bound, of the size of a key, at which a key is at the bound
+BOUND_RTOL = 1e-9
 CONFIDENCE = 0.95
 
 Array = NDArray[np.float64]
@@ -35,211 +36,222 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Problem(ByContent):
-    """Which keys are free, and what weighs how much.
+    """Residuals as a function of the free keys.
 
     Attributes:
-        rig: what is fitted. keys: those that are free; a point is an array of their values, shape (keys,).
-        sigma: noise of each value, shape (rows, columns). fixed: values of keys that stay, SI, by name.
+        rig: scene and measurement.
+        keys: free keys; a point is an array of their values, shape (keys,).
+        noise: standard deviation of each value, shape (rows, columns).
+        fixed: values of other keys, SI, by name.
     """
 
     rig: Rig
     keys: tuple[Free, ...]
-    sigma: Array
+    noise: Array
     fixed: dict[str, float] = field(default_factory=dict)
 
     @property
-    def spans(self) -> Array:
-        """Least and greatest values, and changes that tell, shape (3, keys)."""
-        return np.array([(key.low, key.high, key.size) for key in self.keys], dtype=float).T
+    def sizes(self) -> Array:
+        """Scale of each key, shape (keys,)."""
+        return np.array([key.size for key in self.keys])
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the keys, shape (keys,) each."""
+        return np.array([key.low for key in self.keys]), np.array([key.high for key in self.keys])
 
     def values(self, point: Array) -> dict[str, float]:
-        """Values at a point, SI, by name."""
+        """Return the values of all keys at a point, SI, by name."""
         return self.fixed | {key.name: value for key, value in zip(self.keys, point.tolist(), strict=True)}
 
     def residuals(self, point: Array) -> Array:
-        """Computed less measured over noise, column by column, and behind them what was known before."""
+        """Return (computed - measured) / noise, column after column, then the residuals of prior values."""
         values, data = self.values(point), self.rig.data
-        off = (self.rig.computed(values) - data.values) / self.sigma
-        known = [key for key in self.keys if math.isfinite(key.deviation)]
-        before = [(values[key.name] - key.start) / key.deviation for key in known]
-        return np.append(off.T[data.counted.T], before)
+        scaled = (self.rig.computed(values) - data.values) / self.noise
+        prior = [key for key in self.keys if math.isfinite(key.deviation)]
+        return np.append(
+            scaled.T[data.counted.T], [(values[key.name] - key.start) / key.deviation for key in prior]
+        )
 
     def with_key(self, key: Free) -> Problem:
-        """The problem with one more key free, which is the last."""
-        return replace(self, keys=(*self.keys, key))
+        """Return the problem with one more free key, which is the last."""
+        fixed = {name: value for name, value in self.fixed.items() if name != key.name}
+        return replace(self, keys=(*self.keys, key), fixed=fixed)
 
-    def solve(self, start: Array, steps: ArrayLike | None = None) -> End:
-        """Search from a point, by differences over steps to both sides, in sizes, or else STEP to one."""
+    def without_key(self, number: int, value: float) -> Problem:
+        """Return the problem with one of the free keys fixed at a value."""
+        keys = self.keys[:number] + self.keys[number + 1 :]
+        return replace(self, keys=keys, fixed=self.fixed | {self.keys[number].name: value})
+
+    def minimise(
+        self,
+        start: Array,
+        steps: Array | float = SEARCH_STEP,
+        *,
+        central: bool = False,
+        refit: bool = False,
+        jacobian: Array | None = None,
+    ) -> Optimum:
+        """Search the optimum from a point.
+
+        Args:
+            start: values of the keys, shape (keys,).
+            steps: of the differences, in sizes of the keys; one-sided at a bound.
+            central: central differences instead of forward ones.
+            refit: few evaluations to REFIT_RTOL, from a start near the optimum.
+            jacobian: a constant Jacobian instead of differences (chord method), shape (residuals, keys).
+
+        Raises:
+            Refused: the scene rejects values within the ranges.
+        """
         from scipy.optimize import least_squares
 
-        low, high, sizes = self.spans
-        # variables that are near 1, for SciPy's steps are shares of them
-        zero = np.array([key.low if key.held else key.start for key in self.keys]) - sizes
+        sizes, (low, high) = self.sizes, self.bounds
+        # variables near 2, because steps of SciPy's differences are relative
+        origin = np.array([key.start for key in self.keys]) - 2.0 * sizes
+        rtol = REFIT_RTOL if refit else SEARCH_RTOL
 
         def point(variables: Array) -> Array:
-            return np.asarray(np.clip(zero + sizes * variables, low, high))
+            return np.asarray(np.clip(origin + sizes * variables, low, high))
 
+        differences = "3-point" if central else "2-point"
         try:
-            end = least_squares(
+            result = least_squares(
                 lambda variables: self.residuals(point(variables)),
-                (np.clip(start, low, high) - zero) / sizes,
-                bounds=[(limit - zero) / sizes for limit in (low, high)],
-                jac="2-point" if steps is None else "3-point",
-                diff_step=STEP if steps is None else steps,
+                (np.clip(start, low, high) - origin) / sizes,
+                bounds=((low - origin) / sizes, (high - origin) / sizes),
+                jac=differences if jacobian is None else lambda variables: jacobian * sizes,
+                diff_step=0.5 * np.asarray(steps),
                 x_scale="jac",
                 tr_solver="exact",
-                ftol=ENOUGH,
-                xtol=ENOUGH,
-                max_nfev=MOST_ITERATIONS,
+                ftol=rtol,
+                xtol=rtol,
+                max_nfev=MAX_REFIT_EVALUATIONS if refit else MAX_EVALUATIONS,
             )
         except ValueError as error:
-            said = self.rig.refused or error
-            raise Refused(f"the scene rejects values within the ranges: {said}") from error
-        return End(self, point(end.x), end.fun, end.jac / sizes, bool(end.success))
+            raise Refused(
+                f"the scene rejects values within the ranges: {self.rig.rejection or error}"
+            ) from error
+        # SciPy keeps a small distance from the bounds
+        best = point(result.x)
+        best = np.where(best - low < BOUND_RTOL * sizes, low, best)
+        best = np.where(high - best < BOUND_RTOL * sizes, high, best)
+        return Optimum(self, best, result.fun, result.jac / sizes, bool(result.success))
 
 
 @dataclass(frozen=True, eq=False)
-class End(ByContent):
-    """Where a search ended.
+class Optimum(ByContent):
+    """Optimum of a problem.
 
     Attributes:
-        problem: that was solved. point: shape (keys,). residuals: over noise, shape (residuals,). slopes: of
-            them along each key, shape (residuals, keys). ended: whether the search came to an end.
+        problem: residuals and keys.
+        point: values of the keys, shape (keys,).
+        residuals: over noise, shape (residuals,).
+        jacobian: of the residuals, shape (residuals, keys).
+        converged: whether the search ended within its number of evaluations.
     """
 
     problem: Problem
     point: Array
     residuals: Array
-    slopes: Array
-    ended: bool
+    jacobian: Array
+    converged: bool
 
     @property
     def chi_squared(self) -> float:
-        """Sum of the squares of the residuals."""
+        """Sum of the squared residuals."""
         return float(self.residuals @ self.residuals)
 
     @property
     def freedom(self) -> int:
-        """Degrees of freedom."""
+        """Degrees of freedom of the residuals."""
         return self.residuals.size - self.point.size
 
     @property
     def parts(self) -> list[Array]:
-        """Residuals of each column, and last those from what was known before."""
+        """Residuals of each column, then of the prior values."""
         return np.split(self.residuals, np.cumsum(self.problem.rig.data.counted.sum(axis=0)))
 
     @property
-    def following(self) -> float:
-        """Largest autocorrelation of a column."""
-        return max(lag_one(part) for part in self.parts[:-1])
+    def autocorrelation(self) -> float:
+        """Largest lag-1 autocorrelation of the residuals of a column."""
+        return max(autocorrelation(part) for part in self.parts[:-1])
 
     @property
-    def systematic(self) -> bool:
-        """Tell whether residuals follow one another more than noise does by chance."""
-        return self.following > self.problem.rig.data.chance
+    def is_systematic(self) -> bool:
+        """Return True if residuals are more autocorrelated than noise of a sensor."""
+        return self.autocorrelation > self.problem.rig.data.max_autocorrelation
 
     @property
-    def scatter(self) -> Array:
-        """Noise of each column that is left, of what it weighs by; 1 where it is known, shape (columns,)."""
-        squares = np.array([part @ part / part.size for part in self.parts[:-1]])
-        left = np.sqrt(squares * self.residuals.size / self.freedom)
-        return np.where(self.problem.rig.data.estimated & (left > 0.0), left, 1.0)
-
-    @cached_property
-    def weights(self) -> Array:
-        """Weight of each residual by the noise that is left, shape (residuals,)."""
-        return np.repeat(1.0 / np.append(self.scatter, 1.0), [part.size for part in self.parts])
-
-    @property
-    def weighed(self) -> Array:
-        """The slopes, over the noise that is left."""
-        return self.slopes * self.weights[:, None]
-
-    @property
-    def changes(self) -> Array:
-        """How far each key, changed by its size, moves the residuals, of the noise that is left."""
-        return np.asarray(np.linalg.norm(self.weighed, axis=0) * self.problem.spans[2])
+    def noise_ratios(self) -> Array:
+        """Estimated over assumed noise of each column; 1 if its noise is specified, shape (columns,)."""
+        mean_squares = np.array([part @ part / part.size for part in self.parts[:-1]])
+        ratios = np.sqrt(mean_squares * self.residuals.size / self.freedom)
+        return np.where(self.problem.rig.data.estimated & (ratios > 0.0), ratios, 1.0)
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the keys, infinite where they cannot be told."""
-        lengths = np.linalg.norm(self.weighed, axis=0)
-        size = np.outer(lengths, lengths)
-        squares = self.weighed.T @ self.weighed / np.where(size > 0.0, size, 1.0)
-        try:
-            return np.asarray(np.linalg.inv(squares) / size)
-        except np.linalg.LinAlgError:
-            return np.full(size.shape, math.inf)
+        """Covariance of the keys; huge along directions without influence, shape (keys, keys)."""
+        _, singular, directions = np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)
+        scaled = directions.T / np.maximum(singular, 1e-9) * self.problem.sizes[:, None]
+        return np.asarray(scaled @ scaled.T)
 
     @property
     def deviations(self) -> Array:
-        """Standard error of each key, infinite where it cannot be told."""
-        squares = np.diag(self.covariance)
-        return np.sqrt(np.where(squares > 0.0, squares, math.inf))
+        """Standard error of each key in the linear model, shape (keys,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
-    def errors(self) -> dict[str, float]:
-        """Standard error of each key, SI, by name; infinite where it cannot be told."""
-        pairs = zip(self.problem.keys, self.deviations.tolist(), strict=True)
-        return {key.name: deviation for key, deviation in pairs}
+    def steps(self) -> Array:
+        """Steps of differences of one standard error, in sizes of the keys, shape (keys,)."""
+        alone = 1.0 / np.maximum(np.linalg.norm(self.jacobian * self.problem.sizes, axis=0), 1e-9)
+        return np.asarray(np.clip(alone, MIN_STEP, MAX_STEP))
+
+    @property
+    def t_quantile(self) -> float:
+        """Two-sided quantile of Student's t, for intervals of CONFIDENCE."""
+        from scipy.special import stdtrit
+
+        return float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE))
 
     @property
     def correlations(self) -> dict[tuple[str, str], float]:
-        """Correlation of each pair of keys whose errors are known, by their names."""
-        errors = self.errors
-        places = {name: n for n, name in enumerate(errors) if math.isfinite(errors[name])}
-        return {
-            (one, other): float(self.covariance[places[one], places[other]]) / (errors[one] * errors[other])
-            for one, other in itertools.combinations(places, 2)
-        }
+        """Correlation of each pair of keys in the linear model, by their names."""
+        scaled = self.covariance / np.outer(self.deviations, self.deviations)
+        pairs = itertools.combinations(range(len(self.problem.keys)), 2)
+        return {(self.problem.keys[a].name, self.problem.keys[b].name): float(scaled[a, b]) for a, b in pairs}
 
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """Interval of 95 % of each key, SI, by name; all that it may be where they cannot be told.
+    def weakest_direction(self) -> tuple[float, Array]:
+        """Return the smallest singular value of the scaled Jacobian and its direction.
 
-        The limits of the last key are kept: where chi-squared is least beyond one, intervals are what that
-        allows from there on.
+        The columns are scaled by the sizes of the keys. The singular value is the change of the residuals, in
+        noise, along the whole size; see Brun, Reichert and Kuensch, Water Resources Research 37 (2001) 1015.
         """
-        from scipy.special import stdtrit
+        _, singular, directions = np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)
+        return float(singular[-1]), directions[-1]
 
-        keys, deviations = self.problem.keys, self.deviations
-        if not np.isfinite(deviations).all():
-            return {key.name: (key.low, key.high) for key in keys}
-        most, last = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)), deviations[-1]
-        share = self.covariance[:, -1] / last
-        # of the last one, where chi-squared is least, and its limits from there, in its standard errors
-        least = -last * float(self.weighed[:, -1] @ (self.residuals * self.weights))
-        low, high = ((end - self.point[-1]) / last - least for end in (keys[-1].low, keys[-1].high))
-        reach = math.hypot(most, np.clip(0.0, low, high))
-        # an end of the ellipse, or where it meets the limit
-        held = np.clip(np.outer([-reach, reach], share / deviations), low, high)
-        alone = np.sqrt(np.maximum(deviations**2 - share**2, 0.0))
-        across = np.array([[-1.0], [1.0]]) * alone * np.sqrt(np.maximum(reach**2 - held**2, 0.0))
-        found = {}
-        for key, ends in zip(keys, (self.point + share * (least + held) + across).T.tolist(), strict=True):
-            lower, upper = (min(max(end, key.low), key.high) for end in ends)
-            found[key.name] = lower, upper
-        return found
+    def compensation(self, change: Array) -> Array:
+        """Return the change of the keys that compensates a change of the residuals best, shape (keys,)."""
+        sizes = self.problem.sizes
+        scaled = np.linalg.lstsq(self.jacobian * sizes, -change, rcond=1e-10)[0]
+        return np.asarray(sizes * scaled)
 
-    def settled(self) -> End:
-        """Search on with the noise that is left, until it stays, and find slopes as long as intervals."""
-        end = self
-        for _ in range(PASSES):
-            scatter, changes = end.scatter, np.maximum(end.changes, 1.0 / LARGEST_STEP)
-            problem = replace(end.problem, sigma=end.problem.sigma * scatter)
-            end = problem.solve(end.point, np.maximum(1.0 / changes, SMALLEST_STEP))
-            if np.allclose(scatter, 1.0, rtol=SETTLED):
+    def without_key(self, number: int, value: float) -> Optimum:
+        """Return the optimum with one of the keys fixed at a value."""
+        return replace(
+            self,
+            problem=self.problem.without_key(number, value),
+            point=np.delete(self.point, number),
+            jacobian=np.delete(self.jacobian, number, axis=1),
+        )
+
+    def with_estimated_noise(self) -> Optimum:
+        """Search again with the noise of the residuals until it stays, by central differences."""
+        optimum = self
+        for _ in range(MAX_NOISE_ITERATIONS):
+            ratios = optimum.noise_ratios
+            problem = replace(optimum.problem, noise=optimum.problem.noise * ratios)
+            optimum = problem.minimise(optimum.point, optimum.steps, central=True)
+            if np.allclose(ratios, 1.0, rtol=NOISE_RTOL):
                 break
-        return end.straightened()
-
-    def straightened(self) -> End:
-        """The end with slopes over REACH standard errors to both sides, along the axes of their ellipse."""
-        if not np.isfinite(self.deviations).all():
-            return self
-        least, greatest, sizes = self.problem.spans
-        squares, axes = np.linalg.eigh(self.covariance / np.outer(sizes, sizes))
-        ways = sizes * np.minimum(REACH * np.sqrt(np.abs(squares)), LARGEST_STEP)[:, None] * axes.T
-        low, high = (np.clip(self.point + side * ways, least, greatest) for side in (-1.0, 1.0))
-        before, after = ([self.problem.residuals(point) for point in points] for points in (low, high))
-        slopes = (np.linalg.pinv((high - low) / sizes) @ np.subtract(after, before)).T / sizes
-        return replace(self, slopes=slopes) if np.isfinite(slopes).all() else self
+        return optimum

@@ -1,8 +1,7 @@
-"""Measurements: columns over time with their noise, and a scene read at the same times, as sensors show it.
+"""Measurement: columns over time with their noise, and the same columns of a scene, as its sensors show them.
 
-The loop keeps its communication step, for controllers sample at it. The FMU stops within a step at each time
-and is read there: nothing is interpolated that jumps with the freewheels. A mean or peak over a step is that
-since the time before, the first since the start.
+The loop keeps its communication step, because controllers sample at it. The FMU stops within a step at each
+measured time. Its outputs are read there, because interpolation would smooth the jumps at the freewheels.
 """
 
 from __future__ import annotations
@@ -29,31 +28,33 @@ from ..scene import Scene
 from ..scene.run import SceneRunner
 from .axes import Free
 
-# a column of this ending has the standard deviation of the noise of another, row by row
+# suffix of the column with the standard deviations of another column
 NOISE = "_noise"
 MEAN, PEAK = "_mean", "_peak"
-# of the FMU; the ripple is that of one step and no sum or peak of its parts
+# outputs that can be compared; the ripple of a step is no sum or peak of its parts
 READABLE = [name for name in COMPUTED if name != "torque_ripple"]
-# a communication step has so many: what is within one is at one time
+# resolution of times, per communication step
 TICKS = 10_000_000
-# what a sensor may have: measured is gain times computed, which is shift earlier, and offset
+# keys of a sensor: measured = gain * computed(time - shift) + offset
 OFFSET, GAIN, SHIFT = "offset", "gain", "shift"
-# of the clock, which all columns share
+# shift of all columns
 CLOCK = f"{SHIFT}.time"
-# of the time measured
-MOST_LATE = 0.1
-# standard deviations of chance that a warning keeps from; autocorrelation that is no longer a sensor's noise
-CHANCE, AUTOCORRELATED = 4.0, 0.2
-# so near, of the factor, a gain is that of another unit
-NEAR_UNIT = 0.02
-# that columns come in, beside those of SI
+# largest shift, of the measured time
+MAX_SHIFT = 0.1
+# standard deviations beyond which a statistic is not by chance
+N_DEVIATIONS = 4.0
+# lag-1 autocorrelation that the noise of a sensor may have
+SENSOR_AUTOCORRELATION = 0.2
+# relative accuracy with which a gain is the factor of another unit
+UNIT_RTOL = 0.02
+# units of logger files besides SI
 UNITS = ("rpm", "deg/s", "rev/s", "km/h", "deg", "rev", "mm", "kN", "kNm", "kJ", "kW")
 
 Array = NDArray[np.float64]
 
 
-def lag_one(residuals: Array) -> float:
-    """Autocorrelation from row to row about the mean; 0 of what does not change."""
+def autocorrelation(residuals: Array) -> float:
+    """Return the lag-1 autocorrelation about the mean, 0 if the residuals are constant."""
     centred = residuals - residuals.mean()
     return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2)) if np.ptp(residuals) else 0.0
 
@@ -63,10 +64,11 @@ class Measurement(ByContent):
     """Measurement of a rig.
 
     Attributes:
-        table: over time, s, the columns that are compared, SI. headings: the unit that each came in.
-        noise: standard deviations by column, for those whose noise is known, shape (rows,).
-        counted: whether a value is compared, shape (rows, columns). Not compared are the first value of a
-            mean, because its start is unknown, and a mean or peak over no time.
+        table: compared columns over time, SI.
+        headings: unit of each column in the file.
+        noise: standard deviations of the columns whose noise is specified, shape (rows,) each.
+        counted: whether a value is compared, shape (rows, columns). The first value of a mean is not, because
+            the start of its interval is unknown. A mean or peak over no time is not either.
         unused: columns of a file that the scene does not compute.
     """
 
@@ -78,7 +80,7 @@ class Measurement(ByContent):
 
     @property
     def columns(self) -> list[str]:
-        """Names of what is compared."""
+        """Names of the compared columns."""
         return self.table.names[1:]
 
     @property
@@ -88,64 +90,69 @@ class Measurement(ByContent):
 
     @property
     def estimated(self) -> NDArray[np.bool_]:
-        """Columns whose noise is found from their residuals, shape (columns,)."""
+        """True for the columns whose noise is estimated from their residuals, shape (columns,)."""
         return np.array([name not in self.noise for name in self.columns])
 
     @property
     def number(self) -> int:
-        """How many values are compared."""
+        """Number of compared values."""
         return int(self.counted.sum())
 
     @property
-    def chance(self) -> float:
-        """Autocorrelation at lag 1 that the noise of a sensor may have."""
-        return max(AUTOCORRELATED, CHANCE / math.sqrt(len(self.table)))
+    def max_autocorrelation(self) -> float:
+        """Largest lag-1 autocorrelation of residuals that are not systematic."""
+        return max(SENSOR_AUTOCORRELATION, N_DEVIATIONS / math.sqrt(len(self.table)))
 
     @functools.cached_property
     def sensors(self) -> dict[str, Free]:
-        """Free keys of what its sensors may have, by name; see OFFSET and CLOCK."""
+        """Keys of offset, gain and shift of each sensor, and of the clock, by name."""
         times = self.table.time
         lengths = np.diff(np.unique(times))
         row = float(np.median(lengths)) if lengths.size else 1e-3
-        late = max(MOST_LATE * float(np.ptp(times)), row)
-        found = [(CLOCK, "s", 0.0, row, late)]
+        late = max(MAX_SHIFT * float(np.ptp(times)), row)
+        rows = [(CLOCK, "s", 0.0, row, late)]
         for name in self.columns:
             size = float(np.std(self.table[name])) or 1.0
-            found.append((f"{OFFSET}.{name}", self.table.units[name], 0.0, size, math.inf))
-            found.append((f"{GAIN}.{name}", "", 1.0, 1.0, math.inf))
-            found.append((f"{SHIFT}.{name}", "s", 0.0, row, late))
+            rows.append((f"{OFFSET}.{name}", self.table.units[name], 0.0, size, math.inf))
+            rows.append((f"{GAIN}.{name}", "", 1.0, 1.0, math.inf))
+            rows.append((f"{SHIFT}.{name}", "s", 0.0, row, late))
         return {
-            name: Free(name, unit, usual - most, usual + most, start=usual, size=size)
-            for name, unit, usual, size, most in found
+            name: Free(name, unit, ideal - reach, ideal + reach, start=ideal, nominal=ideal, size=size)
+            for name, unit, ideal, size, reach in rows
         }
 
-    def unit_by(self, column: str, gain: float, near: float = NEAR_UNIT) -> str:
-        """Say of a gain of a column that its numbers are in another unit, where that is as near as this."""
+    def unit_hint(self, column: str, gain: float, rtol: float = UNIT_RTOL) -> str:
+        """Return a sentence if the gain of a column is the factor of another unit, else "".
+
+        Args:
+            column: name of the column.
+            gain: measured over computed.
+            rtol: relative accuracy of the gain.
+        """
         heading, ratios = self.headings[column], dict[str, float]()
         for other in (self.table.units[column], *UNITS):
-            with contextlib.suppress(ValueError):  # it is of another kind
+            with contextlib.suppress(ValueError):  # unit of another quantity
                 ratios[other] = factor_between(heading, other)
-        found = [(abs(gain / ratio - 1.0), other) for other, ratio in ratios.items() if ratio != 1.0]
-        off, unit = min(found, default=(near, ""))
-        return f"its numbers are in {unit}, not in {heading}" if off < near else ""
+        errors = [(abs(gain / ratio - 1.0), other) for other, ratio in ratios.items() if ratio != 1.0]
+        error, unit = min(errors, default=(rtol, ""))
+        return f"its numbers are in {unit}, not in {heading}" if error < rtol else ""
 
 
 def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[str] = ()) -> Measurement:
-    """Read a measurement and look at it.
+    """Read and check a measurement.
 
     Two rows of the same time are two readings at that time. A column of a file that the scene does not
     compute may have any name, unit and content.
 
     Args:
-        measured: a table, or a CSV file with a heading row, units in brackets where they are not SI.
-        scene: scene that computes the columns.
-        columns: names of the columns that are compared; by default all but the inputs of the module, which
-            the scene gives.
+        measured: table, or CSV file with a heading row and units in brackets if they are not SI.
+        scene: computes the columns.
+        columns: names of the compared columns; by default all except the inputs of the module.
 
     Raises:
-        TableError: it is no table over time, a column that is compared is not numbers, or a unit is of
-            another kind.
-        Refused: the scene has no such column, the time is outside the run, a noise is not above 0.
+        TableError: the file is no table over time, or a unit is of another quantity.
+        Refused: the scene does not compute a column, the time is outside the run, or a noise is not
+            above 0.
     """
     table = measured if isinstance(measured, Result) else Result.from_csv(measured)
     compared, unused = _compared(table, scene, columns)
@@ -199,37 +206,44 @@ def _compared(table: Result, scene: Scene, columns: Sequence[str]) -> tuple[list
 
 
 class Rig(SceneRunner):
-    """A scene as the sensors of a measurement see it: an FMU that stops at their times within its steps.
+    """Runs of a scene whose outputs are read at the times of a measurement, also within communication steps.
 
     Attributes:
-        runs: of the scene so far. refused: why the scene refused values the last time, or "".
+        scene: without values of free keys.
+        data: measurement.
+        runs: number of runs so far.
+        rejection: reason of the last rejected run, or "".
     """
 
     def __init__(self, scene: Scene, data: Measurement, fmu_path: Path) -> None:
         super().__init__(fmu_path)
-        self.scene, self.data, self.runs, self.refused = scene, data, 0, ""
+        self.scene, self.data, self.runs, self.rejection = scene, data, 0, ""
         signals = scene.surroundings.output_labels
         self._read = tuple(name for name in data.columns if name not in signals)
 
     def computed(self, values: Mapping[str, float]) -> Array:
-        """Columns for values by key, SI, shape (rows, columns); NaN where the scene refuses them."""
+        """Return the columns as the sensors show them, SI, shape (rows, columns); NaN if the run is rejected.
 
-        def of_sensors(kind: str, usual: float) -> Array:
-            return np.array([values.get(f"{kind}.{name}", usual) for name in self.data.columns])
+        Args:
+            values: values of keys of the scene and of sensors, SI, by name.
+        """
+
+        def of_sensors(kind: str, ideal: float) -> Array:
+            return np.array([values.get(f"{kind}.{name}", ideal) for name in self.data.columns])
 
         keys = {name: value for name, value in values.items() if name not in self.data.sensors}
         late = of_sensors(SHIFT, 0.0) + values.get(CLOCK, 0.0)
         times = np.maximum(self.data.table.time[:, None] - late, 0.0)
         self.runs += 1
         try:
-            seen = self._seen(self.scene.with_keys(keys), times)
+            ideal = self._columns(self.scene.with_keys(keys), times)
         except Refused as error:
-            self.refused = str(error)
+            self.rejection = str(error)
             return np.full(times.shape, np.nan)
-        return of_sensors(GAIN, 1.0) * seen + of_sensors(OFFSET, 0.0)
+        return of_sensors(GAIN, 1.0) * ideal + of_sensors(OFFSET, 0.0)
 
-    def _seen(self, scene: Scene, times: Array) -> Array:
-        """Columns of a scene, each at its times, s, shape (rows, columns)."""
+    def _columns(self, scene: Scene, times: Array) -> Array:
+        """Return the columns of a scene, each at its times, s, shape (rows, columns)."""
         step = scene.run.communication_step
         ticks = np.rint(times * (TICKS / step)).astype(np.int64)
         off = ticks % TICKS != 0
@@ -243,37 +257,37 @@ class Rig(SceneRunner):
         self._rows = np.empty((stops.size, len(self._read)))
         loop = ClosedLoop(self.started(scene), scene.surroundings, (), scene.signal_units)
         record = loop.run(step * (points.size - 1))
-        found = np.empty(times.shape)
+        columns = np.empty(times.shape)
         for n, name in enumerate(self.data.columns):
             if name in self._read:
-                found[:, n] = self._column(name, np.searchsorted(stops, ticks[:, n]))
+                columns[:, n] = self._column(name, np.searchsorted(stops, ticks[:, n]))
             else:
-                found[:, n] = np.interp(times[:, n], record.time, record[name])
-        return found
+                columns[:, n] = np.interp(times[:, n], record.time, record[name])
+        return columns
 
     def take_steps(
         self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
     ) -> None:
-        """Take steps by way of the stops within them: see Plant."""
+        """Take communication steps that stop at each time of the measurement: see Plant."""
         points = self._points[self._taken : self._taken + lengths.size + 1]
         self._taken += lengths.size
         part, names = slice(points[0], points[-1] + 1), (*outputs, *self._read)
-        stops, found = self._stops[part], np.empty((points[-1] + 1 - points[0], len(names)))
-        held = np.repeat(given, np.diff(points), axis=0)
-        super().take_steps(np.diff(stops), inputs, held, names, found)
-        rows[:] = found[points - points[0], : len(outputs)]
-        self._rows[part] = found[:, len(outputs) :]
+        stops, values = self._stops[part], np.empty((points[-1] + 1 - points[0], len(names)))
+        constant = np.repeat(given, np.diff(points), axis=0)
+        super().take_steps(np.diff(stops), inputs, constant, names, values)
+        rows[:] = values[points - points[0], : len(outputs)]
+        self._rows[part] = values[:, len(outputs) :]
 
     def _column(self, name: str, at: NDArray[np.int64]) -> Array:
-        """Values at some stops; means and peaks are those since the one before, the first since the start."""
+        """Return values at some stops; a mean or peak covers the time since the previous row."""
         values = self._rows[:, self._read.index(name)]
         ends, order = np.unique(at, return_inverse=True)
-        found = values[ends]
+        column = values[ends]
         if name.endswith(MEAN):
             works = np.cumsum(values * np.diff(self._stops, prepend=0.0))[ends]
             lengths = np.diff(self._stops[ends], prepend=0.0)
-            # at the start it is that of no step
-            np.divide(np.diff(works, prepend=0.0), lengths, out=found, where=lengths > 0.0)
+            # a mean at the start has no interval
+            np.divide(np.diff(works, prepend=0.0), lengths, out=column, where=lengths > 0.0)
         elif name.endswith(PEAK):
-            found = np.maximum.reduceat(values[: ends[-1] + 1], np.append(0, ends[:-1] + 1))
-        return found[order]
+            column = np.maximum.reduceat(values[: ends[-1] + 1], np.append(0, ends[:-1] + 1))
+        return column[order]

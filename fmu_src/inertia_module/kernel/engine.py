@@ -65,6 +65,8 @@ def switch_now(d, x):
 
 def run_events(d, x, w, h):
     """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
+    if h > MAX_EVALUATIONS * d.max_step:
+        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
     start1 = x.omega1
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque

@@ -1,10 +1,12 @@
 """The inputs of a step: checked, extrapolated, taken over into the state."""
 
-from .codes import BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
+from .codes import BAD_HOLD, BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
 from .fields import OF_MOTION, OF_SUMS
 
 # limits of inputs and of a communication step: rad/s, N m, s
 LARGEST_SPEED, LARGEST_TORQUE, LARGEST_STEP = 1e6, 1e12, 1e6
+# shorter than any remainder that a host's time leaves by rounding; rates over it can be squared
+SMALLEST_STEP = 1e-30
 # a slower input counts as none: its square is no normal double
 SMALLEST_SPEED = 1e-150
 # largest magnitudes of the inputs, in their order: a speed, then torques
@@ -21,7 +23,7 @@ def check_inputs(u):
 
 def check_step(u, h):
     """Status of a step of h: its length, its inputs, and what those with a given rate come to at its end."""
-    if not 0.0 < h <= LARGEST_STEP:
+    if not SMALLEST_STEP <= h <= LARGEST_STEP:
         return BAD_STEP
     status = check_inputs(u)
     if status != OK:
@@ -32,6 +34,23 @@ def check_step(u, h):
         if u.numbers[2 * count + n] != 0.0 and not abs(u.numbers[n] + u.numbers[count + n] * h) <= LARGEST[n]:
             return BAD_RATE + n
     return OK
+
+
+def check_hold(hold, x, speed, rate_given, h):
+    """Status of a speed that the coming step extrapolates linearly: it must stay within its limits.
+
+    Args:
+        hold: input_hold.
+        x: state with held_input, and length of the last step.
+        speed: input, rad/s.
+        rate_given: whether its rate is given instead.
+        h: length of the coming step, s.
+    """
+    if hold == 0.0 or rate_given != 0.0 or x.length == 0.0:
+        return OK
+    # abs(speed + change / length * h) <= limit, without a division
+    reach = abs(speed * x.length + (speed - x.held_input) * h)
+    return OK if reach <= LARGEST_SPEED * x.length else BAD_HOLD
 
 
 def input_speed(u):

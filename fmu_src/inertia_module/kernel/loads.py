@@ -34,6 +34,14 @@ def largest_square(d, x):
     return largest
 
 
+def see_load(d, x, q, omega1, omega2, alpha1, alpha2):
+    """Include the moment before an event in the largest |a|^2 at once; no later moment replaces it."""
+    ax, ay, az = acceleration(
+        imbalance(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
+    )
+    x.largest_square = max(x.largest_square, ax * ax + ay * ay + az * az)
+
+
 def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """See a moment: drive angle, speeds and accelerations of links 1 and 2. It takes the place of another."""
     number = x.seen

@@ -16,7 +16,7 @@ from .equations.satellites import jams
 from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
-from .inputs import begin, check_inputs, check_step, input_speed
+from .inputs import begin, check_hold, check_inputs, check_step, input_speed
 from .links import fastest_own_rate, is_stiff
 from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
 
@@ -165,6 +165,8 @@ def advance(d, u, x, y, w, h, operation):
             with STEP_PRECISELY differences of results are free of the noise of the tolerance.
     """
     status = check_step(u, h)
+    if status == codes.OK and d.drive == codes.DRIVE_SPEED:
+        status = check_hold(d.input_hold, x, u.omega1, u.omega1_rate_given, h)
     if status != codes.OK:
         return status
     copy(w.before.numbers, x.numbers)

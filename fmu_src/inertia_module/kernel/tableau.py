@@ -13,6 +13,9 @@ LONG, SHORT = 0, 16
 # nodes of the parts at which the inside of a stiff step is looked at (events.rosenbrock), and how many
 THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
+# stages of LONG, SHORT and THIRDS at rising nodes, through three of which in a row extrema are interpolated
+IN_ORDER = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6, 0, 1, 2, 3)
+LONG_ORDER, SHORT_ORDER, THIRDS_ORDER, END_ORDER = 0, 6, 10, 14
 # the stage after stage 0 that errors of the long pair begin with
 LATE = 5
 # the pair of order 3 of gentle steps: its rows, last stage, and row of errors
@@ -96,6 +99,37 @@ ROWS = (
 # all rows one after the other, each as long as there are stages; the stage each weighs first after stage 0
 WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (STAGES - len(row))))
 AFTER = tuple(next((n for n, weight in enumerate(row) if n > 0 and weight != 0.0), 1) for row in ROWS)
+
+
+def order_of_stages(pair):
+    """Return where the stages of a pair begin in IN_ORDER, and how many there are."""
+    if pair == LONG:
+        return LONG_ORDER, SHORT_ORDER - LONG_ORDER
+    if pair == SHORT:
+        return SHORT_ORDER, THIRDS_ORDER - SHORT_ORDER
+    return THIRDS_ORDER, END_ORDER - THIRDS_ORDER
+
+
+def extremum(t0, t1, t2, y0, y1, y2, end):
+    """Return the extremum of the parabola through three points, or y1.
+
+    Args:
+        t0: time of the first point; t0 < t1 < t2.
+        t1: of the second point.
+        t2: of the third point.
+        y0: value of the first point.
+        y1: of the second point.
+        y2: of the third point.
+        end: time after which an extremum does not count.
+    """
+    slope = (y1 - y0) / (t1 - t0)
+    curve = ((y2 - y1) / (t2 - t1) - slope) / (t2 - t0)
+    if curve == 0.0:
+        return y1
+    time = 0.5 * (t0 + t1 - slope / curve)
+    if not (t0 < time < t2) or time > end:
+        return y1
+    return y0 + (time - t0) * (slope + curve * (time - t1))
 
 
 def last_stage(pair):

@@ -151,11 +151,14 @@ class ClosedLoop:
         self.names = ("time", *self._outputs, *signals)
         self._units = {**SIGNAL_UNITS, **(units or {})}
 
-    def run(self, stop_time: float, progress: Progress | None = None) -> Result:
-        """Step to the stop time, s, and return a row a communication point as a named table.
+    def run(self, stop_time: float, progress: Progress | None = None, substeps: int = 1) -> Result:
+        """Step to the stop time and return a row a communication point as a named table.
 
         Args:
-            stop_time: s. progress: called with the share of the run that is done, 0 to 1.
+            stop_time: s.
+            progress: called with the share of the run that is done, 0 to 1.
+            substeps: steps of the FMU, and rows, in a step of the surroundings, which are evaluated at its
+                begin. Sources alone are evaluated in each row.
 
         Raises:
             ValueError: the stop time is not a whole number of steps.
@@ -165,33 +168,39 @@ class ClosedLoop:
         if not number:
             allowed = f"a positive multiple of the communication step {self.step:g} s"
             raise ValueError(must_be("stop_time", allowed, f"{stop_time:g} s"))
-        rows = np.empty((number + 1, len(self.names)))
-        rows[:, 0] = np.arange(number + 1) * self.step
+        rows = np.empty((number * substeps + 1, len(self.names)))
+        length = self.step / substeps
+        rows[:, 0] = np.arange(len(rows)) * length
         if isinstance(self.surroundings, Sources):
             signals = rows[:, first:] = self.surroundings.table(rows[:, 0])
             inputs = {name: signals[:-1, index] for name, index in self._driven}
-            run(self.plant, np.full(number, self.step), inputs, self._outputs, rows[:, 1:first], progress)
+            lengths = np.full(len(rows) - 1, length)
+            run(self.plant, lengths, inputs, self._outputs, rows[:, 1:first], progress)
         else:
-            self._close(rows, first, progress)
+            self._close(rows, first, substeps, progress)
         known = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
         return Result.from_rows(self.names, rows, {name: known.get(name, "") for name in self.names[1:]})
 
-    def _close(self, rows: NDArray[np.float64], first: int, progress: Progress | None) -> None:
+    def _close(self, rows: NDArray[np.float64], first: int, substeps: int, progress: Progress | None) -> None:
         """Fill rows whose times are given; columns from first on are the signals of the surroundings."""
-        number, systems = len(rows) - 1, self.surroundings
+        number, systems = (len(rows) - 1) // substeps, self.surroundings
         report_every = max(number // 200, 1)
         names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)
-        length, given, ends = np.array([self.step]), np.empty((1, len(driven))), np.empty((2, len(names)))
-        ends[1] = self.plant.read(names)
+        lengths = np.full(substeps, self.step / substeps)
+        given, ends = np.empty((substeps, len(driven))), np.empty((substeps + 1, len(names)))
+        ends[-1] = self.plant.read(names)
         state: Any = [0.0] * systems.nstates
-        for n, time in enumerate(rows[:, 0].tolist()):
-            measured = ends[1, : self._measured].tolist()
+        for n, time in enumerate(rows[::substeps, 0].tolist()):
+            measured = ends[-1, : self._measured].tolist()
             if n > 0 and systems.nstates:
                 state = systems.dynamics(time, state, measured)
             signals = systems.output(time, state, measured)
-            rows[n, 1:first], rows[n, first:] = ends[1, self._measured :], signals
+            begin = n * substeps
+            rows[begin, 1:first] = ends[-1, self._measured :]
+            rows[begin : begin + substeps, first:] = signals
             if progress is not None and (n % report_every == 0 or n == number):
                 progress(n / number)
             if n < number:
-                given[0] = [signals[index] for _, index in self._driven]
-                self.plant.take_steps(length, driven, given, names, ends)
+                given[:] = [signals[index] for _, index in self._driven]
+                self.plant.take_steps(lengths, driven, given, names, ends)
+                rows[begin + 1 : begin + substeps, 1:first] = ends[1:-1, self._measured :]

@@ -19,6 +19,7 @@ from ..contract.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
 from ..loops.engine import check_drag, check_rising
+from ..loops.loads import STANDARD_GRAVITY
 from ..loops.sources import Sampled, Signal, Table
 from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, checked, quantity
 
@@ -324,7 +325,13 @@ class ShaftLoad(Strict):
 
 
 class VehicleLoad(Strict):
-    """A vehicle on a road, behind a final drive; times_to: speeds that the summary has times to, m/s."""
+    """A vehicle on a road, behind a final drive.
+
+    Attributes:
+        times_to: speeds that the summary has times to, m/s.
+        friction_coefficient: largest tractive force over the load of the driven axles.
+        driven_axle_load: load of the driven axles, N; without it the weight of the vehicle.
+    """
 
     kind: Literal["vehicle"]
     mass: Annotated[float, quantity("kg", above=0.0)]
@@ -340,10 +347,33 @@ class VehicleLoad(Strict):
         default=[50.0 * KILOMETRE_PER_HOUR, 100.0 * KILOMETRE_PER_HOUR]
     )
 
+    friction_coefficient: Annotated[float, quantity("1", maximum=3.0, above=0.0)] | None = None
+    driven_axle_load: Annotated[float, quantity("N", above=0.0)] | None = None
+
+    @model_validator(mode="after")
+    def _check_grip(self) -> Self:
+        if self.driven_axle_load is None:
+            return self
+        weight = self.mass * STANDARD_GRAVITY
+        if self.friction_coefficient is None:
+            raise ValueError("driven_axle_load requires friction_coefficient")
+        if self.driven_axle_load > weight * (1.0 + 1e-9):
+            allowed = f"at most the weight of the vehicle, {weight:g} N"
+            raise ValueError(must_be("driven_axle_load", allowed, self.driven_axle_load))
+        return self
+
+    @property
+    def grip(self) -> float | None:
+        """Largest tractive force, N (Coulomb friction); None if the scene gives no friction coefficient."""
+        if self.friction_coefficient is None:
+            return None
+        return self.friction_coefficient * (self.driven_axle_load or self.mass * STANDARD_GRAVITY)
+
     def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
         """Make the vehicle as a system."""
         table, coupling = self.slope_over_distance, _coupling(self.coupling)
-        own = self.model_dump(exclude={"kind", "slope", "slope_over_distance", "coupling", "times_to"})
+        others = {"kind", "slope", "slope_over_distance", "coupling", "times_to"}
+        own = self.model_dump(exclude=others | {"friction_coefficient", "driven_axle_load"})
         slope = self.slope if table is None else table.signal()
         return loops.vehicle_load(
             step, **own, slope=slope, one_way=one_way, coupling=coupling, start_speed=start_speed

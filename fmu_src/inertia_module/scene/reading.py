@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,26 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
         return validated(kind(tables), tables, path.parent)
     except Refused as error:
         raise SceneError(f"{path.name}: {error}") from None
+
+
+def speed_unit(path: Path | str, keys: Keys = None) -> str:
+    """Return the unit of speeds of link 1 for people: rpm if the scene file gives a speed in it, else rad/s.
+
+    Args:
+        path: of a scene file that load_scene accepts.
+        keys: as of load_scene.
+    """
+    values = [*_strings(_tables(Path(path).read_text(encoding="utf-8"))), *map(str, keys_of(keys).values())]
+    return "rpm" if any(re.search(r"[\d\s](rpm|1/min)$", value.strip()) for value in values) else "rad/s"
+
+
+def _strings(tables: Any) -> Iterator[str]:
+    """Yield all strings of nested tables and lists."""
+    if isinstance(tables, str):
+        yield tables
+    elif isinstance(tables, dict | list):
+        for value in tables.values() if isinstance(tables, dict) else tables:
+            yield from _strings(value)
 
 
 def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from ..loops import ClosedLoop, initial_inputs
 from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from .headings import heading
 from .keys import SceneError, scene_time_warnings
+from .parts import VehicleLoad
 from .schema import Scene
 
 if TYPE_CHECKING:
@@ -150,10 +152,74 @@ def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
     return together / float((times[together:] - times[:-together]).min())
 
 
+# parameters of the stiffness of both freewheels
+STIFFNESS = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
+
+
+def has_impacts(parameters: Mapping[str, float], freewheel: str) -> bool:
+    """Return True if a freewheel closes by impacts: it is rigid and has an engagement angle."""
+    is_rigid = parameters.get("fidelity", RIGID) != ELASTIC or not parameters.get(STIFFNESS[freewheel], 0.0)
+    return is_rigid and parameters.get(f"{freewheel}_engagement_angle", 0.0) > 0.0
+
+
+def impacts(table: Result, freewheel: str, stiffness: float | None) -> dict[str, Quantity]:
+    """Return the largest energy of an impact of a freewheel, and the torque that it causes.
+
+    A rigid impact has an impulse and no finite torque. The energy E of the relative motion, half the reduced
+    inertia times the square of the slip, is what the module loses in it. A freewheel of stiffness c takes up
+    the same energy in half a sine of the torque, whose largest value is slip sqrt(c J) = sqrt(2 c E).
+    All losses of freewheels in the communication step count, so that E is an upper bound.
+
+    Args:
+        table: of the run.
+        freewheel: one of FREEWHEELS.
+        stiffness: of the closed freewheel, N.m/rad; None if it is unknown.
+    """
+    engaged = np.diff(table[f"{freewheel}_engagements"]) > 0.0
+    lost = np.diff(table["energy_lost_freewheel"])
+    energy = float(np.max(lost[engaged], initial=0.0))
+    numbers = {f"{freewheel}_impact_energy": Quantity(energy, "J")}
+    if stiffness is not None:
+        torque = math.sqrt(2.0 * stiffness * max(energy, 0.0))
+        numbers[f"{freewheel}_impact_torque"] = Quantity(torque, "N.m")
+    return numbers
+
+
+def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
+    """Return warnings on freewheels whose torque limit the run cannot judge, or whose impacts exceed it.
+
+    Args:
+        scene: the scene.
+        duty: numbers of freewheel_duty.
+    """
+    texts, stiffness = [], scene.freewheels.of("stiffness")
+    for name, limit in scene.freewheels.of("torque").items():
+        if f"{name}_impact_energy" not in duty:
+            continue
+        if name not in stiffness:
+            texts.append(
+                f"{name} torque peak excludes impacts: a rigid freewheel with an engagement angle has no"
+                f" finite torque in them; set freewheels.{name}.stiffness to compare them with the limit,"
+                f" {limit:.6g} N.m, or mechanism.{STIFFNESS[name]} at fidelity elastic"
+            )
+        elif (torque := duty[f"{name}_impact_torque"].value) > limit:
+            texts.append(
+                f"{name} impact torque is above the limit of the freewheel, {limit:.6g} N.m: {torque:.6g}"
+                f" (estimate with {stiffness[name]:.6g} N.m/rad)"
+            )
+    return texts
+
+
 def freewheel_duty(
-    table: Result, parameters: Mapping[str, float]
+    table: Result, parameters: Mapping[str, float], stiffness: Mapping[str, float] = MappingProxyType({})
 ) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not."""
+    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not.
+
+    Args:
+        table: of the run.
+        parameters: of the module.
+        stiffness: of closed freewheels that are rigid in the run, N.m/rad, by name.
+    """
     fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
@@ -167,6 +233,8 @@ def freewheel_duty(
             found[f"{name}_engagement_frequency_maximum"] = Quantity(fastest(table.time, count), "Hz")
             found[f"{name}_torque_peak"] = Quantity(float(table[torque].max()), "N.m")
             found[f"{name}_slip_peak"] = Quantity(float(table[f"{name}_slip_peak"].max()), "rad/s")
+            if has_impacts(parameters, name):
+                found |= impacts(table, name, stiffness.get(name))
     return found, {}
 
 
@@ -185,23 +253,98 @@ def time_to(speed: float) -> str:
     return f"{TIME_TO}{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
 
 
+# s: a car that stands for at least so long is launched again; shorter stops are between pulses of one launch
+STANDSTILL = 0.5
+
+
+def launch_time(time: NDArray[np.float64], speed: NDArray[np.float64]) -> float:
+    """Return the time, s, of the first motion that is not undone, in the last launch.
+
+    A launch begins with the run or with the last standstill of at least STANDSTILL. Motion is undone if the
+    car rolls back to where it began.
+
+    Args:
+        time: s, shape (n,).
+        speed: of the vehicle, m/s, shape (n,), up to the row at which it is fast enough.
+    """
+    edges = np.flatnonzero(np.diff(speed == 0.0, prepend=False, append=False))
+    begins, ends = edges[::2], edges[1::2] - 1
+    stops = begins[time[ends] - time[begins] >= STANDSTILL * (1.0 - 1e-9)]
+    first = int(stops[-1]) if stops.size else 0
+    moved = np.cumsum(0.5 * (speed[first + 1 :] + speed[first:-1]) * np.diff(time[first:]))
+    distance = np.append(0.0, moved)
+    return float(time[first + distance.size - 1 - int(np.argmin(distance[::-1]))])
+
+
 def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find the time, s, to each speed, m/s, since the car last stood or the run began, else why not."""
+    """Find the time to each speed since launch_time, or the reason why there is none.
+
+    Args:
+        table: with the column vehicle_speed.
+        speeds: m/s.
+
+    Returns:
+        Times, s, and remarks, by name.
+    """
     found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
     shown = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
         reached = int(np.argmax(vehicle_speed >= speed))
         if reached:  # 0 where it never is, or is from the start
             around = slice(reached - 1, reached + 1)
-            stood = np.flatnonzero(vehicle_speed[:reached] <= 0.0)
-            begun = table.time[stood[-1] if stood.size else 0]
-            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begun)
+            begin = launch_time(table.time[: reached + 1], vehicle_speed[: reached + 1])
+            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begin)
             found[time_to(speed)] = Quantity(time, "s")
         elif vehicle_speed[0] >= speed:
             remarks[time_to(speed)] = f"not available (the run starts at {shown[0]:.4g} km/h)"
         else:
             remarks[time_to(speed)] = f"not reached (maximum {shown.max():.4g} km/h)"
     return found, remarks
+
+
+# name of the number of the summary that the grip limits
+TRACTIVE_FORCE = "tractive_force_maximum"
+
+
+def tractive_force(table: Result, load: VehicleLoad) -> NDArray[np.float64]:
+    """Return the mean force of the driven wheels on the vehicle in each step, N, shape (rows - 1,).
+
+    It accelerates the vehicle and overcomes all resistances. It is 0 in steps that begin and end at rest.
+
+    Args:
+        table: of a run of the vehicle.
+        load: the vehicle.
+    """
+    parts = ("rolling_torque", "drag_torque", "slope_torque", "brake_torque")
+    ratio = load.final_drive / load.wheel_radius
+    resistance = ratio * sum(table[part][:-1] for part in parts)
+    speed = table["vehicle_speed"]
+    force: NDArray[np.float64] = load.mass * np.diff(speed) / np.diff(table.time) + resistance
+    return np.where((speed[1:] != 0.0) | (speed[:-1] != 0.0), force, 0.0)
+
+
+def grip(table: Result, load: VehicleLoad) -> tuple[dict[str, Quantity], dict[str, str]]:
+    """Compare the tractive force with the grip of the driven wheels, which the run does not limit.
+
+    Args:
+        table: of a run of the vehicle.
+        load: the vehicle.
+
+    Returns:
+        The largest tractive force, N, and a remark if it exceeds the grip; both empty if the scene gives no
+        friction coefficient.
+    """
+    if load.grip is None:
+        return {}, {}
+    force = tractive_force(table, load)
+    numbers = {TRACTIVE_FORCE: Quantity(float(force.max()), "N")}
+    beyond = np.flatnonzero(force > load.grip)
+    if not beyond.size:
+        return numbers, {}
+    share = float(np.diff(table.time)[beyond].sum())
+    first = f"first at {table.time[beyond[0]]:.4g} s"
+    text = f"is exceeded for {share:.4g} s, {first}: the wheels would slip, the run assumes that they roll"
+    return numbers, {"grip": text}
 
 
 def _vehicle(table: Result) -> dict[str, Quantity]:
@@ -499,9 +642,13 @@ def _run_on(
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
     if scene.cycle is not None:
         remarks |= cycle_remarks(record, scene.cycle)
-    duty, unknown = freewheel_duty(record, scene.parameters())
-    quantities = summarise(record, scene.cycle, wall_time, times | duty)
+    duty, unknown = freewheel_duty(record, scene.parameters(), scene.freewheels.of("stiffness"))
+    impact = impact_warnings(scene, duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
+    if isinstance(scene.load, VehicleLoad) and scene.load.grip is not None:
+        numbers, slipping = grip(record, scene.load)
+        duty, unknown, limits = duty | numbers, unknown | slipping, limits | {TRACTIVE_FORCE: scene.load.grip}
+    quantities = summarise(record, scene.cycle, wall_time, times | duty)
     above = [
         f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
         for name, limit in limits.items()
@@ -513,5 +660,5 @@ def _run_on(
         quantities=quantities,
         remarks=remarks | unknown,
         limits=limits,
-        warnings=(*fmu.warnings, *above, *scene_time_warnings(scene, scene.run.stop_time)),
+        warnings=(*fmu.warnings, *above, *impact, *scene_time_warnings(scene, scene.run.stop_time)),
     )

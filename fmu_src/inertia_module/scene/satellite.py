@@ -64,7 +64,7 @@ class Satellite(Strict):
         radius, width, thickness = self.weight_radius, self.width, self.weight_width
         if radius > pitch:
             allowed = f"at most {pitch:g} m, the pitch radius of the satellite"
-            raise SceneError(must_be("mechanism.satellite.weight_radius", allowed, f"{radius:g} m"))
+            raise SceneError(must_be("mechanism: satellite.weight_radius", allowed, f"{radius:g} m"))
         gear = self.material * math.pi * pitch**2 * width
         weight = (self.weight_material or self.material) * math.pi * radius**2 * thickness / 2.0
         mass, moment = gear + weight, weight * 4.0 * radius / (3.0 * math.pi)

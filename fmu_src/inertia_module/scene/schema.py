@@ -30,7 +30,7 @@ from .keys import (
     scene_time_warnings,
     validated,
 )
-from .parts import Controller, Drive, Load, PiController, PiTorqueController
+from .parts import Controller, Drive, EngineDrive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
 # tolerance has a table of its own: [accuracy]
@@ -77,11 +77,13 @@ class FreewheelLimits(Strict):
     Attributes:
         indexing_frequency: engagements a second above which its sprags do not engage, Hz.
         torque: N.m. slip: overrunning speed, rad/s.
+        stiffness: of the closed freewheel, N.m/rad, to estimate the torque of impacts.
     """
 
     indexing_frequency: Annotated[float, quantity("Hz", above=0.0)] | None = None
     torque: Annotated[float, quantity("N.m", above=0.0)] | None = None
     slip: Annotated[float, quantity("rad/s", above=0.0)] | None = None
+    stiffness: Annotated[float, quantity("N.m/rad", above=0.0)] | None = None
 
 
 class Freewheels(FreewheelLimits):
@@ -174,6 +176,16 @@ class Scene(Strict):
     def signal_units(self) -> dict[str, str]:
         """Units of signals that depend on the scene."""
         return {"reference": "m/s" if self.load.kind == "vehicle" else "rad/s"}
+
+    def drive_torque_limit(self, omega1: float) -> float | None:
+        """Return the largest torque of the drive at a speed, N.m; None for a drive without a torque limit.
+
+        Args:
+            omega1: speed of link 1, rad/s.
+        """
+        if isinstance(self.drive, EngineDrive):
+            return float(self.drive.torque_map().limits(abs(omega1))[1])
+        return self.controller.maximum if isinstance(self.controller, PiTorqueController) else None
 
     @cached_property
     def built_load(self) -> loops.Load:

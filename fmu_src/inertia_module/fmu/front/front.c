@@ -246,7 +246,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
             found++;
         if (found == CATEGORIES)
             return report(front, fmi2Error, "a log category must be logStatusWarning, logStatusDiscard, logStatusError"
-                          " or logAll (got %.64s)", categories && categories[n] ? categories[n] : "NULL");
+                          " or logAll (got %s)", categories && categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)

@@ -7,6 +7,10 @@
 /* change of inputs and parameters, over their size or their nominal value, that differences are taken of */
 #define CHANGE 1e-4
 
+/* a number of a direction is 0 or of such a magnitude: nothing that is calculated of it leaves the range of doubles */
+#define SMALLEST_NUMBER 1e-100
+#define LARGEST_NUMBER 1e100
+
 /* answered in place of a status of the kernel */
 #define OUT_OF_RANGE (-1)
 
@@ -77,7 +81,7 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
         return status;
     try_from(c, c->x, c->u);
     memcpy(c->y_trial, c->y, model.y_size * sizeof(double));
-    const int64_t answer = KERNEL(OPERATION_RATES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
+    const int64_t answer = call_kernel(OPERATION_RATES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer != STATUS_OK)
         return explain(c, DISCARD, answer, c->u_trial, 0.0);
     for (size_t n = 0; n < count; n++)
@@ -105,10 +109,10 @@ static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t co
             return OUT_OF_RANGE;
     }
     const int64_t answer =
-        tuned ? KERNEL(OPERATION_TUNE, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
+        tuned ? call_kernel(OPERATION_TUNE, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
     if (answer != STATUS_OK)
         return answer;
-    return KERNEL(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
+    return call_kernel(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
                   c->w, c->head[LAST_STEP]);
 }
 
@@ -121,7 +125,7 @@ static double length_of(const struct instance *c, const uint32_t knowns[], size_
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = &model.variables[knowns[n]];
         const double value = (variable->array == INPUTS ? u : c->p)[variable->slot]; /* if not finite, refused later */
-        const double size = isfinite(value) ? fmax(fabs(value), variable->nominal) : variable->nominal;
+        const double size = is_finite(value) ? fmax(fabs(value), variable->nominal) : variable->nominal;
         length = fmax(length, fabs(direction[n]) / size);
     }
     return length;
@@ -147,9 +151,12 @@ static enum status check_call(struct instance *c, const uint32_t unknowns[], siz
 
 static enum status check_numbers(struct instance *c, const double numbers[], size_t count)
 {
-    for (size_t n = 0; n < count; n++)
-        if (!isfinite(numbers[n]))
-            return report(c, ERROR, "a direction must be finite (got %s)", SHOWN(numbers[n]));
+    for (size_t n = 0; n < count; n++) {
+        const double number = numbers[n];
+        if (!is_finite(number) || fabs(number) > LARGEST_NUMBER || (number != 0.0 && fabs(number) < SMALLEST_NUMBER))
+            return report(c, ERROR, "a number of a direction must be 0 or between 1e-100 and 1e100 in magnitude (got %s)",
+                          SHOWN(number));
+    }
     return OK;
 }
 
@@ -172,7 +179,7 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
     while (inputs < count && model.variables[knowns[inputs]].array == INPUTS)
         inputs++;
     if (inputs < count) /* a parameter is among them: the constants as they were */
-        KERNEL(OPERATION_TUNE, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
+        call_kernel(OPERATION_TUNE, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer == STATUS_OK && forward == backward)
         return report(c, DISCARD, "the perturbed inputs and parameters must be valid for at least one sign of the"
                       " direction");

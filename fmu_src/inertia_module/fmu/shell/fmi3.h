@@ -15,9 +15,9 @@ struct component {
 };
 
 /* Refuse an instantiation: there is no instance yet that could report it. */
-fmi3Instance refuse(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, const char *message);
+INTERNAL fmi3Instance refuse(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, const char *message);
 
 /* Whether there is an instance and a value for each reference: none of the variables is an array. */
-fmi3Status check_count(struct instance *c, size_t count, size_t value_count);
+INTERNAL fmi3Status check_count(struct instance *c, size_t count, size_t value_count);
 
 #endif

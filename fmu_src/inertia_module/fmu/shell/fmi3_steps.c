@@ -1,8 +1,8 @@
 /* Steps and events of FMI 3.0. */
 #include "fmi3.h"
 
-/* Let the host look at the instance as it is. */
-static void update(struct instance *core, int finished)
+/* Let the host look at the instance as it is, and whether a step has ended there. */
+static void show_instance(struct instance *core, int finished)
 {
     struct component *const c = (struct component *)core;
     fmi3Boolean early_return = false;
@@ -12,39 +12,61 @@ static void update(struct instance *core, int finished)
     core->head[PHASE] = STEPPING;
 }
 
+static void show_within(struct instance *core)
+{
+    show_instance(core, 0);
+}
+
+/* A step as the host that made the instance allows it. */
+static enum status do_step(struct instance *c, double time, double step)
+{
+    const struct component *const component = (struct component *)c;
+    const int stops = component->early_return && model.switching_slot >= 0;
+    const enum status status = take_step(c, stops ? OPERATION_STEP_TO_SWITCH : OPERATION_STEP_ONLY, time, step);
+    if (status == OK && component->update && !stops)
+        show_switches(c, time, show_within);
+    return status;
+}
+
+/* What comes after a step, the answers of it given. */
+static void end_step(struct instance *c)
+{
+    const struct component *const component = (struct component *)c;
+    if (!component->event_mode)
+        carry_out_switch(c);
+    if (component->update)
+        show_instance(c, 1);
+    if (!component->event_mode)
+        hold_discrete(c);
+}
+
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_state_prior,
                       fmi3Boolean *event_handling_needed, fmi3Boolean *terminate_simulation,
                       fmi3Boolean *early_return, fmi3Float64 *last_successful_time)
 {
-    struct component *const component = instance;
+    const struct component *const component = instance;
     struct instance *const c = instance;
     (void)no_state_prior;
     if (!c)
         return fmi3Error;
     if (!event_handling_needed || !terminate_simulation || !early_return || !last_successful_time)
         return (fmi3Status)without_array(c, "doStep");
-    const int stops = component->early_return && model.switching_slot >= 0;
-    if (component->update && !stops)
-        watch_switches(c, time, step, update);
-    const enum status status = take_step(c, stops ? OPERATION_STEP_TO_SWITCH : OPERATION_STEP_ONLY, time, step);
+    const enum status status = do_step(c, time, step);
     *event_handling_needed = status == OK && component->event_mode && (has_stopped(c) || has_discrete_change(c));
     *early_return = status == OK && c->head[LAST_STEP] < step;
     *terminate_simulation = false;
     *last_successful_time = c->head[TIME];
-    if (status == OK && !component->event_mode)
-        carry_out_switch(c);
-    if (status == OK && component->update)
-        update(c, 1);
-    if (status == OK && !component->event_mode)
-        hold_discrete(c);
+    if (status == OK)
+        end_step(c);
     return (fmi3Status)status;
 }
 
-static enum status do_step(struct instance *c, double time, double step)
+static enum status do_whole_step(struct instance *c, double time, double step)
 {
-    fmi3Boolean needs_events, terminates, is_early;
-    fmi3Float64 reached;
-    return (enum status)fmi3DoStep(c, time, step, false, &needs_events, &terminates, &is_early, &reached);
+    const enum status status = do_step(c, time, step);
+    if (status == OK)
+        end_step(c);
+    return status;
 }
 
 /* Beside FMI: many steps in one call, of an instance whose steps end where they shall. */
@@ -54,8 +76,8 @@ fmi3Status inertiaModuleRun(fmi3Instance instance, struct run *run)
 {
     struct component *const c = instance;
     if (c && (c->event_mode || c->early_return))
-        return (fmi3Status)out_of_order(&c->core, "inertiaModuleRun", "without event mode and early return");
-    return (fmi3Status)take_steps(instance, run, do_step);
+        return (fmi3Status)out_of_order(&c->core, "a run", "without event mode and early return");
+    return (fmi3Status)take_steps(instance, run, do_whole_step);
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)

@@ -4,9 +4,28 @@
 #include <math.h>
 #include <string.h>
 
-const char *const phase_names[PHASES] = {
+INTERNAL_OBJECT const char *const phase_names[PHASES] = {
     "instantiated", "in initialization mode", "initialized", "in error since initialization", "terminated",
     "in event mode", "in an intermediate update"};
+
+#define BITS_OF_INFINITY UINT64_C(0x7ff0000000000000)
+
+static uint64_t bits_without_sign(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits & ~(UINT64_C(1) << 63);
+}
+
+int is_number(double value)
+{
+    return bits_without_sign(value) <= BITS_OF_INFINITY;
+}
+
+int is_finite(double value)
+{
+    return bits_without_sign(value) < BITS_OF_INFINITY;
+}
 
 size_t block_size(void)
 {
@@ -48,7 +67,7 @@ static void lay_out(struct instance *c, double *memory)
 {
     double **const arrays[] = {&c->head, &c->p, &c->d, &c->u, &c->x, &c->y, &c->x_before, &c->u_before,
                                &c->held, &c->w, &c->p_trial, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other,
-                               &c->x_watched, &c->y_watched};
+                               &c->x_end, &c->y_end};
     const size_t sizes[] = {HEAD_SIZE, model.p_size, model.d_size, model.u_size, model.x_size, model.y_size,
                             model.x_size, model.u_size, model.discrete_count, model.w_size, model.p_size,
                             model.x_size, model.u_size, model.y_size, model.y_size, model.x_size, model.y_size};
@@ -105,12 +124,12 @@ enum status set_up(struct instance *c, int tolerance_defined, double tolerance, 
         return ERROR;
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "setupExperiment", "before enterInitializationMode");
-    if (!isfinite(start_time))
+    if (!is_finite(start_time))
         return report(c, ERROR, "start time must be a finite number of seconds (got %s)", SHOWN(start_time));
-    if (stop_time_defined && !(stop_time >= start_time))
+    if (stop_time_defined && !(is_number(stop_time) && stop_time >= start_time))
         return report(c, ERROR, "stop time must be at least the start time %s s (got %s)", SHOWN(start_time),
                       SHOWN(stop_time));
-    if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance)))
+    if (tolerance_defined && !(is_finite(tolerance) && tolerance > 0.0))
         return report(c, ERROR, "tolerance must be a positive number (got %s)", SHOWN(tolerance));
     c->head[TOLERANCE] = tolerance_defined ? tolerance : NAN;
     c->head[STOP_TIME] = stop_time_defined ? stop_time : INFINITY;
@@ -124,7 +143,7 @@ enum status enter_initialization(struct instance *c)
         return ERROR;
     if (phase_of(c) != INSTANTIATED)
         return out_of_order(c, "enterInitializationMode", "directly after instantiation or reset");
-    if (model.tolerance_slot >= 0 && !isnan(c->head[TOLERANCE]))
+    if (model.tolerance_slot >= 0 && is_number(c->head[TOLERANCE]))
         c->p[model.tolerance_slot] = c->head[TOLERANCE];
     c->head[PHASE] = INITIALIZING;
     return OK;
@@ -132,7 +151,7 @@ enum status enter_initialization(struct instance *c)
 
 int is_allowed(const struct variable *variable, double value)
 {
-    if (variable->kind != REAL && value != floor(value))
+    if (!is_number(value) || (variable->kind != REAL && value != floor(value)))
         return 0;
     return value >= variable->minimum && value <= variable->maximum;
 }
@@ -151,7 +170,7 @@ enum status prepare(struct instance *c, enum status refused)
     }
     if (status != OK)
         return status;
-    const int64_t answer = KERNEL(OPERATION_START, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    const int64_t answer = call_kernel(OPERATION_START, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     if (answer != STATUS_OK)
         return explain(c, refused, answer, c->u, 0.0);
     c->head[PREPARED] = 1.0;
@@ -163,7 +182,7 @@ void complete(struct instance *c)
 {
     if (c->head[COMPLETE] || !c->head[PREPARED])
         return;
-    KERNEL(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    call_kernel(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     c->head[COMPLETE] = 1.0;
 }
 

@@ -50,91 +50,96 @@ struct instance {
     double *head, *p, *d, *u, *x, *y, *x_before, *u_before, *held;
     double *values[ARRAYS];
     /* not part of the state: workspace of the kernel, and arrays to try things out on */
-    double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_watched, *y_watched;
+    double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_end, *y_end;
 };
 
+/* Whether a double is a number, infinities included; whether it is finite. By its bits: a comparison with NaN is an
+   exception, which interrupts in some hosts. */
+INTERNAL int is_number(double value);
+INTERNAL int is_finite(double value);
+
 /* doubles in the block of a state */
-size_t block_size(void);
+INTERNAL size_t block_size(void);
 
 /* letters of a message at most, its end included */
 #define LONGEST_MESSAGE 1024
 
 /* how an instance in a phase is called in messages */
-extern const char *const phase_names[PHASES];
+INTERNAL const char *const phase_names[PHASES];
 
-enum phase phase_of(const struct instance *c);
+INTERNAL enum phase phase_of(const struct instance *c);
 
 /* Whether an instance takes steps: is between them or at an event; whether its outputs can be differentiated. */
-int is_running(const struct instance *c);
-int is_differentiable(const struct instance *c);
+INTERNAL int is_running(const struct instance *c);
+INTERNAL int is_differentiable(const struct instance *c);
 
 /* A number as text, the same on every platform and in every country; SHOWN brings the memory for it. */
 #define NUMBER_SIZE 40
 #define SHOWN(value) show((char[NUMBER_SIZE]){0}, value)
-const char *show(char *text, double value);
+INTERNAL const char *show(char *text, double value);
 
 /* Log a message if its category is on (errors always are) and return the status. Numbers: see SHOWN. */
-enum status report(struct instance *c, enum status status, const char *format, ...)
+INTERNAL enum status report(struct instance *c, enum status status, const char *format, ...)
 #if defined __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
 
 /* Report a call that does not belong to the phase, and one without its arrays: an error. */
-enum status out_of_order(struct instance *c, const char *call, const char *allowed);
-enum status without_array(struct instance *c, const char *call);
+INTERNAL enum status out_of_order(struct instance *c, const char *call, const char *allowed);
+INTERNAL enum status without_array(struct instance *c, const char *call);
 
 /* Report what the model says of a status of its kernel, with the values in u. */
-enum status explain(struct instance *c, enum status status, int64_t answer, const double *u, double step);
+INTERNAL enum status explain(struct instance *c, enum status status, int64_t answer, const double *u, double step);
 
 /* Log what cannot be built of a mechanism that is accepted. */
-void warn(struct instance *c);
+INTERNAL void warn(struct instance *c);
 
 /* Log the traced values of a step, if that is wanted. */
-void trace(struct instance *c, double step);
+INTERNAL void trace(struct instance *c, double step);
 
-enum status choose_logging(struct instance *c, int on, size_t count, const char *const categories[]);
+INTERNAL enum status choose_logging(struct instance *c, int on, size_t count, const char *const categories[]);
 
 /* Life. An instance is the first member of what a version of FMI makes of it, SIZE bytes in all; NULL: no memory. */
-struct instance *create(const struct host *host, size_t size, const char *name, int logging);
-void destroy(struct instance *c);
-enum status set_up(struct instance *c, int tolerance_defined, double tolerance, double start_time,
+INTERNAL struct instance *create(const struct host *host, size_t size, const char *name, int logging);
+INTERNAL void destroy(struct instance *c);
+INTERNAL enum status set_up(struct instance *c, int tolerance_defined, double tolerance, double start_time,
                    int stop_time_defined, double stop_time);
-enum status enter_initialization(struct instance *c);
-enum status exit_initialization(struct instance *c, enum phase next);
-enum status terminate(struct instance *c);
-enum status reset(struct instance *c);
+INTERNAL enum status enter_initialization(struct instance *c);
+INTERNAL enum status exit_initialization(struct instance *c, enum phase next);
+INTERNAL enum status terminate(struct instance *c);
+INTERNAL enum status reset(struct instance *c);
 
 /* Report a call that must not come in an intermediate update: an error; else OK. */
-enum status check_no_update(struct instance *c, const char *call);
+INTERNAL enum status check_no_update(struct instance *c, const char *call);
 
 /* Hold the discrete values as they are now, up to the next event; whether they have changed since. */
-void hold_discrete(struct instance *c);
-int has_discrete_change(const struct instance *c);
+INTERNAL void hold_discrete(struct instance *c);
+INTERNAL int has_discrete_change(const struct instance *c);
 
 /* Whether a parameter is finite, whole where it has to be, and within its range. */
-int is_allowed(const struct variable *variable, double value);
+INTERNAL int is_allowed(const struct variable *variable, double value);
 
 /* Check the parameters and let the kernel start, unless that has been done since the last change. */
-enum status prepare(struct instance *c, enum status refused);
+INTERNAL enum status prepare(struct instance *c, enum status refused);
 
 /* Have the late outputs filled in, if they are not and can be. */
-void complete(struct instance *c);
+INTERNAL void complete(struct instance *c);
 
 /* Values by their references: all of a call are read or set, or none. */
-enum status get_values(struct instance *c, const uint32_t references[], size_t count, void *values,
+INTERNAL enum status get_values(struct instance *c, const uint32_t references[], size_t count, void *values,
                        const struct type *type);
-enum status set_values(struct instance *c, const uint32_t references[], size_t count, const void *values,
+INTERNAL enum status set_values(struct instance *c, const uint32_t references[], size_t count, const void *values,
                        const struct type *type);
-double read_real(const void *values, size_t n);
-double read_integer(const void *values, size_t n);
-void write_real(void *values, size_t n, double value);
-void write_integer(void *values, size_t n, double value);
+INTERNAL double read_real(const void *values, size_t n);
+INTERNAL double read_integer(const void *values, size_t n);
+INTERNAL void write_real(void *values, size_t n, double value);
+INTERNAL void write_integer(void *values, size_t n, double value);
 
 /* Steps by an operation of the kernel; whether the last one has stopped at a switch that is yet to be carried out. */
-enum status take_step(struct instance *c, enum operation operation, double time, double step);
-int has_stopped(const struct instance *c);
-void carry_out_switch(struct instance *c);
+INTERNAL enum status take_step(struct instance *c, enum operation operation, double time, double step);
+INTERNAL int has_stopped(const struct instance *c);
+INTERNAL void carry_out_switch(struct instance *c);
 
 /* A run: many steps in one call, with the bits of a loop of calls that read, set and step. */
 struct run {
@@ -149,30 +154,30 @@ struct run {
     double *read;      /* of outputs of any type, a row before the first step and one after each */
     size_t row_size;   /* from one of these rows to the next */
 };
-enum status take_steps(struct instance *c, struct run *run,
+INTERNAL enum status take_steps(struct instance *c, struct run *run,
                        enum status (*step)(struct instance *c, double time, double length));
 
-/* Go through a step and show the instance as it is after each switch in it; then it is as it was before. */
-void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished));
+/* Go through the last step, which began at a time, once more and show the instance as it is after its switches. */
+INTERNAL void show_switches(struct instance *c, double time, void (*show)(struct instance *c));
 
 /* Derivatives: of inputs and outputs by time, orders must be 1; of outputs by inputs and tunable parameters. */
-enum status set_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
+INTERNAL enum status set_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
                       const double values[]);
-enum status get_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
+INTERNAL enum status get_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
                       double values[]);
-enum status directional(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
+INTERNAL enum status directional(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
                         const uint32_t knowns[], size_t known_count, const double direction[],
                         double derivative[]);
-enum status adjoint(struct instance *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[],
+INTERNAL enum status adjoint(struct instance *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[],
                     size_t known_count, const double seed[], double sensitivity[]);
 
 /* Saved states. */
-enum status save_state(struct instance *c, void **state);
-enum status restore_state(struct instance *c, void *state);
-enum status free_state(struct instance *c, void **state);
-enum status serialized_size(struct instance *c, void *state, size_t *size);
-enum status serialize_state(struct instance *c, void *state, void *bytes, size_t size);
-enum status deserialize_state(struct instance *c, const void *bytes, size_t size, void **state);
-void free_states(struct instance *c);
+INTERNAL enum status save_state(struct instance *c, void **state);
+INTERNAL enum status restore_state(struct instance *c, void *state);
+INTERNAL enum status free_state(struct instance *c, void **state);
+INTERNAL enum status serialized_size(struct instance *c, void *state, size_t *size);
+INTERNAL enum status serialize_state(struct instance *c, void *state, void *bytes, size_t size);
+INTERNAL enum status deserialize_state(struct instance *c, const void *bytes, size_t size, void **state);
+INTERNAL void free_states(struct instance *c);
 
 #endif

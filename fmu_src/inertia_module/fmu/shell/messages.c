@@ -1,7 +1,6 @@
 /* What the instance says, and to whom. */
 #include "instance.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +21,7 @@ enum status choose_logging(struct instance *c, int on, size_t count, const char 
             found++;
         if (found == CATEGORIES)
             return report(c, ERROR, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
-                          " logSteps or logAll (got %.64s)", categories[n] ? categories[n] : "NULL");
+                          " logSteps or logAll (got %s)", categories[n] ? categories[n] : "NULL");
         chosen[found] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
@@ -59,9 +58,9 @@ enum status without_array(struct instance *c, const char *call)
 const char *show(char *text, double value)
 {
     size_t length = 0;
-    if (isnan(value))
+    if (!is_number(value))
         return "nan";
-    if (isinf(value))
+    if (!is_finite(value))
         return value > 0.0 ? "inf" : "-inf";
     snprintf(text, NUMBER_SIZE, "%.16g", value);
     for (const char *from = text; *from; from++) {
@@ -119,7 +118,7 @@ void warn(struct instance *c)
     char text[LONGEST_MESSAGE];
     if (model.warning_count == 0)
         return;
-    const int64_t found = KERNEL(OPERATION_WARN, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    const int64_t found = call_kernel(OPERATION_WARN, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     for (size_t n = 0; n < model.warning_count; n++) {
         if (!(found & model.warnings[n].number))
             continue;

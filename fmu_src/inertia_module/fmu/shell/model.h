@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "codes.h"
+#include "kernel.h"
 
 /* the kernel's arrays that hold variables */
 enum array { PARAMETERS, INPUTS, OUTPUTS, CLOCK, ARRAYS }; /* CLOCK: the time, where it is a variable */
@@ -72,9 +73,6 @@ struct model {
     size_t bound_count;
 };
 
-extern const struct model model;
-
-/* The kernel (made from Python): works on the caller's arrays alone, and touches nothing else. */
-int64_t KERNEL(int64_t operation, double *p, double *d, double *u, double *x, double *y, double *w, double h);
+INTERNAL const struct model model;
 
 #endif

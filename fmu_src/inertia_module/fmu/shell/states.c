@@ -23,7 +23,7 @@ static int is_saved(const struct instance *c, const void *state)
     return 0;
 }
 
-static enum status refuse(struct instance *c)
+static enum status reject_state(struct instance *c)
 {
     return report(c, ERROR, "a state must be saved by this instance and not yet freed");
 }
@@ -67,9 +67,9 @@ enum status save_state(struct instance *c, void **state)
     if (check_no_update(c, "saving a state") != OK)
         return ERROR;
     if (!state)
-        return refuse(c);
+        return reject_state(c);
     if (*state && !is_saved(c, *state))
-        return refuse(c);
+        return reject_state(c);
     struct saved *saved = *state ? *state : add_state(c);
     if (!saved)
         return ERROR;
@@ -85,7 +85,7 @@ enum status restore_state(struct instance *c, void *state)
     if (check_no_update(c, "restoring a state") != OK)
         return ERROR;
     if (!is_saved(c, state))
-        return refuse(c);
+        return reject_state(c);
     memcpy(c->block, ((struct saved *)state)->block, block_size() * sizeof(double));
     return OK;
 }
@@ -97,7 +97,7 @@ enum status free_state(struct instance *c, void **state)
     if (!state || !*state)
         return OK;
     if (!is_saved(c, *state))
-        return refuse(c);
+        return reject_state(c);
     remove_state(c, *state);
     *state = NULL;
     return OK;
@@ -134,10 +134,10 @@ static double number_at(const unsigned char *block, size_t place)
 
 static int is_whole(double value, double most)
 {
-    return value >= 0.0 && value <= most && fmod(value, 1.0) == 0.0;
+    return is_number(value) && value >= 0.0 && value <= most && fmod(value, 1.0) == 0.0;
 }
 
-/* Whether all that is used as an index or a choice is one: the sum of bytes can be made to fit by anybody. */
+/* Whether all that is an index, a choice or a count is one: anybody can make the sum of bytes fit. */
 static int is_sound(const unsigned char *block)
 {
     const size_t p = HEAD_SIZE, d = p + model.p_size, x = d + model.d_size + model.u_size;
@@ -163,12 +163,22 @@ static int is_sound(const unsigned char *block)
     return 1;
 }
 
+/* Calculate the constants of a block anew from its parameters, together allowed: the kernel counts by them. */
+static int derive_constants(struct instance *c, double *block)
+{
+    double *const p = block + HEAD_SIZE, *const d = p + model.p_size;
+    if (block[PREPARED] == 0.0)
+        return 1;
+    memset(c->u_trial, 0, model.u_size * sizeof(double)); /* inputs may be out of range, a step rejects them */
+    return call_kernel(OPERATION_CHECK, p, d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0) == STATUS_OK;
+}
+
 enum status serialized_size(struct instance *c, void *state, size_t *size)
 {
     if (!c)
         return ERROR;
     if (!size || !is_saved(c, state))
-        return refuse(c);
+        return reject_state(c);
     *size = sizeof(struct wrapper) + block_size() * sizeof(double);
     return OK;
 }
@@ -179,7 +189,7 @@ enum status serialize_state(struct instance *c, void *state, void *bytes, size_t
     if (!c)
         return ERROR;
     if (!bytes || !is_saved(c, state))
-        return refuse(c);
+        return reject_state(c);
     if (size < sizeof(struct wrapper) + length)
         return report(c, ERROR, "the size of a serialized state must be at least %lu bytes (got %lu)",
                       (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
@@ -194,22 +204,32 @@ enum status deserialize_state(struct instance *c, const void *bytes, size_t size
 {
     const size_t length = block_size() * sizeof(double);
     const unsigned char *const block = (const unsigned char *)bytes + sizeof(struct wrapper);
+    static const char damaged[] = "the state must be saved by this build (it is damaged or from another build)";
     if (!c)
         return ERROR;
     if (!bytes || !state)
-        return refuse(c);
+        return reject_state(c);
     if (size != sizeof(struct wrapper) + length)
         return report(c, ERROR, "the state must be saved by this build, with %lu bytes (got %lu bytes)",
                       (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
     const struct wrapper wrapper = wrapper_of(block, length);
     if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(block))
-        return report(c, ERROR, "the state must be saved by this build (it is damaged or from another build)");
+        return report(c, ERROR, "%s", damaged);
     if (*state && !is_saved(c, *state))
-        return refuse(c);
-    struct saved *saved = *state ? *state : add_state(c);
-    if (!saved)
+        return reject_state(c);
+    struct saved *const made = add_state(c);
+    if (!made)
         return ERROR;
-    memcpy(saved->block, block, length);
-    *state = saved;
+    memcpy(made->block, block, length);
+    if (!derive_constants(c, made->block)) {
+        remove_state(c, made);
+        return report(c, ERROR, "%s", damaged);
+    }
+    if (*state) {
+        memcpy(((struct saved *)*state)->block, made->block, length);
+        remove_state(c, made);
+    } else {
+        *state = made;
+    }
     return OK;
 }

@@ -9,11 +9,15 @@
 #define NEAR_TIME 1e-12
 /* a step may end past the stop time by this share of it, or of a second: hosts round (Reference-FMUs allow the same) */
 #define NEAR_STOP 1e-5
+/* intermediate updates of a step: so many at its beginning, and so many more spread evenly over it */
+#define UPDATES 1000.0
 
 /* Tell once if the host's time is not the time reached: the motion itself knows no time. */
 static void check_time(struct instance *c, double time, double step)
 {
-    if (c->warned || fabs(time - c->head[TIME]) <= NEAR_STEP * step + NEAR_TIME * fabs(time))
+    /* halves: their difference is finite */
+    const double half = 0.5 * time, half_reached = 0.5 * c->head[TIME];
+    if (c->warned || fabs(half - half_reached) <= 0.5 * NEAR_STEP * step + NEAR_TIME * fabs(half))
         return;
     c->warned = 1;
     report(c, WARNING, "communication point must be the time reached, %s s, or the time of a saved state (got %s s)."
@@ -23,7 +27,8 @@ static void check_time(struct instance *c, double time, double step)
 static int leads_past_stop(const struct instance *c, double time, double step)
 {
     const double stop = c->head[STOP_TIME];
-    return time + step > stop + NEAR_STOP * fmax(1.0, fabs(stop));
+    /* halves: their sums are finite */
+    return is_number(step) && 0.5 * time + 0.5 * step > 0.5 * stop + 0.5 * NEAR_STOP * fmax(1.0, fabs(stop));
 }
 
 int has_stopped(const struct instance *c)
@@ -35,30 +40,39 @@ void carry_out_switch(struct instance *c)
 {
     if (!has_stopped(c))
         return;
-    KERNEL(OPERATION_SWITCH, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    call_kernel(OPERATION_SWITCH, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     c->head[COMPLETE] = 0.0;
 }
 
-void watch_switches(struct instance *c, double time, double step, void (*seen)(struct instance *c, int finished))
+void show_switches(struct instance *c, double time, void (*show)(struct instance *c))
 {
-    const double time_before = c->head[TIME], complete_before = c->head[COMPLETE];
-    double passed = 0.0;
-    if (model.switching_slot < 0 || phase_of(c) != STEPPING || !isfinite(time) ||
-        leads_past_stop(c, time, step))
+    const double step = c->head[LAST_STEP], complete_at_end = c->head[COMPLETE], part = step / UPDATES;
+    double passed = 0.0, shown = 0.0;
+    if (model.switching_slot < 0)
         return;
-    memcpy(c->x_watched, c->x, model.x_size * sizeof(double));
-    memcpy(c->y_watched, c->y, model.y_size * sizeof(double));
-    while (passed < step && KERNEL(OPERATION_STEP_TO_SWITCH, c->p, c->d, c->u, c->x, c->y, c->w, step - passed) ==
-                                STATUS_OK && has_stopped(c)) {
+    memcpy(c->x_end, c->x, model.x_size * sizeof(double));
+    memcpy(c->y_end, c->y, model.y_size * sizeof(double));
+    memcpy(c->x, c->x_before, model.x_size * sizeof(double));
+    while (passed < step) {
+        const int too_many = shown >= UPDATES * (1.0 + passed / step);
+        const enum operation operation = too_many ? OPERATION_STEP_ONLY : OPERATION_STEP_TO_SWITCH;
+        const double length = too_many ? fmin(part, step - passed) : step - passed;
+        if (call_kernel(operation, c->p, c->d, c->u, c->x, c->y, c->w, length) != STATUS_OK)
+            break;
         passed += c->x[model.length_slot];
+        if (too_many)
+            continue;
+        if (!has_stopped(c))
+            break;
         carry_out_switch(c);
         c->head[TIME] = time + passed;
-        seen(c, 0);
+        show(c);
+        shown += 1.0;
     }
-    memcpy(c->x, c->x_watched, model.x_size * sizeof(double));
-    memcpy(c->y, c->y_watched, model.y_size * sizeof(double));
-    c->head[TIME] = time_before;
-    c->head[COMPLETE] = complete_before;
+    memcpy(c->x, c->x_end, model.x_size * sizeof(double));
+    memcpy(c->y, c->y_end, model.y_size * sizeof(double));
+    c->head[TIME] = time + step;
+    c->head[COMPLETE] = complete_at_end;
 }
 
 enum status take_step(struct instance *c, enum operation operation, double time, double step)
@@ -69,13 +83,13 @@ enum status take_step(struct instance *c, enum operation operation, double time,
         return out_of_order(c, "doStep", "in step mode");
     if (phase_of(c) != STEPPING)
         return out_of_order(c, "doStep", "after exitInitializationMode");
-    if (!isfinite(time))
+    if (!is_finite(time))
         return report(c, DISCARD, "communication point must be a finite number of seconds (got %s)", SHOWN(time));
     if (leads_past_stop(c, time, step))
         return report(c, ERROR, "a step must end at or before the stop time %s s (got a step of %s s from %s s)",
                       SHOWN(c->head[STOP_TIME]), SHOWN(step), SHOWN(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
-    const int64_t answer = KERNEL(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
+    const int64_t answer = call_kernel(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
     if (answer != STATUS_OK)
         return explain(c, DISCARD, answer, c->u, step);
     check_time(c, time, step);

@@ -68,7 +68,7 @@ void write_real(void *values, size_t n, double value)
 /* As much as the type can hold: a parameter that is read may not have been checked yet. */
 void write_integer(void *values, size_t n, double value)
 {
-    ((int32_t *)values)[n] = isnan(value) ? 0 : (int32_t)fmin(fmax(value, INT32_MIN), INT32_MAX);
+    ((int32_t *)values)[n] = !is_number(value) ? 0 : (int32_t)fmin(fmax(value, INT32_MIN), INT32_MAX);
 }
 
 enum status get_values(struct instance *c, const uint32_t references[], size_t count, void *values,
@@ -109,7 +109,7 @@ static void assign(struct instance *c, const struct variable *variable, double v
 {
     /* a tolerance given to setupExperiment wins over the parameter */
     if (variable->array == PARAMETERS && variable->slot == model.tolerance_slot && phase_of(c) == INITIALIZING &&
-        !isnan(c->head[TOLERANCE]))
+        is_number(c->head[TOLERANCE]))
         return;
     c->values[variable->array][variable->slot] = value;
 }
@@ -117,15 +117,15 @@ static void assign(struct instance *c, const struct variable *variable, double v
 /* Let the kernel follow parameters that have changed between steps, or put back what has been set. */
 static enum status tune(struct instance *c)
 {
-    const int64_t answer = KERNEL(OPERATION_TUNE, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    const int64_t answer = call_kernel(OPERATION_TUNE, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     if (answer == STATUS_OK) {
-        KERNEL(OPERATION_TUNE, c->p, c->d, c->u, c->x_before, c->y, c->w, 0.0);
+        call_kernel(OPERATION_TUNE, c->p, c->d, c->u, c->x_before, c->y, c->w, 0.0);
         return OK;
     }
     const enum status status = explain(c, DISCARD, answer, c->u, 0.0);
     memcpy(c->p, c->p_trial, model.p_size * sizeof(double));
     memcpy(c->u, c->u_trial, model.u_size * sizeof(double));
-    KERNEL(OPERATION_CHECK, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    call_kernel(OPERATION_CHECK, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     return status;
 }
 

@@ -27,6 +27,7 @@ ACCESS(double, double, double)
 ACCESS(i64, uint64_t, word)
 ACCESS(i8, unsigned char, word)
 ACCESS(ptr, char *, char *)
+#undef ACCESS
 
 {% for name, numbers in tables %}
 static const word {{ name }}[] = {{ "{" }}{{ numbers }}};

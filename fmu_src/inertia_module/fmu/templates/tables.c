@@ -55,7 +55,7 @@ static const struct bound bounds[] = {
 {% endfor %}
 };
 
-const struct model model = {
+INTERNAL_OBJECT const struct model model = {
     {{ quoted(model.name) }}, {{ quoted(guid) }}, variables, {{ rows | length }},
     {{ tolerance }}, {{ switch | join(", ") }},
     {{ model.sizes | join(", ") }},

@@ -11,7 +11,7 @@ holds no impulse. The slip delta' is kept besides omega4: each may be small wher
 
 from ..accumulate import add, clear, copy
 from ..codes import CHECK, NOT_FINITE, OK, OUTPUTS, RATES, START, TUNE
-from ..inputs import check_inputs, check_step, mean_torque, take_speed
+from ..inputs import check_hold, check_inputs, check_step, mean_torque, take_speed
 from .motion import characteristic, end, integral, keep_step, square_integral
 
 # its records (see kernel.fields)
@@ -142,6 +142,8 @@ def move(p, d, x, w, h):
 def advance(p, d, u, x, y, w, h):
     """Advance by the communication step h, s. Any status but OK leaves state and outputs as they were."""
     status = check_step(u, h)
+    if status == OK:
+        status = check_hold(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, h)
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)

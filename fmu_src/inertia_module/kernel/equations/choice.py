@@ -185,7 +185,10 @@ def switch_states(d, x, before_misses):
     mode = x.mode
     choose_states(d, x, before_misses)
     x.step_evaluations += 1.0
-    states.count_switch(x, mode, x.mode)
+    m = d.machine
+    housing = states.carries(x.housing_state, d.housing_drag, d.housing_engagement_angle, m.housing)
+    output = states.carries(x.output_state, d.output_drag, d.output_engagement_angle, m.output)
+    states.count_switch(x, mode, x.mode, housing, output)
 
 
 def choose_next_states(d, x):

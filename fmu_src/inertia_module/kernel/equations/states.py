@@ -38,11 +38,28 @@ def drives(mode):
     return mode == DRIVING or mode == HELD_DRIVING
 
 
-def count_switch(x, before, mode):
-    """Count a switch to another contact mode, if it is one, and the freewheels that engage in it."""
+def count_switch(x, before, mode, housing=True, output=True):
+    """Count a switch to another contact mode, if it is one, and the freewheels that engage in it.
+
+    Args:
+        x: state.
+        before: contact mode before.
+        mode: contact mode now.
+        housing: True if the housing freewheel carries once it is closed.
+        output: likewise of the output freewheel.
+    """
     x.switches += 1.0 if mode != before else 0.0
-    x.housing_engagements += 1.0 if holds(mode) and not holds(before) else 0.0
-    x.output_engagements += 1.0 if drives(mode) and not drives(before) else 0.0
+    x.housing_engagements += 1.0 if housing and holds(mode) and not holds(before) else 0.0
+    x.output_engagements += 1.0 if output and drives(mode) and not drives(before) else 0.0
+
+
+def carries(state, drag, angle, torque):
+    """Return True if a freewheel that closes with its contact mode carries then.
+
+    One with an engagement angle carries when its play is used up (events.advance.engage), and its drag alone
+    may hold it.
+    """
+    return angle == 0.0 and not (state == LOCKED and drag > 0.0 and torque <= 0.0)
 
 
 def is_wound(x):

@@ -4,22 +4,22 @@ from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import NONE
 from ..equations.choice import take_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
-from ..equations.motion import recall, take_state
+from ..equations.motion import evaluate, recall, take_state
 from ..equations.satellites import with_sign_changed
 from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_wound
 from ..fields import CAUSES
 from ..impulse import close_freewheels, holds_link2
 from ..links import energy_of_links, momentum_of_links
-from ..loads import INSIDE_PHASE, sample_load
-from ..tableau import LONG, NODES, PARTS, SHORT, THIRDS, last_stage
+from ..loads import INSIDE_PHASE, sample_load, see_load
+from ..tableau import IN_ORDER, LONG, NODES, PARTS, SHORT, THIRDS, extremum, last_stage, order_of_stages
 from . import guards
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
-from .stages import cut_step, keep_end, keep_rates, make_step, solve_motion, weighed_rate
+from .stages import cut_step, keep_end, keep_rates, make_step, move, solve_motion, weighed_rate
 from .step_size import AFRESH, longest_step, size_afresh, try_short_step, try_steps
 
-# stage inside the step at which the force on the bearing is seen
-SEEN = 9
+# stages inside the step at which the force on the bearing is seen
+SEEN = (5, 9, 10)
 # least play that is one, rad
 NO_PLAY = 1e-300
 # how fast the longest step of the pair of order 5 is thought to grow while the other one is used
@@ -104,17 +104,67 @@ def commit(d, x, w):
     x.turned3 += change.turned3
 
 
+def see_torques(x, output, housing):
+    """Take torques of the freewheels at a moment into their peaks."""
+    x.torque_peak = max(x.torque_peak, abs(output))
+    x.housing_torque_peak = max(x.housing_torque_peak, abs(housing))
+
+
+def see_slips(x, housing, output):
+    """Take slips of the freewheels that overrun into their peaks."""
+    if x.housing_state == OPEN:
+        x.housing_slip_peak = max(x.housing_slip_peak, housing)
+    if x.output_state == OPEN:
+        x.output_slip_peak = max(x.output_slip_peak, output)
+
+
 def see_peaks(x, w, sigma):
-    """See torques and slips of the freewheels at the stages up to this part of the step in hand."""
+    """Take torques and slips of the freewheels up to this part of the step in hand into their peaks.
+
+    They are those at its stages, and the extrema of parabolas through three stages in a row.
+    """
     pair = int(w.pair)
     for n in range(last_stage(pair) + 1):
         if NODES[pair + n] <= sigma:
-            x.torque_peak = max(x.torque_peak, abs(w.rates[n].output))
-            x.housing_torque_peak = max(x.housing_torque_peak, abs(w.rates[n].housing))
-            if x.housing_state == OPEN:
-                x.housing_slip_peak = max(x.housing_slip_peak, w.watched[guards.HOUSING].value[n])
-            if x.output_state == OPEN:
-                x.output_slip_peak = max(x.output_slip_peak, w.watched[guards.OUTPUT].value[n])
+            see_torques(x, w.rates[n].output, w.rates[n].housing)
+            see_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
+    first, count = order_of_stages(pair)
+    for n in range(first, first + count - 2):
+        i, j, k = int(IN_ORDER[n]), int(IN_ORDER[n + 1]), int(IN_ORDER[n + 2])
+        t, u, v = NODES[pair + i], NODES[pair + j], NODES[pair + k]
+        if u <= sigma:
+            one, two, three = w.rates[i], w.rates[j], w.rates[k]
+            see_torques(
+                x,
+                extremum(t, u, v, one.output, two.output, three.output, sigma),
+                extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
+            )
+            housing, output = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
+            see_slips(
+                x,
+                extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
+                extremum(t, u, v, output[i], output[j], output[k], sigma),
+            )
+
+
+def see_end(d, x, w):
+    """Take the moment before an event, at the end of the step in hand, into all peaks."""
+    m = d.machine
+    if d.losses != 0.0:
+        move(d, x, w.change)
+        evaluate(d, x, w.prescribed, w.load, True)
+    see_torques(x, m.output, m.housing)
+    see_slips(x, m.omega2, m.omega3 - m.omega2)
+    see_load(d, x, m.q, m.omega1, m.omega2, m.alpha1, m.alpha2)
+
+
+def count_loaded(d, x, w):
+    """Count freewheels that only their drag has held and that carry at the end of the step in hand."""
+    begin, end = w.rates[0], w.rates[last_stage(int(w.pair))]
+    if d.housing_drag > 0.0 and x.housing_state == LOCKED and d.housing_engagement_angle == 0.0:
+        x.housing_engagements += 1.0 if begin.housing <= 0.0 < end.housing else 0.0
+    if d.output_drag > 0.0 and x.output_state == LOCKED and d.output_engagement_angle == 0.0:
+        x.output_engagements += 1.0 if begin.output <= 0.0 < end.output else 0.0
 
 
 def meet(d, x, which):
@@ -167,8 +217,8 @@ def unwind(d, x, which):
         x.wound_output = 0.0
 
 
-def see_inside(d, x, w):
-    """See the bearing's force at a stage inside the step, where the drive turns far."""
+def see_inside(d, x, w, sigma):
+    """See the bearing's force at stages inside this part of the step, where the drive turns far."""
     if w.pair == SHORT or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
         return
     if w.pair == THIRDS:
@@ -176,9 +226,16 @@ def see_inside(d, x, w):
         set_part(d, x, w, 1.0 / PARTS)
         q = x.q + w.change.q
         set_part(d, x, w, 1.0)
-    else:
-        rates = w.rates[SEEN]
-        q = x.q + w.step * weighed_rate(w, SEEN, SEEN, 0)
+        see_stage(d, x, rates, q)
+        return
+    for place in range(len(SEEN)):
+        n = int(SEEN[place])
+        if NODES[n] < sigma:
+            see_stage(d, x, w.rates[n], x.q + w.step * weighed_rate(w, n, n, 0))
+
+
+def see_stage(d, x, rates, q):
+    """See the bearing's force at a stage, at this angle of the drive."""
     sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
@@ -205,15 +262,20 @@ def take_over(d, x, w, sigma):
     """Take the step in hand over, or its part up to an event."""
     kept = 1.0
     if sigma < 0.0:
-        see_inside(d, x, w)
+        see_inside(d, x, w, 1.0)
         recall(d.machine, x.now)
     elif w.pair == THIRDS:
         kept = sigma  # it ends there
     elif is_wound(x):
         make_step(d, x, w, LONG, sigma * w.step)
     else:
+        see_inside(d, x, w, sigma)
         cut_step(d, x, w, sigma)
         kept = sigma
+    if sigma >= 0.0:
+        see_end(d, x, w)
+    elif d.losses != 0.0:
+        count_loaded(d, x, w)
     x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     if d.losses == 0.0:
         balance(d, x, w)
@@ -226,9 +288,11 @@ def engage(d, x, which):
     x.rates_cached = 0.0
     if which == guards.HOUSING:
         x.play_housing = 0.0
+        x.housing_engagements += 1.0
         rigid = d.housing_stiffness == 0.0
     else:
         x.play_output = 0.0
+        x.output_engagements += 1.0
         rigid = d.freewheel_stiffness == 0.0
     if rigid:
         close_freewheels(d, x)

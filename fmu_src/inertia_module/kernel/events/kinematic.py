@@ -84,7 +84,7 @@ def smooth_part(d, x, h):
 
 
 def advance_kinematic(d, x, w, remaining):
-    """Advance by one interval. Returns the time passed."""
+    """Advance by one interval. Returns the time passed, or -1 where the speeds are beyond all bounds."""
     rate = d.k * (1.0 - d.kinematic_ratio)
     h = min(remaining, d.max_step)
     scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
@@ -92,6 +92,8 @@ def advance_kinematic(d, x, w, remaining):
     fastest += RAMP * math.sqrt(scale * abs(x.alpha1))
     if fastest * h > GAUSS_PHASE:
         h = GAUSS_PHASE / fastest
+        if not h > 0.0:
+            return -1.0
     if d.losses != 0.0:
         h = smooth_part(d, x, h)
     w.step = h

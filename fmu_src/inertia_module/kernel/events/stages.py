@@ -206,7 +206,13 @@ def make_step(d, x, w, pair, h):
 
 
 def solve_changed(d, x, w, changes):
-    """Solve the equations for the motion with these changes, into d.machine."""
+    """Solve the equations for the motion with these changes, into d.machine; counted."""
+    move(d, x, changes)
+    solve_motion(d, x, w)
+
+
+def move(d, x, changes):
+    """Write the motion with these changes into d.machine."""
     m = d.machine
     m.q = x.q + changes.q
     m.theta1 = x.theta1 + changes.theta1
@@ -218,7 +224,6 @@ def solve_changed(d, x, w, changes):
         m.relative = x.relative + changes.relative
     if d.turning != 0.0:
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
-    solve_motion(d, x, w)
 
 
 def exact_guard(d, x, w, which, sigma):

@@ -1,0 +1,113 @@
+"""Files of the cache: one that is cut, empty or of another program is not used, and made again."""
+
+import lzma
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from inertia_module.common import files
+from inertia_module.compiling import ir, linking
+from inertia_module.compiling.targets import LINUX64
+from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.fmu import native_fmu
+from inertia_module.fmu.builder import SHAFT_FMU
+
+NAME, CONTENT = "kernel-linux.so", bytes(range(256)) * 40
+DAMAGES = {
+    "cut": lambda path: path.write_bytes(path.read_bytes()[:-1]),
+    "empty": lambda path: path.write_bytes(b""),
+    "of another program": lambda path: path.write_bytes(b"\x7fELF" + CONTENT),
+    "gone": lambda path: path.unlink(),
+    "a link to nothing": lambda path: (path.unlink(), path.symlink_to("nothing")),
+}
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty cache folder."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(folder))
+    return folder
+
+
+@pytest.fixture
+def made():
+    """How often a content was made."""
+    return []
+
+
+def kept(made, made_from=b"source", name=NAME):
+    def make():
+        made.append(name)
+        return made_from * (name != NAME) + CONTENT
+
+    return files.kept(name, {"source": made_from}, make)
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_is_made_again_and_stays_whole(cache, made, damage):
+    path = kept(made)
+    assert path == kept(made)
+    assert (len(made), path.read_bytes(), path.suffix) == (1, CONTENT, ".so")
+    DAMAGES[damage](path)
+    assert files.kept_file(NAME, {"source": b"source"}) is None
+    assert kept(made).read_bytes() == kept(made).read_bytes() == CONTENT
+    assert len(made) == 2
+
+
+def test_a_file_of_other_sources_or_of_another_name_is_not_used(cache, made):
+    path, other = kept(made), kept(made, b"another source")
+    third = kept(made, name="kernel-windows.dll")
+    assert (len({path, other, third}), len(made)) == (3, 3)
+    # nor is the content of one under the name of another
+    third.rename(path)
+    assert kept(made).read_bytes() == CONTENT
+    assert len(made) == 4
+
+
+def test_a_folder_in_the_place_of_a_file_is_an_error_that_names_it(cache, made):
+    path = kept(made)
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(OSError, match=path.name):
+        kept(made)
+
+
+def test_a_cache_folder_that_cannot_be_written_is_an_error_before_anything_is_made(
+    tmp_path, monkeypatch, made
+):
+    place = tmp_path / "file"
+    place.write_text("no folder")
+    monkeypatch.setenv("INERTIA_MODULE_CACHE", str(place / "cache"))
+    expected = (
+        r"must be a folder that can be written to: .*file is not a folder; INERTIA_MODULE_CACHE names another"
+    )
+    with pytest.raises(OSError, match=expected):
+        kept(made)
+    assert not made
+
+
+def test_text_objects_and_libraries_are_checked_before_they_go_into_an_fmu(cache, monkeypatch):
+    def translate(command, **_):
+        Path(command[-1]).write_bytes(lzma.compress(b"text"))
+        return subprocess.CompletedProcess(command, 0)
+
+    def build():
+        return [
+            ir.llvm_text(DRIVEN_SHAFT),
+            linking.object_file(DRIVEN_SHAFT, LINUX64),
+            native_fmu.library(SHAFT_FMU, "GUID", LINUX64, lambda stage: None),
+        ]
+
+    monkeypatch.setattr(subprocess, "run", translate)
+    monkeypatch.setattr(linking, "compile_ir", lambda *_: b"object")
+    monkeypatch.setattr(native_fmu, "with_kernel", lambda *_: b"library")
+    good = build()
+    assert good == ["text", b"object", b"library"]
+    assert ir.is_cached(DRIVEN_SHAFT)
+    assert not ir.is_cached(INERTIA_MODULE)
+    for path in cache.iterdir():
+        path.write_bytes(lzma.compress(b"of somebody else"))
+    assert not ir.is_cached(DRIVEN_SHAFT)
+    assert build() == good

@@ -1,0 +1,106 @@
+"""Steps, rates and states that would take work without a bound are rejected at once."""
+
+import math
+import time
+
+import pytest
+from refused import refusal
+from scenes import advanced, motions, started
+
+from inertia_module.kernel.inputs import SMALLEST_STEP
+from inertia_module.memory import NO_STATE, DrivenShaft, Module
+
+AT_ONCE = 0.2  # s of CPU time; a step that is given up takes some seconds
+TOO_SHORT = (5e-324, 1e-300, 0.99 * SMALLEST_STEP)
+
+
+@pytest.fixture(autouse=True)
+def quick():
+    """All calls of a test together take little CPU time."""
+    begin = time.process_time()
+    yield
+    assert time.process_time() - begin < 10.0 * AT_ONCE
+
+
+def rejected_at_once(call, *arguments):
+    """The sentence of a call that is rejected."""
+    begin = time.process_time()
+    sentence = refusal(call, *arguments)
+    assert time.process_time() - begin < AT_ONCE
+    return sentence
+
+
+@motions(missing=())
+def test_a_step_too_short_and_a_rate_too_large_are_rejected_at_once(compiled, scene):
+    module = advanced(started(compiled, scene), 1e-3)
+    before = module.save()
+    for step in TOO_SHORT:
+        expected = f"communication step must be between 1e-30 and 1e+06 s, is {step:.16g}"
+        assert rejected_at_once(module.advance, step) == expected
+    for name in ("omega1", "load_torque", "drive_torque"):
+        for rate in (1e308, -1e200, math.inf, math.nan):
+            for step in (SMALLEST_STEP, 1e-9, 1e-3, 1e6):
+                module.set_rates(**{name: rate})
+                assert f"the rate of {name} must keep it" in rejected_at_once(module.advance, step)
+                module.restore(before)
+    advanced(module, SMALLEST_STEP, 1e-3)
+
+
+@motions(missing=(), drives=("speed",), added=("ideal",))
+def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene):
+    module = advanced(started(compiled, scene, input_hold=1), 1e-3, SMALLEST_STEP)
+    module.set(omega1=module["omega1"] + 1.0)
+    before = module.save()
+    sentence = rejected_at_once(module.advance, 1e-3)
+    assert sentence.startswith("omega1 must stay between -1000000 and 1000000 rad/s over")
+    assert module.save() == before
+    advanced(module, SMALLEST_STEP, 1e-3)
+
+
+def test_the_speed_of_a_hub_that_is_held_linear_must_stay_within_its_limits(compiled):
+    shaft = advanced(DrivenShaft(compiled).start(hub_speed=50.0, input_hold=1), 1e-3, 1e-9, hub_speed=50.0)
+    shaft.set(hub_speed=50.1)
+    assert "hub_speed must stay between" in rejected_at_once(shaft.advance, 0.1)
+    advanced(shaft, 1e-9, 0.1)
+
+
+@pytest.mark.parametrize("fidelity", [0, 2, 3])
+def test_more_internal_steps_than_a_step_may_take_are_rejected_at_once(compiled, fidelity):
+    module = started(compiled, omega1=100.0, load_torque=10.0, fidelity=fidelity, max_step=1e-300)
+    assert "it takes more than 5e7 evaluations" in rejected_at_once(module.advance, 1e-3)
+
+
+# --- states ---
+
+
+NUMBERS = (math.inf, -math.inf, math.nan, 1e308, -1.0, 0.5)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_constants_of_a_state_are_calculated_anew(compiled, number):
+    for model, fields in (
+        (DrivenShaft, ("fast", "slow", "rate", "step")),
+        (Module, ("satellites", "harmonic", "k")),
+    ):
+        good, other = (advanced(model(compiled).start(), 1e-3) for _ in range(2))
+        for field in fields:
+            setattr(good.derived, field, number)
+        other.restore(good.save())
+        assert number not in [getattr(other.derived, field) for field in fields]
+        twin = advanced(model(compiled).start(), 1e-3, 0.02)
+        assert advanced(other, 0.02).snapshot() == twin.snapshot()
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("field", ["seen", "spin_signs", "mode", "map_knot"])
+def test_a_state_that_counts_by_no_whole_number_is_rejected(compiled, field, number):
+    module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
+    setattr(module.state, field, number)
+    saved = module.save()
+    assert rejected_at_once(Module(compiled).restore, saved) == NO_STATE
+
+
+def test_a_state_whose_parameters_do_not_go_together_is_rejected(compiled):
+    module = advanced(started(compiled, omega1=100.0), 1e-3)
+    module.parameters.omega2_start = 1.0  # above the speed of the output shaft
+    assert rejected_at_once(Module(compiled).restore, module.save()) == NO_STATE
