@@ -1,0 +1,58 @@
+"""The forms of the messages."""
+
+import errno
+
+import pytest
+
+from inertia_module.common.errors import Named, Refused, cannot_read, must_be, suggestion, unknown
+
+NAMES = ["omega1", "omega2", "omega_out", "tolerance"]
+
+
+@pytest.mark.parametrize(
+    ("name", "end"),
+    [
+        ("tolerance1", "; did you mean 'tolerance'?"),
+        ("OMEGA", "; did you mean 'omega1', 'omega2' or 'omega_out'?"),
+        ("xyz", "; available: omega1, omega2, omega_out, tolerance"),
+        ("", "; available: omega1, omega2, omega_out, tolerance"),
+        ("two\nlines", "; available: omega1, omega2, omega_out, tolerance"),
+    ],
+)
+def test_an_unknown_name_gets_similar_names_or_the_available_ones(name, end):
+    assert suggestion(name, NAMES) == end
+    message = unknown("variable", name, NAMES)
+    assert message == f"unknown variable {name!r}{end}"
+    assert "\n" not in message
+
+
+def test_a_list_of_names_is_cut_off_and_may_be_empty():
+    many = [f"key{number}" for number in range(20)]
+    assert unknown("key", "xyz", many).endswith("key11 and 8 more")
+    assert unknown("input", 7, []) == "unknown input '7'; available: none"
+
+
+@pytest.mark.parametrize(
+    ("reason", "text"),
+    [
+        (FileNotFoundError(errno.ENOENT, "No such file or directory", "b.toml"), "no such file or directory"),
+        (OSError("XML is broken"), "XML is broken"),
+        (ValueError("Bad\nvalue"), "bad value"),
+        ("line 3 is not UTF-8", "line 3 is not UTF-8"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named_once_with_the_reason(reason, text):
+    assert cannot_read("a.toml", reason) == f"cannot read a.toml: {text}"
+
+
+def test_a_bad_value_is_given_with_all_its_digits():
+    assert must_be("step", "above 0", -0.1) == "step must be above 0 (got -0.1)"
+    assert must_be("layout", "bevel or planar", repr("flat")) == "layout must be bevel or planar (got 'flat')"
+
+
+def test_a_missing_value_has_its_reason():
+    values = Named({"distance": 3.0}, "metric", {"time": "not reached"})
+    with pytest.raises(Refused, match=r"^time: not reached$"):
+        values["time"]
+    with pytest.raises(Refused, match=r"^unknown metric 'distances'; did you mean 'distance'\?$"):
+        values["distances"]
