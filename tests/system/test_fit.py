@@ -424,7 +424,7 @@ def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
     few = Result.from_columns({"time": [0.1, 0.2, 0.3], "omega2": [1.0, 2.0, 1.0]})
     idle = ["shaft_damping", "shaft_stiffness"]
     for measured, free, options, words in (
-        (few, FREE, {}, r"values of omega2 must be at least 4 \(2 free parameters, 2 for the noise\), is 3"),
+        (few, FREE, {}, r"must be at least 4 \(2 free parameters, 2 for the noise\) \(got 3\)"),
         (MEASURED, idle, {}, r"no free parameter .*shaft_damping.* has an influence on omega2, omega_out"),
         (MEASURED, FREE, {"starts": -1}, "starts must be at least 0 .got -1"),
     ):

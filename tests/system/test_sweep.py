@@ -256,13 +256,13 @@ def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
 def test_file_that_is_no_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
     (tmp_path / "x.fmu").write_text("no FMU")
     sweep = partial(jobs.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
-    assert_refused("Module.fmu must be an FMU: ", sweep, scheduler=cluster.address)
+    assert_refused("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
 
 
 @pytest.mark.parametrize("number", [0, -1])
 def test_number_of_workers_is_at_least_one(scene, fmu, tmp_path, number):
     assert_refused(
-        f"workers must be at least 1, is {number}",
+        f"workers must be at least 1 .got {number}.$",
         partial(jobs.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
     )
 

@@ -35,7 +35,7 @@ def test_a_step_too_short_and_a_rate_too_large_are_rejected_at_once(compiled, sc
     module = advanced(started(compiled, scene), 1e-3)
     before = module.save()
     for step in TOO_SHORT:
-        expected = f"communication step must be between 1e-30 and 1e+06 s, is {step:.16g}"
+        expected = f"communication step must be between 1e-30 and 1e+06 s (got {step:.16g})"
         assert rejected_at_once(module.advance, step) == expected
     for name in ("omega1", "load_torque", "drive_torque"):
         for rate in (1e308, -1e200, math.inf, math.nan):
@@ -67,7 +67,7 @@ def test_the_speed_of_a_hub_that_is_held_linear_must_stay_within_its_limits(comp
 @pytest.mark.parametrize("fidelity", [0, 2, 3])
 def test_more_internal_steps_than_a_step_may_take_are_rejected_at_once(compiled, fidelity):
     module = started(compiled, omega1=100.0, load_torque=10.0, fidelity=fidelity, max_step=1e-300)
-    assert "it takes more than 5e7 evaluations" in rejected_at_once(module.advance, 1e-3)
+    assert "it requires more than 5e7 right-hand-side evaluations" in rejected_at_once(module.advance, 1e-3)
 
 
 # --- states ---
