@@ -1,8 +1,5 @@
-"""From the kernel's Python to machine code that can be called."""
+"""From the kernel's Python to C and to machine code that can be called."""
 
 
 class CompilationUnavailable(RuntimeError):
-    """There is no compiled kernel here, and what it takes to make one is not installed or fails.
-
-    All that translates, compiles or links raises it, with the reason.
-    """
+    """No compiled kernel is available, and none can be made; the message gives the reason."""

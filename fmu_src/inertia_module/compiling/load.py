@@ -32,7 +32,7 @@ def _library(model: Model) -> Path:
             content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
         return kept(fmu.stem + here().suffix, {fmu.name: content}, lambda: content)
     try:
-        from .linking import kernel_library
+        from .c_compiler import kernel_library
     except ImportError:
         raise CompilationUnavailable("this FMU was built without compiled kernels") from None
     return kernel_library(model)
@@ -42,8 +42,8 @@ def _library(model: Model) -> Path:
 def load(model: Model) -> ctypes.CDLL:
     """A compiled kernel: the library with the functions of compiling/entry.c.
 
-    An FMU and a wheel bring it along; in a clone the first call ever on a machine compiles (about a minute
-    for the module), later ones load from the cache.
+    An FMU and a wheel bring it along; in a clone the first call ever on a machine compiles in some seconds,
+    later ones load from the cache.
 
     Raises:
         CompilationUnavailable: there is none here, and it cannot be made.

@@ -13,16 +13,16 @@ SUFFIXES = {"linux": ".so", "windows": ".dll", "macos": ".dylib", "wasi": ".wasm
 
 
 class Target(NamedTuple):
-    """A platform: how LLVM and the C compiler call it, and where an FMU keeps its binary.
+    """A platform.
 
     Attributes:
-        folder: in an FMU of FMI 2.0, below binaries.
-        triple, processor: for the machine code of the kernel. compiler: target of the C compiler.
-        libraries: what is linked with besides the C library, and how.
+        folder: folder of its binary in an FMU of FMI 2.0, below binaries.
+        processor: oldest processor that it supports, as zig calls it.
+        compiler: name of the target for zig.
+        libraries: flags of the linker, for libraries besides the C library.
     """
 
     folder: str
-    triple: str
     processor: str
     compiler: str
     libraries: tuple[str, ...] = ()
@@ -49,16 +49,16 @@ class Target(NamedTuple):
 
 
 # processors: any x86-64 since 2009, any 64-bit ARM; systems: glibc 2.17 is of 2012, macOS 11 of 2020
-_V2, _ARM = "x86-64-v2", "generic"
-LINUX64 = Target("linux64", "x86_64-unknown-linux-gnu", _V2, "x86_64-linux-gnu.2.17", ("-lm",))
-LINUX_ARM = Target("aarch64-linux", "aarch64-unknown-linux-gnu", _ARM, "aarch64-linux-gnu.2.17", ("-lm",))
-WIN64 = Target("win64", "x86_64-pc-windows-msvc", _V2, "x86_64-windows-gnu")
-WIN_ARM = Target("aarch64-windows", "aarch64-pc-windows-msvc", _ARM, "aarch64-windows-gnu")
-MAC64 = Target("darwin64", "x86_64-apple-macosx11.0", _V2, "x86_64-macos.11.0")
-MAC_ARM = Target("darwin64", "arm64-apple-macosx11.0", "apple-m1", "aarch64-macos.11.0")
+_V2, _ARM = "x86_64_v2", "generic"
+LINUX64 = Target("linux64", _V2, "x86_64-linux-gnu.2.17", ("-lm",))
+LINUX_ARM = Target("aarch64-linux", _ARM, "aarch64-linux-gnu.2.17", ("-lm",))
+WIN64 = Target("win64", _V2, "x86_64-windows-gnu")
+WIN_ARM = Target("aarch64-windows", _ARM, "aarch64-windows-gnu")
+MAC64 = Target("darwin64", _V2, "x86_64-macos.11.0")
+MAC_ARM = Target("darwin64", "apple_m1", "aarch64-macos.11.0")
 # any browser since 2021 knows what a "generic" processor may; bytes of the stack: the deepest calls take 800
 _STACK = "-Wl,-z,stack-size=65536"
-BROWSERS = Target("", "wasm32-unknown-wasi", "generic", "wasm32-wasi", (_STACK,))
+BROWSERS = Target("", "generic", "wasm32-wasi", (_STACK,))
 
 # those of one folder go into one file that holds code for several processors
 TARGETS = (LINUX64, WIN64, MAC64, MAC_ARM, LINUX_ARM, WIN_ARM)

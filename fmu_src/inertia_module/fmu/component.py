@@ -10,7 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..common.files import sources
-from ..compiling.linking import link, object_file
+from ..compiling.c_compiler import link, object_file
 from ..compiling.targets import BROWSERS
 from ..contract.models import Model
 from .linking import header_folder, shell_files

@@ -11,9 +11,9 @@ from pathlib import Path
 from .. import __version__
 from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
-from ..compiling.ir import tool_versions
-from ..compiling.linking import link
+from ..compiling.c_compiler import link
 from ..compiling.targets import Target
+from ..compiling.tools import tool_versions
 from ..contract.models import Model
 from .archive import TEMPLATES, filled
 from .tables import generated
@@ -26,9 +26,9 @@ WINDOWS_FUNCTIONS = (
     *("CloseHandle", "CreateFileA", "GetModuleFileNameW", "GetModuleHandleExW", "GetProcAddress"),
     *("GetShortPathNameW", "LoadLibraryExW", "LoadLibraryW", "MultiByteToWideChar", "ReadFile"),
 )
-# a file of macOS for several processors: magic number, and by triple the number of the processor
+# a file of macOS for several processors: magic number, and by processor its number
 FAT_MAGIC = 0xCAFEBABE
-FAT_PROCESSORS = {"x86_64": (0x01000007, 3), "arm64": (0x0100000C, 0)}
+FAT_PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
 FAT_ALIGNMENT = 14
 
 
@@ -73,7 +73,7 @@ def link_front(target: Target, behind: str) -> bytes:
     """The library in front of pythonfmu's, from the cache if it was built before; behind: name of that."""
     files = sources("fmu/front/*", "compiling/windows.c")
     made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
-    made_from |= sources("compiling/linking.py") | tool_versions("ziglang", "fmpy")
+    made_from |= sources("compiling/c_compiler.py", "compiling/tools.py") | tool_versions("ziglang", "fmpy")
     made_from[behind] = target.label.encode()
 
     def linked() -> bytes:
@@ -88,12 +88,12 @@ def link_front(target: Target, behind: str) -> bytes:
 
 
 def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:
-    """One file of macOS with code for several processors, from (triple, library) of each."""
+    """One file of macOS with code for several processors, from (processor, library) of each."""
     offset = 1 << FAT_ALIGNMENT
     head = struct.pack(">II", FAT_MAGIC, len(libraries))
     body = b""
-    for triple, library in libraries:
-        kind, subkind = FAT_PROCESSORS[triple.split("-", 1)[0]]
+    for processor, library in libraries:
+        kind, subkind = FAT_PROCESSORS[processor]
         head += struct.pack(">IIIII", kind, subkind, offset + len(body), len(library), FAT_ALIGNMENT)
         body += library + bytes(-len(library) % (1 << FAT_ALIGNMENT))
     return head.ljust(offset, b"\0") + body

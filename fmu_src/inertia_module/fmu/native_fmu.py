@@ -13,13 +13,10 @@ from typing import Any, NamedTuple, TypeVar
 from .. import __version__
 from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
-from ..compiling.ir import is_cached, llvm_text, tool_versions
-from ..compiling.linking import made_from as machine_code_made_from
-from ..compiling.linking import with_kernel
+from ..compiling.c_compiler import dependencies, kernel_source, with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..contract.models import Model
 from .archive import DESCRIPTION, TEMPLATES, archive, filled, filled_xml, generation_date, guid_of
-from .c_source import c_source
 from .component import FOLDER, MANIFEST, PLATFORM, component
 from .description import FLANGE, model_description, terminals
 from .documentation import MECHANISM, index_page
@@ -76,9 +73,8 @@ class NativeFmu(NamedTuple):
 
     def guid(self) -> str:
         """Hash of all that the FMU is made from: its sources and the versions of the tools."""
-        made_from = tool_versions("ziglang") | machine_code_made_from(self.model)
-        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*", "compiling/*.[ch]")
-        made_from |= sources("compiling/targets.py")
+        made_from = dependencies(self.model)
+        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
         made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
         made_from |= accompanying_files(self.model, self.picture, self.fmi)
         made_from |= {name: text.encode() for name, text in generated(self.model, "", self.fmi).items()}
@@ -88,9 +84,6 @@ class NativeFmu(NamedTuple):
     def content(self, build: Build) -> bytes:
         """The content of its file for those of the platforms that can be compiled for."""
         made_for = self.guid()
-        if not is_cached(self.model):
-            build.progress("translating the kernel for compilation (once, about a minute)")
-            llvm_text(self.model)
 
         def compiled_for(target: Target) -> bytes | None:
             what = f"{self.identifier} for {target.label}"
@@ -101,7 +94,7 @@ class NativeFmu(NamedTuple):
         found: dict[str, list[tuple[str, bytes]]] = {}
         for target, content in zip(build.targets, libraries, strict=True):
             if content is not None:
-                found.setdefault(self.library_path(target), []).append((target.triple, content))
+                found.setdefault(self.library_path(target), []).append((target.label.split("-")[0], content))
         if not found:
             raise CompilationUnavailable(build.skipped[f"{self.identifier} for {build.targets[0].label}"])
         files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
@@ -175,8 +168,7 @@ def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str,
         made_for: its GUID.
         progress: called with the stage.
     """
-    progress(f"translating {fmu.identifier} to C")
-    files = {"kernel.c": c_source(fmu.model).encode()} | shell_files(fmu.model, made_for, fmu.fmi)
+    files = {"kernel.c": kernel_source(fmu.model)} | shell_files(fmu.model, made_for, fmu.fmi)
     included = [name for name in files if name.endswith(".c")]
     files[SOURCE] = filled(TEMPLATES / SOURCE, {"model": fmu.model, "files": included}).encode()
     made = {SOURCE: "\n".join([*expanded(SOURCE, files, set()), ""]).encode()}

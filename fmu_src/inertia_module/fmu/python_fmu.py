@@ -14,9 +14,9 @@ from typing import NamedTuple
 import pythonfmu
 
 from ..common.files import content_hash, sources
-from ..compiling.ir import tool_versions
 from ..compiling.load import SHIPPED
 from ..compiling.targets import LINUX64, WIN64, Target
+from ..compiling.tools import tool_versions
 from ..contract.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import model_description

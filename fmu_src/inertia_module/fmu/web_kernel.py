@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..common.files import kept, sources
-from ..compiling.ir import tool_versions
-from ..compiling.linking import link, made_from, object_file
+from ..compiling.c_compiler import dependencies, link, object_file
 from ..compiling.targets import BROWSERS
 from ..contract.models import Model
 from .native_fmu import Build
@@ -31,8 +30,7 @@ class WebKernel(NamedTuple):
 
         It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
         """
-        depends_on = tool_versions("ziglang") | made_from(self.model)
-        depends_on |= sources("fmu/web_kernel.py", "compiling/targets.py")
+        depends_on = dependencies(self.model) | sources("fmu/web_kernel.py")
 
         def linked() -> bytes:
             build.progress(f"compiling {self.identifier} for browsers")

@@ -20,7 +20,9 @@ ROUNDING = 1e-12
 def greatest_common_divisor(m, n):
     """Greatest common divisor of two whole numbers held as doubles."""
     while n > 0.0:
-        m, n = n, m % n
+        rest = m % n
+        m = n
+        n = rest
     return m
 
 

@@ -23,7 +23,7 @@ def meets_output(d, x):
     return d.freewheel_stiffness == 0.0 and x.play_output == 0.0
 
 
-def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed=0.0, rested=0.0):
+def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed, rested):
     """Solve the complementarity problem on impulses, from the velocities without them.
 
     Args:
@@ -117,7 +117,7 @@ def jump_input(d, x, jump, stiff):
         own = d.J2 + d.k * d.k * g + carried
         change = d.k * (b + d.k * g) * jump / own
         stops, meets = holds_link2(d, x), meets_output(d, x)
-        end2, end3, _, mode = settle(d, own, omega2 + change, shaft - carried, x.omega3, stops, meets)
+        end2, end3, _, mode = settle(d, own, omega2 + change, shaft - carried, x.omega3, stops, meets, 0.0, 0.0)
         if end2 != omega2 + change and change != 0.0:
             # the rest of the way link 2 goes with what it has met
             fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change
@@ -151,7 +151,7 @@ def close_freewheels(d, x):
     omega2, omega3 = x.omega2, x.omega3
     own = inertia_of_link2(d, i, b, g) + carried
     stops, meets = holds_link2(d, x), meets_output(d, x)
-    end2, end3, output, _ = settle(d, own, omega2, shaft - carried, omega3, stops, meets)
+    end2, end3, output, _ = settle(d, own, omega2, shaft - carried, omega3, stops, meets, 0.0, 0.0)
     if d.output == 0.0:
         output = shaft * (end3 - omega3)
     change = end2 - omega2

@@ -94,7 +94,7 @@ def slip_inertia(d, i, b, g, carried):
     return total, coupling * per_total, determinant * per_total
 
 
-def momentum_of_links(d, i, b, omega1, omega2, carried=0.0):
+def momentum_of_links(d, i, b, omega1, omega2, carried):
     """Angular momentum of links 1 and 2, the imbalances and what link 2 carries, N m s."""
     return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + (d.J2 + carried) * omega2
 

@@ -25,17 +25,22 @@ def side_at(d, v, trend):
 
 
 def find_knot(side, x, sigma):
-    """Number of the last knot not above sigma; looked for from the one last used."""
-    last = int(side.count) - 1
-    n = int(x.map_knot)
-    if n > last:
-        n = 0
-    while n > 0 and side.knots[n].ratio > sigma:
-        n -= 1
-    while n < last and side.knots[n + 1].ratio <= sigma:
-        n += 1
-    x.map_knot = n
+    """Return the number of the last knot not above sigma, by bisection."""
+    n, above = 0, int(side.count)
+    while above - n > 1:
+        middle = (n + above) // 2
+        if side.knots[middle].ratio <= sigma:
+            n = middle
+        else:
+            above = middle
     return n
+
+
+def share_of(m, share0, share1, share2, share3):
+    """Return the share of motion m of NEAR."""
+    if m < 2:
+        return share0 if m == 0 else share1
+    return share2 if m == 2 else share3
 
 
 def shares(side, speed):
@@ -49,7 +54,8 @@ def shares(side, speed):
     za, zb, zc, zd = SLOWNESS[n], SLOWNESS[n + 1], SLOWNESS[n + 2], SLOWNESS[n + 3]
     # (nothing cancels where links crawl: all that goes with their speed does with the last one)
     a, b, c, d = z - za, z - zb, z - zc, 1.0 - zd - fast
-    return n, (
+    return (
+        n,
         b * c * d / ((za - zb) * (za - zc) * (za - zd)),
         a * c * d / ((zb - za) * (zb - zc) * (zb - zd)),
         a * b * d / ((zc - za) * (zc - zb) * (zc - zd)),
@@ -80,11 +86,11 @@ def look_up(side, x, speed, s):
     n = find_knot(side, x, s)
     if side.slow == 0.0:
         return curve_at(side, n, s, TORQUE)[0] * speed * speed, curve_at(side, n, s, OMEGA2)[0]
-    first, now = shares(side, speed)
+    first, share0, share1, share2, share3 = shares(side, speed)
     torque = part = 0.0
     for m in range(NEAR):
-        torque += now[m] * curve_at(side, n, s, TORQUE + first + m)[0]
-        part += now[m] * curve_at(side, n, s, OMEGA2 + first + m)[0]
+        torque += share_of(m, share0, share1, share2, share3) * curve_at(side, n, s, TORQUE + first + m)[0]
+        part += share_of(m, share0, share1, share2, share3) * curve_at(side, n, s, OMEGA2 + first + m)[0]
     scale = speed + side.slow
     # no cubic turns link 2 back, or ahead of the output
     return torque * scale * scale, min(max(part, 0.0), s)
@@ -97,7 +103,7 @@ def look_up_input(side, x, s):
 
 def write_losses(side, x, speed, s, lost):
     """Write the mean powers that the causes take by the map, over |v|, into lost, N m. Returns their sum."""
-    first, now = shares(side, speed)
+    first, share0, share1, share2, share3 = shares(side, speed)
     n = find_knot(side, x, s)
     here, after = side.knots[n], side.knots[min(n + 1, int(side.count) - 1)]
     t = (s - here.ratio) / (after.ratio - here.ratio) if after.ratio > here.ratio else 0.0
@@ -106,7 +112,7 @@ def write_losses(side, x, speed, s, lost):
         power = 0.0
         for m in range(NEAR):
             place = MOTIONS * cause + first + m
-            power += now[m] * (here.lost[place] + t * (after.lost[place] - here.lost[place]))
+            power += share_of(m, share0, share1, share2, share3) * (here.lost[place] + t * (after.lost[place] - here.lost[place]))
         lost[cause] = scale * scale * max(power, 0.0)
     return total(lost)
 
@@ -137,7 +143,8 @@ def ratio_from_rest(d, side, x, lost):
         growing = abs(x.alpha1)
         if d.by_torque != 0.0:
             resisting = write_losses(side, x, 0.0, s, lost) if d.lossy != 0.0 else 0.0
-            driving = abs(x.drive_torque) * look_up_input(side, x, s)[0]
+            speed1, _ = look_up_input(side, x, s)
+            driving = abs(x.drive_torque) * speed1
             growing = max(driving - torque * min(s, side.end) - resisting, 0.0) / d.map_inertia
         if torque - x.load_torque > d.J3 * s * growing:
             low = s

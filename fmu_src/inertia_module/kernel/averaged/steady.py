@@ -181,7 +181,7 @@ def find_largest(d, side, which):
             after = quantity(d, side, which, begin + (look + 1) * width)
             if before <= here >= after:
                 curve = before - 2.0 * here + after
-                top = here - ((after - before) ** 2 / (8.0 * curve) if curve < 0.0 else 0.0)
+                top = here - ((after - before) * (after - before) / (8.0 * curve) if curve < 0.0 else 0.0)
                 if top > best:
                     best, best_q, best_phase = top, begin + look * width, d.phase_b
             before = here
@@ -282,7 +282,7 @@ def add_part(d, x, w, side, q, length, before):
         x.omega1 = speed_of_energy(d, x, side.direction, 0.5 * w.begin_energy * d.map_inertia)
         x.drive_torque = w.drive
     w.prescribed = x.drive_torque
-    choose_states(d, x, False)
+    choose_states(d, x, 0.0)
     time = energy = start = 0.0
     for _ in range(2 if before else 1):
         begin_sums(x)
@@ -369,7 +369,8 @@ def find_steady(p, w, side, ratio, slowness):
         change = w.begin_omega2 - begin
         if d.by_torque != 0.0:
             gained = 2.0 * w.sum_gain / d.map_inertia
-            missed = speed_of_sums(d, w) ** 2 - 1.0
+            speed = speed_of_sums(d, w)
+            missed = speed * speed - 1.0
             if abs(gained) > KEPT or abs(missed) > 2.0 * KEPT:
                 rounds += 1
                 if rounds > ROUNDS:

@@ -110,12 +110,12 @@ def make_gentle_step(d, side, x, w, leg, h):
     """Make the step h by the explicit pair: changes of all that is followed, errors as a last stage."""
     w.step = h
     for stage in range(1, GENTLE_END + 1):
-        v = x.omega1 + h * weighed_rate(w, GENTLE + stage, stage, V)
-        omega3 = x.omega3 + h * weighed_rate(w, GENTLE + stage, stage, OMEGA3)
+        v = x.omega1 + h * weighed_rate(w, GENTLE + stage, stage, V, 1)
+        omega3 = x.omega3 + h * weighed_rate(w, GENTLE + stage, stage, OMEGA3, 1)
         write_mean_rates(d, side, x, leg, v, omega3, w.rates[stage])
     for n in range(how_many_followed(d)):
-        w.change.numbers[n] = h * weighed_rate(w, GENTLE + GENTLE_END, GENTLE_END, n)
-        w.stages[STAGES - 1].numbers[n] = h * weighed_rate(w, GENTLE_ERROR, GENTLE_END + 1, n)
+        w.change.numbers[n] = h * weighed_rate(w, GENTLE + GENTLE_END, GENTLE_END, n, 1)
+        w.stages[STAGES - 1].numbers[n] = h * weighed_rate(w, GENTLE_ERROR, GENTLE_END + 1, n, 1)
     keep_to_leg(d, side, x, w, leg)
 
 

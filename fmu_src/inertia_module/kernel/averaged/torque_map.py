@@ -78,7 +78,7 @@ def rub(d, knot, m, omega1, omega2):
         knot.lost[place] = 0.0
     z = table.SLOWNESS[m]
     linear = z * (1.0 - z)
-    viscous = d.b1 * omega1 * omega1 + d.bq * (d.k * slip) ** 2 + d.b2 * omega2 * omega2
+    viscous = d.b1 * omega1 * omega1 + d.bq * ((d.k * slip) * (d.k * slip)) + d.b2 * omega2 * omega2
     knot.lost[table.MOTIONS * VISCOUS + m] = linear * viscous
     knot.lost[table.MOTIONS * MESH + m] = linear * d.mesh_loss * pulled(d) * slip * slip
     drag = linear * (d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over)
@@ -174,11 +174,11 @@ def foresee(w, side, n, ratio):
 
 def write_means(w, knot, m, v):
     """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, as motion m."""
-    share = (1.0 - table.SLOWNESS[m]) ** 2
+    share = (1.0 - table.SLOWNESS[m]) * (1.0 - table.SLOWNESS[m])
     knot.value[table.TORQUE + m] = share * w.sum_torque / (w.sum_time * v * v)
     knot.value[table.OMEGA2 + m] = max(0.0, w.sum_omega2 / (w.sum_time * v))
     for cause in range(len(w.sum_lost)):
-        knot.lost[table.MOTIONS * cause + m] = share * w.sum_lost[cause] / (w.sum_time * v**3)
+        knot.lost[table.MOTIONS * cause + m] = share * w.sum_lost[cause] / (w.sum_time * (v * (v * v)))
 
 
 def write_steady(d, w, knot):
@@ -190,7 +190,7 @@ def write_steady(d, w, knot):
     knot.value[table.INPUT] = 2.0 * w.sum_energy / time - d.J1
     if d.by_torque != 0.0:
         knot.value[table.INPUT] = abs(w.sum_omega1) / (time * v)
-    variance = w.sum_square / (time * v**4) - knot.value[table.TORQUE] * knot.value[table.TORQUE]
+    variance = w.sum_square / (time * ((v * v) * (v * v))) - knot.value[table.TORQUE] * knot.value[table.TORQUE]
     knot.value[table.RIPPLE] = math.sqrt(max(variance, 0.0))
     knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
     knot.value[table.PEAK] = w.sum_peak / (v * v)
@@ -205,7 +205,8 @@ def fill(knot, m, last, following):
     b = za * zc / ((z[last] - z[last - 1]) * (z[last] - z[following]))
     c = 1.0 - a - b
     value, lost = knot.value, knot.lost
-    for n in (table.TORQUE, table.OMEGA2):
+    for curve in range(2):
+        n = table.TORQUE if curve == 0 else table.OMEGA2
         value[n + m] = a * value[n + last - 1] + b * value[n + last] + c * value[n + following]
     value[table.OMEGA2 + m] = min(max(value[table.OMEGA2 + m], 0.0), knot.ratio)
     for n in range(0, len(lost), table.MOTIONS):
@@ -395,10 +396,12 @@ def build_map(p, d, w):
     held = w.held
     steady.hold_output(d, w, allowed)
     held.map_inertia = 0.0
-    held.map_lock = 0.5 * d.k * steady.find_largest(held, held.forward, steady.LOCK)[1]
-    for side, direction in ((held.forward, 1.0), (held.backward, -1.0)):
+    _, largest = steady.find_largest(held, held.forward, steady.LOCK)
+    held.map_lock = 0.5 * d.k * largest
+    for n in range(2):
+        side = held.forward if n == 0 else held.backward
         clear(side.numbers)
-        side.direction = direction
+        side.direction = 1.0 if n == 0 else -1.0
         if not build_side(p, held, w, side, allowed):
             return NOT_STEADY
     d.map_lock, d.map_inertia, d.map_evaluations = held.map_lock, held.map_inertia, held.map_evaluations

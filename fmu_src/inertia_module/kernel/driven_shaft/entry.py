@@ -12,7 +12,7 @@ holds no impulse. The slip delta' is kept besides omega4: each may be small wher
 from ..accumulate import add, clear, copy
 from ..codes import CHECK, NOT_FINITE, OK, OUTPUTS, RATES, START, TUNE
 from ..inputs import check_hold, check_inputs, check_step, mean_torque, take_speed
-from .motion import characteristic, end, integral, keep_step, square_integral
+from .motion import characteristic, end, integral, keep_step, square_integral, write_row
 
 # its records (see kernel.fields)
 STATE = (
@@ -112,11 +112,11 @@ def describe(p, d, x, w):
     # what pulls the twist but the spring, and what drives the mass but its own motion
     pull = left + friction * x.held_input + load
     drive = p.balancer * slope + damping * x.held_input - load + d.square * x.twist
-    copy(w.twist, (x.twist, x.slip + d.rate * x.twist, pull, friction * slope))
-    copy(w.slip, (x.slip, pull - d.square * x.twist, friction * slope, 0.0))
-    copy(w.slip_rate, (left - own, friction * slope - d.square * x.slip, 0.0, 0.0))
-    copy(w.speed, (x.omega4, drive, damping * slope + d.square * x.held_input, d.square * slope))
-    copy(w.speed_rate, (acceleration, damping * slope + d.square * x.slip, d.square * slope, 0.0))
+    write_row(w.twist, 0, x.twist, x.slip + d.rate * x.twist, pull, friction * slope)
+    write_row(w.slip, 0, x.slip, pull - d.square * x.twist, friction * slope, 0.0)
+    write_row(w.slip_rate, 0, left - own, friction * slope - d.square * x.slip, 0.0, 0.0)
+    write_row(w.speed, 0, x.omega4, drive, damping * slope + d.square * x.held_input, d.square * slope)
+    write_row(w.speed_rate, 0, acceleration, damping * slope + d.square * x.slip, d.square * slope, 0.0)
 
 
 def move(p, d, x, w, h):

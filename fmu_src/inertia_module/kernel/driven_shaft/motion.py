@@ -17,7 +17,7 @@ Loan, Computing integrals involving the matrix exponential, IEEE Trans. Automati
 
 import math
 
-from ..accumulate import add, clear, copy
+from ..accumulate import add, clear
 from ..tableau import GAUSS_NODES as NODES
 from ..tableau import GAUSS_WEIGHTS as WEIGHTS
 
@@ -75,15 +75,21 @@ def short_integrals(d, t):
     return one, two, three, four
 
 
+def write_row(matrix, row, a, b, c, d):
+    """Write the four numbers of a row into a 4x4 matrix."""
+    matrix[4 * row] = a
+    matrix[4 * row + 1] = b
+    matrix[4 * row + 2] = c
+    matrix[4 * row + 3] = d
+
+
 def write_move(d, w, t, one, two):
     """Put E(t) into w.move, row by row, from the first two of these integrals."""
     step, impulse, slope = free(d.swing, d.slow, d.fast, t)
-    copy(w.move, (
-        slope, impulse, one, two,
-        -d.square * impulse, step, impulse + d.rate * one, one + d.rate * two,
-        0.0, 0.0, 1.0, t,
-        0.0, 0.0, 0.0, 1.0,
-    ))  # fmt: skip
+    write_row(w.move, 0, slope, impulse, one, two)
+    write_row(w.move, 1, -d.square * impulse, step, impulse + d.rate * one, one + d.rate * two)
+    write_row(w.move, 2, 0.0, 0.0, 1.0, t)
+    write_row(w.move, 3, 0.0, 0.0, 0.0, 1.0)
 
 
 def double_gramian(d, w):
@@ -125,7 +131,12 @@ def keep_step(d, w, h):
         one += impulse * (impulse + rate * one) + slope * one
         part *= 2.0
     _, impulse, slope = free(d.swing, d.slow, d.fast, h)
-    copy(d.responses, (slope, impulse, one, two, three, four))
+    d.responses[0] = slope
+    d.responses[1] = impulse
+    d.responses[2] = one
+    d.responses[3] = two
+    d.responses[4] = three
+    d.responses[5] = four
 
 
 def integral(d, z, order):

@@ -127,8 +127,17 @@ def step_ahead(d, x):
     m.omega3 += time * m.alpha3
 
 
-def least_violation(d, x, before, before_misses, ahead):
+def least_violation(d, x, housing_before, output_before, slip_before, before_misses, ahead):
     """Find the combination of states that misses its conditions least, now or a moment ahead.
+
+    Args:
+        d: constants.
+        x: state; the combination is left in it.
+        housing_before: state of the housing freewheel before.
+        output_before: state of the output freewheel before.
+        slip_before: sign of the slip before.
+        before_misses: added to the violation of the combination before, as a share of the torques.
+        ahead: True for a moment ahead.
 
     Returns:
         (its number, how many miss none).
@@ -137,7 +146,9 @@ def least_violation(d, x, before, before_misses, ahead):
     best = 0
     least = 1e300
     equal = 0
-    first, end = (0, 27) if states.is_rough(d) else (9, 18)
+    first, end = 9, 18
+    if states.is_rough(d):
+        first, end = 0, 27
     for number in range(first, end):
         if not try_combination(d, x, number):
             continue
@@ -150,7 +161,7 @@ def least_violation(d, x, before, before_misses, ahead):
             missing = violation(d, x, prescribed, x.load_torque)
         missing = max(missing - ROUNDING, 0.0)
         equal += missing == 0.0
-        if (x.housing_state, x.output_state, x.slip_sign) == before:
+        if x.housing_state == housing_before and x.output_state == output_before and x.slip_sign == slip_before:
             missing += before_misses
         if missing < least:
             least = missing
@@ -164,10 +175,10 @@ def choose_states(d, x, before_misses):
     Args:
         before_misses: what is added to the violation of what they did before, as a share of the torques.
     """
-    before = (x.housing_state, x.output_state, x.slip_sign)
-    best, equal = least_violation(d, x, before, before_misses, False)
+    housing, output, slip = x.housing_state, x.output_state, x.slip_sign
+    best, equal = least_violation(d, x, housing, output, slip, before_misses, False)
     if equal > 1:
-        best, _ = least_violation(d, x, before, before_misses, True)
+        best, _ = least_violation(d, x, housing, output, slip, before_misses, True)
     try_combination(d, x, best)
     take_speeds(x)
     take_state(d, x)
@@ -193,9 +204,9 @@ def switch_states(d, x, before_misses):
 
 def choose_next_states(d, x):
     """Choose them after an event. Returns whether they have changed."""
-    before = (x.housing_state, x.output_state, x.slip_sign)
+    housing, output, slip = x.housing_state, x.output_state, x.slip_sign
     if x.slip_reached_zero != 0.0:
         x.slip_sign = 0.0
         take_speeds(x)
     switch_states(d, x, ENDED if x.ended != 0.0 else 0.0)
-    return before != (x.housing_state, x.output_state, x.slip_sign)
+    return x.housing_state != housing or x.output_state != output or x.slip_sign != slip

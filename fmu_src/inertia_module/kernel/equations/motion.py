@@ -30,8 +30,9 @@ def take_state(d, x):
 
 def recall(target, source):
     """Copy accelerations and torques of an instant, which both records end with (fields.NOW)."""
-    for n in range(1, OF_NOW + 1):
-        target.numbers[-n] = source.numbers[-n]
+    first_target, first_source = len(target.numbers) - OF_NOW, len(source.numbers) - OF_NOW
+    for n in range(OF_NOW):
+        target.numbers[first_target + n] = source.numbers[first_source + n]
 
 
 def freewheel_torques(d, x, m, lossy):
@@ -126,11 +127,14 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         if not agree:
             flow = -flow
         if apart:
-            before = mesh, by_alpha1, by_rate2
+            mesh_before = mesh
+            by_alpha1_before = by_alpha1
+            by_rate2_before = by_rate2
             journals, mesh, by_alpha1, by_rate2 = spin_torques(
                 d, m.q, place, m.omega1, rate_q, alpha1, rate2_q, signs
             )
-            agree = agree and before == (mesh, by_alpha1, by_rate2)
+            is_same = mesh == mesh_before and by_alpha1 == by_alpha1_before and by_rate2 == by_rate2_before
+            agree = agree and is_same
         if agree:
             break
     m.alpha1 = alpha1

@@ -137,12 +137,12 @@ def jams_within(d, length, count):
             # at large accelerations: what they add to the loads of all satellites
             place = imbalance(d, q, 0.0)
             _, _, by_alpha1, by_rate2 = spin_torques(d, q, place, 0.0, 0.0, 0.0, 1e150, AS_THEY_ARE)
-        for flow in (-1.0, 1.0):
-            for way in (-1.0, 1.0):
-                if jams_at(
-                    d, i, b + way * by_alpha1, g + way * by_rate2, b, d.k / (1.0 - flow * d.mesh_loss)
-                ):
-                    return True
+        for signs in range(4):
+            flow = -1.0 if signs < 2 else 1.0
+            way = -1.0 if signs % 2 == 0 else 1.0
+            passed = d.k / (1.0 - flow * d.mesh_loss)
+            if jams_at(d, i, b + way * by_alpha1, g + way * by_rate2, b, passed):
+                return True
     return False
 
 

@@ -38,7 +38,7 @@ def drives(mode):
     return mode == DRIVING or mode == HELD_DRIVING
 
 
-def count_switch(x, before, mode, housing=True, output=True):
+def count_switch(x, before, mode, housing, output):
     """Count a switch to another contact mode, if it is one, and the freewheels that engage in it.
 
     Args:

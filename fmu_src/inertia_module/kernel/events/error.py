@@ -132,10 +132,18 @@ def counts(d, x, w, n):
     return d.losses != 0.0 or n == stages.Q or n == stages.OMEGA2 or n == stages.TWIST or n == stages.RELATIVE
 
 
+def is_held_sum(n):
+    """Return True if a quantity is one of HELD_SUMS."""
+    for place in range(len(HELD_SUMS)):
+        if n == HELD_SUMS[place]:
+            return True
+    return False
+
+
 def stiff_error(w, n):
     """Error of a quantity in the stiff step in hand, but what goes with that of the shaft's swing."""
     errors, by_twist = w.stages[STIFF_ERROR], w.slopes[stages.TWIST_MOVES].numbers
-    own = w.inside.numbers[n] if n in HELD_SUMS else errors.numbers[n]
+    own = w.inside.numbers[n] if is_held_sum(n) else errors.numbers[n]
     if n == stages.RELATIVE or n == stages.TWIST or by_twist[stages.RELATIVE] == 0.0:
         return own
     return own - by_twist[n] / by_twist[stages.RELATIVE] * errors.relative
@@ -193,7 +201,7 @@ def step_error(d, x, w, fastest):
             if w.pair == THIRDS:
                 found3 = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
             elif w.pair == SHORT:
-                found3 = stages.weighed_rate(w, FOURTH, SHORT_END + 1, n) / scale
+                found3 = stages.weighed_rate(w, FOURTH, SHORT_END + 1, n, 1) / scale
             else:
                 found3 = stages.weighed_rate(w, THIRD, END, n, LATE) / scale
                 found5 = stages.weighed_rate(w, FIFTH, END, n, LATE) / scale

@@ -97,7 +97,9 @@ def value_and_rate(d, x, m, which):
             return m.play_output, m.omega3 - m.omega2
         return m.output + d.output_drag, m.output + d.output_drag
     if which == HOUSING_BACK:
-        return (-m.omega2, -m.alpha2) if x.housing_state == CLOSING else (-m.housing, -m.housing)
+        if x.housing_state == CLOSING:
+            return -m.omega2, -m.alpha2
+        return -m.housing, -m.housing
     if x.output_state == CLOSING:
         return m.omega2 - m.omega3, m.alpha2 - m.alpha3
     return -m.output, -m.output

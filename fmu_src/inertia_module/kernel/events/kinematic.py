@@ -60,6 +60,12 @@ def signs_at(d, x, t):
     return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
 
 
+def has_signs(d, x, t, flow, spin):
+    """Return True if the torques have these signs (signs_at), the time t from now on."""
+    flow_then, spin_then = signs_at(d, x, t)
+    return flow_then == flow and spin_then == spin
+
+
 def smooth_part(d, x, h):
     """The part of an interval h until link 1 turns back, or just past a sign change of a torque in a mesh."""
     turns_back = -x.omega1 / x.alpha1 if x.omega1 * x.alpha1 < 0.0 else h
@@ -68,13 +74,13 @@ def smooth_part(d, x, h):
     if d.mesh_loss == 0.0 and d.satellite_loss == 0.0:
         return h
     low = NEAR * h
-    signs = signs_at(d, x, low)
+    flow, spin = signs_at(d, x, low)
     for n in range(LOOKS):
         high = h * (n + 1.0 - NEAR) / LOOKS
-        if signs_at(d, x, high) != signs:
+        if not has_signs(d, x, high, flow, spin):
             for _ in range(HALVINGS):
                 middle = 0.5 * (low + high)
-                if signs_at(d, x, middle) == signs:
+                if has_signs(d, x, middle, flow, spin):
                     low = middle
                 else:
                     high = middle

@@ -173,7 +173,9 @@ def invert(w, count):
         i = count - 1 - back
         pivot = int(w.pivots[i])
         for n in range(count):
-            a[MOVING * n + i], a[MOVING * n + pivot] = a[MOVING * n + pivot], a[MOVING * n + i]
+            swapped = a[MOVING * n + i]
+            a[MOVING * n + i] = a[MOVING * n + pivot]
+            a[MOVING * n + pivot] = swapped
 
 
 def solve_stage(d, w, stage, kept, count):

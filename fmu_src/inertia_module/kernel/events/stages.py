@@ -93,7 +93,7 @@ def turn_freewheels(x, m, housing, output):
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w, row, count, which, after=1):
+def weighed_rate(w, row, count, which, after):
     """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau.
 
     Args:
@@ -164,7 +164,7 @@ def stages_of(d, x, w, first, last, lossy):
         m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
         if lossy and d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
-            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1))
+            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
         if d.elastic != 0.0 or (lossy and d.turning != 0.0):
             twist, relative, housing, output = weighed_four(
                 w.rates, WEIGHTS, STAGES * row, AFTER[row], n, TWIST

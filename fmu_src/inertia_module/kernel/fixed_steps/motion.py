@@ -116,7 +116,8 @@ def move_links(d, x, w, held, carried, load, gain, prescribed, h):
             friction = math.copysign(min(h * w.friction, abs(stop), abs(turn)), stop)
     way = w.slip_angle / (h * per_root)
     rise = free
-    for resisted in (friction, 0.0):
+    for n in range(2):
+        resisted = friction if n == 0 else 0.0
         rise = at_stop if resisted == stop else free - by_friction * resisted
         w.foreseen = h * (twice + rise) * per_root
         # the energy at the end allows weight sigma no more than reach to either side of the centre
@@ -219,7 +220,8 @@ def find_friction(d, x, w, h):
     if change != 0.0 and w.slip_stopped == 0.0:
         by_spun = (spun - w.spun) / change
         by_mesh = (mesh - w.mesh) / change
-    for sign in (1.0, -1.0):
+    for n in range(2):
+        sign = 1.0 if n == 0 else -1.0
         share = max(1.0 - by_spun - sign * d.mesh_loss * by_mesh, NOT_ITS_OWN)
         more = (spun + sign * d.mesh_loss * mesh - w.friction) / share
         if sign * (mesh + by_mesh * more) >= 0.0:

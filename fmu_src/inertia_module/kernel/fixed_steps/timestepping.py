@@ -265,7 +265,7 @@ def finish(d, x, w, h):
     x.output_slip_peak = max(x.output_slip_peak, end3 - end2)
     copy(x.here.numbers, w.end.numbers)
     x.friction = w.friction
-    count_switch(x, x.step_mode, w.mode)
+    count_switch(x, x.step_mode, w.mode, True, True)
     x.step_mode = w.mode
 
 

@@ -1,0 +1,173 @@
+"""Machine code of a kernel: objects and shared libraries for every platform, compiled from its C."""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import re
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ..common.files import kept, sources
+from ..contract.models import Model
+from . import CompilationUnavailable
+from .targets import WIN_ARM, Target, here
+from .tools import compiler, run_tool
+from .translate import translate
+
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
+FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+# of zig: the functions that each evaluation of the equations of motion calls become part of their callers
+ZIG_FLAGS = ("-Werror", "-fno-sanitize=all", "-fno-ident", "-mllvm", "-inline-threshold=500")
+# a function whose arrays are written beyond their ends aborts; Windows brings no functions for that along
+STACK_PROTECTOR = "-fstack-protector-strong"
+# functions of Windows' own C runtime, part of Windows 10 and later, that the shell needs
+RUNTIME = (
+    *("calloc", "free", "memchr", "memcmp", "memcpy", "memmove", "memset", "strchr", "strcmp", "strcpy"),
+    *("strlen", "strncmp", "strncpy", "strstr", "strtol", "__stdio_common_vsprintf", "fmax", "fmin"),
+)
+
+
+@functools.cache
+def kernel_source(model: Model) -> bytes:
+    """Return the kernel of a model in C."""
+    return translate(model).encode()
+
+
+def dependencies(model: Model) -> dict[str, bytes]:
+    """Return all that the machine code of a kernel depends on, besides the platform, by name."""
+    return model.source | sources("compiling/*.py", "compiling/*.[ch]", "contract/records.py") | compiler().version
+
+
+def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None:
+    """Run the C compiler for a target.
+
+    Args:
+        target: the platform.
+        arguments: files, flags and the output.
+        folder: folder of the files.
+
+    Raises:
+        CompilationUnavailable: the compiler fails, or cannot compile for this platform.
+    """
+    tool = compiler()
+    if tool.is_zig:
+        platform = ("-target", target.compiler, f"-mcpu={target.processor}")
+        run_tool([*tool.command, *platform, *FLAGS, *ZIG_FLAGS, *WARNINGS, *arguments], folder)
+    elif target == here():
+        run_tool([*tool.command, *FLAGS, *WARNINGS, *arguments], folder)
+    else:
+        raise CompilationUnavailable(f"{tool.command[0]} compiles only for {here().label}; use ziglang")
+
+
+def object_file(model: Model, target: Target) -> bytes:
+    """Return the object file of a kernel for a target, kept in the cache; only the entry is visible in it."""
+
+    def compiled() -> bytes:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "kernel.c").write_bytes(kernel_source(model))
+            (folder / "kernel.h").write_bytes(sources("compiling/kernel.h")["compiling/kernel.h"])
+            own = [] if target.system == "windows" else ["-fPIC"]
+            own += _windows_headers() if target.system == "windows" else []
+            arguments = [f"-DKERNEL={model.symbol}", *own, "-c", "kernel.c", "-o", "kernel.o"]
+            run_compiler(target, arguments, folder)
+            return (folder / "kernel.o").read_bytes()
+
+    depends_on = dependencies(model) | {"platform": f"{target.compiler}-{target.processor}".encode()}
+    return kept(f"{model.name}.o", depends_on, compiled).read_bytes()
+
+
+def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
+    """Make in a folder what links with functions of a library of Windows; return the name of its file.
+
+    Args:
+        target: the platform.
+        folder: the folder.
+        library: name of the library.
+        names: names of the functions.
+    """
+    stem = library.removesuffix(".dll")
+    (folder / f"{stem}.def").write_text("\n".join([f"LIBRARY {library}", "EXPORTS", *names, ""]))
+    machine = "arm64" if target.folder == WIN_ARM.folder else "i386:x86-64"
+    dlltool = (sys.executable, "-m", "ziglang", "dlltool")
+    run_tool([*dlltool, "-m", machine, "-d", f"{stem}.def", "-l", f"{stem}.imports.a"], folder)
+    return f"{stem}.imports.a"
+
+
+def _windows_headers() -> list[str]:
+    """Return the flags for the headers of Windows.
+
+    Without them the compiler would first build the whole of its C library for Windows: some minutes.
+    """
+    zig = Path(str(importlib.import_module("ziglang").__file__)).parent
+    headers = zig / "lib" / "libc" / "include" / "any-windows-any"
+    return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers)]
+
+
+def _windows_runtime(target: Target, folder: Path) -> str:
+    """Make the import library of the C runtime of Windows; return the name of its file."""
+    # of the mathematics those that the kernel names, and those of ** and %
+    kernel = b"".join(sources("kernel/**/*.py").values()).decode()
+    mathematics = {"pow", "fmod", *re.findall(r"\bmath\.(\w+)", kernel)}
+    return import_library(target, folder, "ucrtbase.dll", [*RUNTIME, *sorted(mathematics)])
+
+
+def link(
+    target: Target,
+    file: str,
+    content: Mapping[str, bytes],
+    *flags: str,
+    imports: Mapping[str, Sequence[str]] | None = None,
+) -> bytes:
+    """Return a shared library for a target, or a module of WebAssembly.
+
+    Args:
+        target: the platform.
+        file: name of the library.
+        content: C files, headers, objects and resources by name.
+        flags: additional flags of the compiler.
+        imports: on Windows, functions that it needs, by library of Windows.
+
+    Raises:
+        CompilationUnavailable: the compiler fails, or cannot compile for this platform.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for path, text in content.items():
+            (folder / path).write_bytes(text)
+        kind, own = ["-shared", "-fPIC", STACK_PROTECTOR], [*target.libraries]
+        if target.system == "windows":
+            kind, own = ["-shared"], [*_windows_headers(), _windows_runtime(target, folder)]
+            own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
+        elif target.system == "wasi":
+            kind = ["-mexec-model=reactor"]
+        linked = sorted(path for path in content if path.endswith((".c", ".o", ".rc")))
+        run_compiler(target, [*flags, *kind, "-s", "-o", file, *linked, *own], folder)
+        return (folder / file).read_bytes()
+
+
+def with_kernel(model: Model, target: Target, file: str, content: dict[str, bytes], *flags: str) -> bytes:
+    """Return a shared library that contains and exports the kernel of a model.
+
+    Args:
+        model: the model.
+        target: the platform.
+        file: name of the library.
+        content: further files by name (link).
+        flags: additional flags of the compiler.
+    """
+    entry = {Path(path).name: text for path, text in sources("compiling/*.[ch]").items()}
+    own = entry | {"kernel.o": object_file(model, target)}
+    return link(target, file, own | content, f"-DKERNEL={model.symbol}", *flags)
+
+
+def kernel_library(model: Model) -> Path:
+    """Return the shared library of a kernel alone, in the cache: the machine code of an FMU of this platform."""
+    target = here()
+    name = f"{model.name}-kernel-{target.label}{target.suffix}"
+    return kept(
+        name, dependencies(model), lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {})
+    )

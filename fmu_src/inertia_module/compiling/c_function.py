@@ -1,0 +1,350 @@
+"""A function of the kernel in C: statements, declarations and comments."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import re
+import textwrap
+import types
+
+from .c_expression import PRIMARY, RELATION, Expression, Expressions, Kernel, variable_name
+from .c_types import DOUBLE, INT, VOID, Array, Record, TupleType, Type, common_type, declaration
+from .evaluation_order import Memory, check_order
+from .python_source import LOCAL, Comment, Scope, reads, source_file, stored_names
+
+WIDTH = 110
+INDENT = "    "
+# nested blocks of a statement, from the outside inwards
+Path = tuple[int, ...]
+
+
+def wrapped(line: str) -> list[str]:
+    """Break a long line of C at spaces."""
+    indent = " " * (len(line) - len(line.lstrip()))
+    return textwrap.wrap(
+        line.strip(), WIDTH, initial_indent=indent, subsequent_indent=indent + 2 * INDENT,
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
+
+
+class Declarations:
+    """Where the variables of a function are declared in C.
+
+    A variable is declared by its first assignment if all of its uses are in the same block or further inside;
+    otherwise at the top of the function.
+
+    Attributes:
+        by_statement: names of the variables that a statement declares.
+        at_top: names of the other variables.
+    """
+
+    def __init__(self, scope: Scope) -> None:
+        self.by_statement: dict[ast.stmt, set[str]] = {}
+        self.at_top: list[str] = []
+        self._uses: dict[str, list[tuple[Path, ast.stmt]]] = {}
+        self._names = scope.local - set(scope.parameters) - {"_"}
+        self._collect(scope.tree.body, ())
+        for name, uses in self._uses.items():
+            first_path, first = uses[0]
+            is_inside = all(path[: len(first_path)] == first_path for path, _ in uses)
+            is_assigned = isinstance(first, ast.Assign) and not reads(first.value, name)
+            if is_inside and (isinstance(first, ast.For) or is_assigned):
+                self.by_statement.setdefault(first, set()).add(name)
+            else:
+                self.at_top.append(name)
+
+    def _add_uses(self, node: ast.AST, path: Path, statement: ast.stmt) -> None:
+        for part in ast.walk(node):
+            if isinstance(part, ast.Name) and part.id in self._names:
+                self._uses.setdefault(part.id, []).append((path, statement))
+
+    def _collect(self, statements: list[ast.stmt], path: Path) -> None:
+        for statement in statements:
+            if isinstance(statement, ast.If | ast.While):
+                self._add_uses(statement.test, path, statement)
+                self._collect(statement.body, (*path, id(statement.body)))
+                self._collect(statement.orelse, (*path, id(statement.orelse)))
+            elif isinstance(statement, ast.For):
+                self._add_uses(statement.iter, path, statement)
+                self._add_uses(statement.target, (*path, id(statement.body)), statement)
+                self._collect(statement.body, (*path, id(statement.body)))
+            else:
+                self._add_uses(statement, path, statement)
+
+
+class FunctionTranslator:
+    """Translates one function for certain types of its arguments.
+
+    Args:
+        kernel: definitions that all functions share.
+        function: the function.
+        arguments: types of its arguments.
+
+    Attributes:
+        result: type of its result; None if it returns nothing.
+    """
+
+    def __init__(self, kernel: Kernel, function: types.FunctionType, arguments: tuple[Type, ...]) -> None:
+        self.scope = Scope(function)
+        self.kernel = kernel
+        self.comments: dict[int, Comment] = source_file(function.__module__).comments
+        self.result: Type = None
+        signature = self.scope.tree.args
+        if signature.defaults or signature.vararg or signature.kwarg or signature.kwonlyargs:
+            raise self.scope.reject(self.scope.tree, f"{function.__name__} must have plain arguments")
+        self.variables: dict[str, Type] = dict(zip(self.scope.parameters, arguments, strict=True))
+        self.expressions = Expressions(kernel, self.scope, self.variables)
+        self.declarations = Declarations(self.scope)
+
+    def translate(self, storage: str, name: str) -> str:
+        """Return the text of the function in C.
+
+        Args:
+            storage: storage class.
+            name: name of the function in C.
+        """
+        tree = self.scope.tree
+        docstring = ast.get_docstring(tree)
+        statements = tree.body[1:] if docstring else tree.body
+        types_before: object = None
+        while types_before != (types_before := (dict(self.variables), self.result)):
+            self.lines: list[str] = []
+            self.depth, self.last_line = 1, statements[0].lineno - 1
+            self.numbers = itertools.count(1)
+            self._block(statements)
+        body = "\n".join(self.lines)
+        top = [
+            f"{INDENT}(void){variable_name(one)};"
+            for one in self.scope.parameters
+            if not re.search(rf"\b{variable_name(one)}\b", body)
+        ]
+        top += [
+            f"{INDENT}{declaration(self.variables[one], variable_name(one))};" for one in self.declarations.at_top
+        ]
+        parameters = [declaration(self.variables[one], variable_name(one)) for one in self.scope.parameters]
+        head = declaration(self.result or VOID, f"{name}({', '.join(parameters)})")
+        return "\n".join([*_comment(docstring), *wrapped(f"{storage} {head}"), "{", *top, *self.lines, "}", ""])
+
+    def _put(self, text: str) -> None:
+        self.lines += wrapped(INDENT * self.depth + text)
+
+    def _new_name(self, stem: str) -> str:
+        return next(name for name in (f"{stem}{n}" for n in self.numbers) if name not in self.scope.local)
+
+    def _block(self, statements: list[ast.stmt]) -> None:
+        for statement in statements:
+            self._put_comments(statement.lineno)
+            own = self.comments.get(statement.lineno)
+            if own is not None:
+                self._put(f"/* {own.text} */")
+            self.last_line = statement.lineno
+            method = getattr(self, f"_{type(statement).__name__.lower()}", None)
+            if method is None or getattr(statement, "orelse", None) and not isinstance(statement, ast.If):
+                text = ast.unparse(statement).splitlines()[0]
+                raise self.scope.reject(statement, f"{text} is outside the language of the kernel")
+            if not isinstance(statement, ast.If | ast.While | ast.For):
+                check_order(self.scope, statement)
+            try:
+                method(statement)
+            except TypeError as error:
+                raise self.scope.reject(statement, str(error)) from None
+            if not isinstance(statement, ast.If | ast.While | ast.For):
+                self.last_line = statement.end_lineno or statement.lineno
+
+    def _put_comments(self, line: int) -> None:
+        """Put the comments that stand alone between the last statement and a line."""
+        for number in range(self.last_line + 1, line):
+            comment = self.comments.get(number)
+            if comment is not None and comment.is_alone:
+                self._put(f"/* {comment.text} */")
+
+    def _inner_block(self, statements: list[ast.stmt]) -> None:
+        self.depth += 1
+        self._block(statements)
+        self.depth -= 1
+
+    def _pass(self, statement: ast.Pass) -> None:
+        """Put nothing."""
+
+    def _break(self, statement: ast.Break) -> None:
+        self._put("break;")
+
+    def _continue(self, statement: ast.Continue) -> None:
+        self._put("continue;")
+
+    def _expr(self, statement: ast.Expr) -> None:
+        if not isinstance(statement.value, ast.Call):
+            raise self.scope.reject(statement, f"{ast.unparse(statement)} has no effect")
+        self._put(f"{self.expressions.translate(statement.value).text};")
+
+    def _return(self, statement: ast.Return) -> None:
+        if statement.value is None:
+            return self._put("return;")
+        value = self.expressions.translate(statement.value)
+        self.result = common_type(self.result, value.type)
+        if isinstance(statement.value, ast.Tuple):  # of the type that all returns share
+            value = self.expressions.literal_tuple(statement.value, self.result)
+        return self._put(f"return {value.value};")
+
+    def _condition(self, node: ast.expr) -> str:
+        check_order(self.scope, node)
+        return self.expressions.scalar(node).text
+
+    def _if(self, statement: ast.If, word: str = "if") -> None:
+        self._put(f"{word} ({self._condition(statement.test)}) {{")
+        self._inner_block(statement.body)
+        match statement.orelse:
+            case [ast.If() as nested] if nested.col_offset == statement.col_offset:  # elif
+                return self._if(nested, "} else if")
+            case [_, *_]:
+                self._put("} else {")
+                self._inner_block(statement.orelse)
+        return self._put("}")
+
+    def _while(self, statement: ast.While) -> None:
+        self._put(f"while ({self._condition(statement.test)}) {{")
+        self._inner_block(statement.body)
+        self._put("}")
+
+    def _for(self, statement: ast.For) -> None:
+        call, target = statement.iter, statement.target
+        is_range = isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "range"
+        if not (is_range and isinstance(call, ast.Call) and isinstance(target, ast.Name)):
+            raise self.scope.reject(statement, "a loop must be of the form: for name in range(...)")
+        check_order(self.scope, call)
+        bounds = [self.expressions.scalar(bound) for bound in call.args]
+        start = bounds[0].text if len(bounds) > 1 else "0"
+        end, end_node = (bounds[1], call.args[1]) if len(bounds) > 1 else (bounds[0], call.args[0])
+        step = self._constant_step(call)
+        end_text = end.within(RELATION + 1)
+        if self._may_change(end_node, statement.body):
+            end_text = self._new_name("end")
+            self._put(f"const int64_t {end_text} = {end.text};")
+        self.variables[target.id] = common_type(self.variables.get(target.id), INT)
+        name = variable_name(target.id)
+        is_declared = target.id in self.declarations.by_statement.get(statement, ())
+        # a variable that is used after the loop keeps its last value, as in Python
+        is_counter = is_declared and target.id not in stored_names(*statement.body)
+        counter = name if is_counter else self._new_name("n")
+        relation = "<" if step > 0 else ">"
+        move = f"{counter}{'++' if step == 1 else '--' if step == -1 else f' += {step}'}"
+        self._put(f"for (int64_t {counter} = {start}; {counter} {relation} {end_text}; {move}) {{")
+        if not is_counter and target.id != "_":
+            self._put(f"{INDENT}{'int64_t ' * is_declared}{name} = {counter};")
+        self._inner_block(statement.body)
+        self._put("}")
+
+    def _constant_step(self, call: ast.Call) -> int:
+        """Return the step of a range, a constant other than 0."""
+        if len(call.args) < 3:
+            return 1
+        node = call.args[2]
+        step = self.scope.look_up(node)
+        if step is LOCAL:
+            try:
+                step = ast.literal_eval(node)
+            except ValueError:
+                step = None
+        if not isinstance(step, int) or step == 0:
+            raise self.scope.reject(call, f"the step {ast.unparse(node)} must be an integer constant other than 0")
+        return step
+
+    def _may_change(self, bound: ast.expr, body: list[ast.stmt]) -> bool:
+        """Return True if the bound of a loop may change within it; Python evaluates it once."""
+        stored = set(stored_names(*body))
+        for part in ast.walk(bound):
+            if isinstance(part, ast.Call):
+                return not (isinstance(part.func, ast.Name) and part.func.id == "len" and part is bound)
+            if isinstance(part, Memory) and self.scope.look_up(part) is LOCAL:
+                return True
+            if isinstance(part, ast.Name) and part.id in stored:
+                return True
+        return False
+
+    def _augassign(self, statement: ast.AugAssign) -> None:
+        operation = ast.BinOp(_as_load(statement.target), statement.op, statement.value)
+        value = self.expressions.translate(ast.copy_location(operation, statement))
+        self._assign_value(statement.target, value, ())
+
+    def _assign(self, statement: ast.Assign) -> None:
+        declared = self.declarations.by_statement.get(statement, ())
+        value: ast.expr = statement.value
+        for target in statement.targets:
+            if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+                self._assign_items(statement, target, value, declared)
+            else:
+                self._assign_value(target, self.expressions.translate(value), declared)
+            if not isinstance(value, ast.Constant):
+                value = _as_load(target)  # in a = b = c: the second target takes the value of the first
+        return
+
+    def _assign_items(
+        self, statement: ast.Assign, target: ast.Tuple, value: ast.Tuple, declared: set[str] | tuple[()]
+    ) -> None:
+        """Assign a, b = c, d one after the other."""
+        if len(target.elts) != len(value.elts):
+            raise self.scope.reject(statement, f"{ast.unparse(statement)} must have as many values as targets")
+        for n, (item, item_value) in enumerate(zip(target.elts, value.elts, strict=True)):
+            if any(self._is_read(item, later) for later in value.elts[n + 1 :]):
+                text = f"{ast.unparse(statement)} must be several statements: a value reads an earlier target"
+                raise self.scope.reject(statement, text)
+            self._assign_value(item, self.expressions.translate(item_value), declared)
+
+    def _is_read(self, target: ast.expr, value: ast.expr) -> bool:
+        """Return True if a value may read a target."""
+        if isinstance(target, ast.Name):
+            return reads(value, target.id)
+        parts = list(ast.walk(value))
+        if any(isinstance(part, ast.Call) and self.scope.look_up(part.func) is not LOCAL
+               and isinstance(self.scope.look_up(part.func), types.FunctionType) for part in parts):  # fmt: skip
+            return True
+        if isinstance(target, ast.Attribute):
+            return any(isinstance(part, ast.Attribute) and part.attr == target.attr for part in parts)
+        return any(isinstance(part, ast.Subscript) for part in parts)
+
+    def _assign_value(self, target: ast.expr, value: Expression, declared: set[str] | tuple[()]) -> None:
+        """Assign a value to a variable, to a place in a record, or a tuple to several of them."""
+        if isinstance(target, ast.Tuple):
+            self._unpack(target, value, declared)
+        elif not isinstance(target, ast.Name):
+            place = self.expressions.translate(_as_load(target))
+            if isinstance(place.type, Array) or isinstance(value.type, Array | TupleType):
+                raise self.scope.reject(target, f"{ast.unparse(target)} must be assigned number by number")
+            text = f"*{value.text}" if isinstance(value.type, Record) and not value.is_embedded else value.text
+            self._put(f"{place.text} = {text};")
+        elif target.id != "_":
+            kind = common_type(self.variables.get(target.id), value.type)
+            self.variables[target.id] = kind
+            name = variable_name(target.id)
+            head = declaration(kind, name) if target.id in declared else name
+            self._put(f"{head} = {value.value};")
+
+    def _unpack(self, target: ast.Tuple, value: Expression, declared: set[str] | tuple[()]) -> None:
+        if not isinstance(value.type, TupleType) or len(value.type.items) != len(target.elts):
+            raise self.scope.reject(target, f"{ast.unparse(target)} must be assigned as many values")
+        name = self._new_name("result")
+        self._put(f"const {declaration(value.type, name)} = {value.text};")
+        for n, (item, kind) in enumerate(zip(target.elts, value.type.items, strict=True)):
+            self._assign_value(item, Expression(f"{name}.item{n}", PRIMARY, kind), declared)
+
+
+def _as_load(target: ast.expr) -> ast.expr:
+    """Return a target of an assignment as an expression that reads it."""
+    node = ast.parse(ast.unparse(target), mode="eval").body
+    for part in ast.walk(node):
+        ast.copy_location(part, target)
+    return node
+
+
+def _comment(docstring: str | None) -> list[str]:
+    """Return the lines of a docstring as a comment of C."""
+    if docstring is None:
+        return []
+    lines = docstring.replace("*/", "* /").splitlines()
+    if len(lines) == 1:
+        return [f"/* {lines[0]} */"]
+    return ["/*", *(f" * {line}".rstrip() for line in lines), " */"]
+
+
+__all__ = ["DOUBLE", "FunctionTranslator"]

@@ -1,0 +1,85 @@
+"""Rejects expressions whose value depends on the order in which C evaluates their operands.
+
+Python evaluates operands from left to right. C leaves the order open, but for `and`, `or` and `if ... else`.
+So an operand with a call that writes to a record must stand alone among operands that read one.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import types
+
+from .python_source import LOCAL, Scope, definition
+
+Memory = ast.Attribute | ast.Subscript
+
+
+@functools.cache
+def writes(function: types.FunctionType) -> bool:
+    """Return True if a function writes to a record or an array of its caller."""
+    scope = Scope(function)
+    return any(
+        (isinstance(node, Memory) and isinstance(node.ctx, ast.Store)) or calls_writer(scope, node)
+        for node in ast.walk(definition(function))
+    )
+
+
+def called_function(scope: Scope, node: ast.AST) -> types.FunctionType | None:
+    """Return the function of the kernel that a call calls; None if the node is no such call."""
+    function = scope.look_up(node.func) if isinstance(node, ast.Call) else None
+    return function if isinstance(function, types.FunctionType) else None
+
+
+def calls_writer(scope: Scope, node: ast.AST) -> bool:
+    """Return True if a node is a call of a function that writes."""
+    function = called_function(scope, node)
+    return function is not None and writes(function)
+
+
+def contains_writer(scope: Scope, node: ast.AST) -> bool:
+    """Return True if an expression contains a call that writes."""
+    return any(calls_writer(scope, part) for part in ast.walk(node))
+
+
+def reads_memory(scope: Scope, node: ast.AST) -> bool:
+    """Return True if the value of an expression may depend on records or arrays."""
+    return any(
+        (isinstance(part, Memory) and scope.look_up(part) is LOCAL)
+        or (isinstance(part, ast.Call) and called_function(scope, part) is not None)
+        for part in ast.walk(node)
+    )
+
+
+def operands(node: ast.AST) -> list[ast.expr]:
+    """Return the parts of an expression or an assignment that C evaluates in any order."""
+    match node:
+        case ast.BinOp():
+            return [node.left, node.right]
+        case ast.Compare():
+            return [node.left, *node.comparators]
+        case ast.Call():
+            return [*node.args, *(keyword.value for keyword in node.keywords)]
+        case ast.Tuple():
+            return node.elts
+        case ast.Subscript():
+            return [node.value, node.slice]
+        case ast.AugAssign():
+            return [node.target, node.value]
+        case ast.Assign(targets=[ast.Subscript() as target]):
+            return [target.slice, node.value]
+    return []
+
+
+def check_order(scope: Scope, statement: ast.AST) -> None:
+    """Reject a statement whose result depends on the order of its operands.
+
+    Raises:
+        NotInLanguage: an operand writes to a record that another may read.
+    """
+    for node in ast.walk(statement):
+        parts = operands(node)
+        writers = [part for part in parts if contains_writer(scope, part)]
+        if writers and any(reads_memory(scope, part) for part in parts if part is not writers[0]):
+            call = ast.unparse(writers[0])
+            raise scope.reject(node, f"C may evaluate {call}, which writes to a record, before or after the rest")

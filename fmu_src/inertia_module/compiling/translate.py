@@ -1,0 +1,207 @@
+"""Translates a kernel from Python to one file of C99: the same names, the same operations in the same order.
+
+The kernel is a small part of Python, which this package defines:
+
+- Functions of modules with positional arguments. Each is translated once for each combination of argument types.
+- Numbers: `float` (double), `int` (int64_t), `bool`. Constants and tables (tuples of numbers) of modules.
+- Records of doubles, arrays and records (kernel.fields), and `numbers`, all doubles of a record in a row.
+- Tuples as results of functions and in assignments to as many names.
+- `if`, `while`, `for name in range(...)`, `break`, `continue`, `return`, assignments also with operators.
+- Arithmetic, comparisons, `and`, `or`, `not`, conditional expressions; `abs`, `max`, `min`, `int`, `float`,
+  `len`, and functions of `math` with the same name in C. Small powers are written as products.
+
+Everything else is rejected with file and line, also an expression that C may evaluate in another order
+(evaluation_order). Names of modules are looked up in the imported modules, so constants can be computed.
+
+Run: python -m inertia_module.compiling.translate InertiaModule > kernel.c
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import textwrap
+import types
+from collections.abc import Mapping
+from typing import Any
+
+from .. import kernel
+from ..contract.models import MODELS, Model
+from ..kernel import fields
+from . import CompilationUnavailable
+from .c_expression import HELPERS, PRIMARY, Expression
+from .c_function import INDENT, FunctionTranslator
+from .c_types import DOUBLE, INT, Array, Record, TupleType, Type, declaration, member_declaration, type_name
+
+# functions that each evaluation of the equations of motion calls: compilers take them for too long to inline
+INLINED = frozenset(
+    f"{kernel.__name__}.{name}"
+    for name in (
+        *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
+        *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
+        *("equations.choice.violation", "equations.choice.try_combination", "averaged.rates.look_up_input"),
+        *("equations.losses.outer_torques", "equations.losses.write_powers_lost"),
+        *("inertia.reduced_inertia", "layout.imbalance_at", "sine.sine_cosine", "sine.sines_cosines"),
+    )
+)
+RECORDS = ("parameters", "constants", "inputs", "state", "outputs", "workspace")
+HEAD = """\
+/* The kernel of {name}, translated from Python function by function. */
+#include "kernel.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+/* No fused multiplication and addition: all processors have to give the same results. */
+#if defined __clang__ || !defined __GNUC__
+#pragma STDC FP_CONTRACT OFF
+#else
+#pragma GCC optimize("-ffp-contract=off")
+#endif
+
+#if defined __GNUC__
+#define INLINED static inline __attribute__((always_inline))
+#else
+#define INLINED static inline
+#endif
+/* all doubles of a record in a row */
+#define NUMBERS(record) ((double *)(record))
+"""
+
+
+def c_name(module: str, name: str) -> str:
+    """Return the name in C of a function or a constant of a module of the kernel."""
+    folder = module.removeprefix(kernel.__name__).lstrip(".").replace(".", "_")
+    return f"{folder.upper() if name.isupper() else folder}_{name}".lstrip("_")
+
+
+class KernelTranslator:
+    """All definitions of one kernel in C, in the order in which they need each other.
+
+    Args:
+        record_names: names of records by the identity of their lists of fields.
+    """
+
+    def __init__(self, record_names: Mapping[int, str]) -> None:
+        self.record_names = record_names
+        self.records: dict[Any, Record] = {}
+        self.structs: dict[str, str] = {}
+        self.constants: dict[str, str] = {}
+        self.functions: dict[str, str] = {}
+        self.translations: dict[tuple[types.FunctionType, tuple[Type, ...]], tuple[str, Type]] = {}
+        self.open: list[types.FunctionType] = []
+
+    def record(self, field_list: Any) -> Record:
+        """Return the record with a list of fields (contract.records)."""
+        if field_list not in self.records:
+            members: dict[str, Type] = {}
+            size = 0
+            for field in field_list:
+                name, kind, *count = (field, None) if isinstance(field, str) else field
+                element = DOUBLE if kind is None or isinstance(kind, int) else self.record(kind)
+                length = kind if isinstance(kind, int) else count[0] if count else None
+                members[name] = element if length is None else Array(element, length)
+                size += (1 if isinstance(element, str) else element.size) * (1 if length is None else length)
+            record = Record(f"kernel_{self.record_names[id(field_list)]}", members, size)
+            lines = [f"{INDENT}{member_declaration(kind, name)};" for name, kind in members.items()]
+            self.structs[record.name] = "\n".join([f"struct {record.name} {{", *lines, "};", ""])
+            self.records[field_list] = record
+        return self.records[field_list]
+
+    def tuple_name(self, kind: TupleType) -> str:
+        """Return the name of the struct of a tuple."""
+        name = type_name(kind)
+        if name not in self.structs and None not in kind.items:
+            members = " ".join(f"{declaration(item, f'item{n}')};" for n, item in enumerate(kind.items))
+            self.structs[name] = f"typedef struct {{ {members} }} {name};\n"
+        return name
+
+    def constant(self, module: str, name: str, value: Any) -> Expression:
+        """Return a constant or a table of a module.
+
+        Args:
+            module: module that defines it.
+            name: its name there.
+            value: a number, or a tuple of numbers.
+        """
+        symbol = c_name(module, name)
+        numbers = value if isinstance(value, tuple) else (value,)
+        if not all(type(number) in (int, float) for number in numbers):
+            raise CompilationUnavailable(f"{module}.{name} must be a number or a table of numbers (got {value!r})")
+        kind = INT if all(type(number) is int for number in numbers) else DOUBLE
+        if not isinstance(value, tuple):
+            self.constants[symbol] = f"#define {symbol} {value!r}" if value >= 0 else f"#define {symbol} ({value!r})"
+            return Expression(symbol, PRIMARY, kind)
+        rows = textwrap.fill(", ".join(map(repr, value)), 106, initial_indent=INDENT, subsequent_indent=INDENT)
+        self.constants[symbol] = f"static const {kind} {symbol}[{len(value)}] = {{\n{rows}\n}};"
+        return Expression(symbol, PRIMARY, Array(kind, len(value), is_constant=True))
+
+    def call(self, function: types.FunctionType, arguments: tuple[Type, ...]) -> tuple[str, Type]:
+        """Return the name of a function in C, and the type of its result.
+
+        Args:
+            function: the function.
+            arguments: types of its arguments.
+        """
+        key = function, arguments
+        if None in arguments:  # not known before the next pass
+            return c_name(function.__module__, function.__name__), None
+        if key not in self.translations:
+            if function in self.open:
+                raise CompilationUnavailable(f"{function.__module__}.{function.__name__} must not call itself")
+            self.open.append(function)
+            qualified = f"{function.__module__}.{function.__name__}"
+            translator = FunctionTranslator(self, function, arguments)
+            text = translator.translate("INLINED" if qualified in INLINED else "static", "@NAME@")
+            self.translations[key] = self._add_function(function, text), translator.result
+            self.open.pop()
+        return self.translations[key]
+
+    def _add_function(self, function: types.FunctionType, text: str) -> str:
+        """Add a function, unless its text is there for other types; return its name."""
+        stem = c_name(function.__module__, function.__name__)
+        for number in range(1, len(self.functions) + 2):
+            name = stem if number == 1 else f"{stem}_{number}"
+            named = text.replace("@NAME@", name, 1)
+            if self.functions.setdefault(name, named) == named:
+                break
+        return name
+
+
+def translate(model: Model) -> str:
+    """Return the kernel of a model as a file of C99, whose entry is the macro KERNEL (compiling/kernel.h).
+
+    Raises:
+        NotInLanguage: the kernel has a construct outside its language.
+    """
+    names = {id(value): name.lower() for name, value in vars(fields).items() if isinstance(value, tuple)}
+    names |= {id(value): name for name, value in zip(RECORDS, model.records, strict=True)}
+    translator = KernelTranslator(_names_of_inner_records(model.records, names))
+    records = [translator.record(record) for record in model.records]
+    entry, _ = translator.call(model.call, (INT, *records, DOUBLE))  # type: ignore[arg-type]
+    arguments = ", ".join(f"(struct {record.name} *){one}" for record, one in zip(records, "pduxyw", strict=True))
+    body = "\n".join(translator.functions.values())
+    helpers = [f"static inline {text}\n" for name, text in HELPERS.items() if re.search(rf"\b{name}\(", body)]
+    parts = [HEAD.format(name=model.name), *helpers, *translator.constants.values(), "", *translator.structs.values()]
+    parameters = ", ".join(f"double *{one}" for one in "pduxyw")
+    parts += [
+        body,
+        f"int64_t KERNEL(int64_t operation, {parameters}, double h)",
+        f"{{\n{INDENT}return {entry}(operation, {arguments}, h);\n}}\n",
+    ]
+    return "\n".join(parts)
+
+
+def _names_of_inner_records(records: tuple[Any, ...], names: dict[int, str]) -> dict[int, str]:
+    """Add names for records that only another record names: the name of the field."""
+    for record in records:
+        for field in record:
+            if not isinstance(field, str) and not isinstance(field[1], int):
+                names.setdefault(id(field[1]), field[0])
+                _names_of_inner_records((field[1],), names)
+    return names
+
+
+if __name__ == "__main__":
+    sys.stdout.write(translate(MODELS[sys.argv[1]]))
