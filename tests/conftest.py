@@ -23,8 +23,8 @@ def compiled():
     """The fast kernel, for what would take the plain one too long."""
     if ONLY_PLAIN:
         return "plain"
-    if importlib.util.find_spec("numba") is None:
-        pytest.skip("numba is not installed")
+    if importlib.util.find_spec("ziglang") is None:
+        pytest.skip("ziglang is not installed")
     return "compiled"
 
 
@@ -65,7 +65,7 @@ def pytest_collection_modifyitems(items):
 
 def pytest_configure(config):
     """Compile the kernels once, before the workers start: each of them would do it for itself."""
-    if ONLY_PLAIN or importlib.util.find_spec("numba") is None or hasattr(config, "workerinput"):
+    if ONLY_PLAIN or importlib.util.find_spec("ziglang") is None or hasattr(config, "workerinput"):
         return
     from inertia_module.compiling.load import load
     from inertia_module.contract.models import MODELS

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from inertia_module.compiling.linking import COMPILER
+from inertia_module.compiling.tools import ZIG
 from inertia_module.fmu.linking import header_folder
 from studies.benchmarks.figures import R1, in_turns
 
@@ -40,7 +40,7 @@ class Library(NamedTuple):
 
 
 def compile_c(source, target, *options):
-    command = [*COMPILER, "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
+    command = [*ZIG, "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
     files = ["-isystem", str(header_folder()), "-o", str(target), str(source)]
     subprocess.run([*command, *files, *options], check=True)
 

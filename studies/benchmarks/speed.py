@@ -18,7 +18,7 @@ from pathlib import Path
 from pythonfmu import FmuBuilder
 from rich.progress import track
 
-from inertia_module.compiling.linking import COMPILER
+from inertia_module.compiling.tools import ZIG
 from inertia_module.fidelity.trials import kernel_time, median_time
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
 from inertia_module.harness.fmu import Fmu
@@ -63,7 +63,7 @@ def structure(names):
 def by_hand(folder):
     """By the C library, as a function of the tolerance and the number of steps; it also tells the switches."""
     path = Path(folder) / "by_hand.so"
-    command = [*COMPILER, "cc", *FLAGS, "-shared", "-fPIC", str(HERE / "by_hand.c"), "-o", str(path), "-lm"]
+    command = [*ZIG, "cc", *FLAGS, "-shared", "-fPIC", str(HERE / "by_hand.c"), "-o", str(path), "-lm"]
     subprocess.run(command, check=True)
     library, derived = ctypes.CDLL(str(path)), Module("plain").start(**R1).derived
     constants = (getattr(derived, name) for name in CONSTANTS)

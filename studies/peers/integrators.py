@@ -1,17 +1,20 @@
 """Others' integrators over the module's equations: from event to event, or with clutches.
 
 SciPy's solve_ivp and odeint, and CVODE of SUNDIALS (scikit-sundae; Hindmarsh et al., ACM TOMS 31 (2005)). The
-equations are those of the independent reference without losses, compiled by numba: generous to the peers.
+equations are those of the independent reference without losses, compiled from C.
 The state is y = (q, omega2, omega3), rad and rad/s. Beside it go two arrays: numbers (see its places below)
 and the Fourier series of the virtual work on q, a row for each harmonic.
 """
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import itertools
 import math
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +22,8 @@ from scipy.integrate import odeint, solve_ivp
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.extras import library
+from inertia_module.compiling.c_compiler import link
+from inertia_module.compiling.targets import here
 from inertia_module.fidelity.trials import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.memory import Module
@@ -47,57 +52,37 @@ LOSSES = (
 
 @functools.cache
 def equations() -> tuple[Any, Any]:
-    """Compile the equations, once a process.
+    """Compile the equations (equations.c), once a process.
 
     Returns:
         rates: (t, y, numbers, series), of the state, in a new array.
         guard: (t, y, numbers, series, which), positive while the freewheel stays as it is.
 
     Raises:
-        NotInstalled: numba is not.
+        CompilationUnavailable: no C compiler is installed.
     """
-    jit = library("numba", "peers").njit(error_model="numpy")
+    source = Path(__file__).with_name("equations.c").read_bytes()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"equations{here().suffix}"
+        path.write_bytes(link(here(), path.name, {"equations.c": source}))
+        library = ctypes.CDLL(str(path))
+    pointers = [ctypes.c_void_p] * 3
+    library.rates.argtypes, library.rates.restype = [*pointers, ctypes.c_size_t, ctypes.c_void_p], None
+    library.guard.argtypes, library.guard.restype = (
+        [*pointers, ctypes.c_size_t, ctypes.c_int],
+        ctypes.c_double,
+    )
 
-    @jit  # type: ignore[untyped-decorator]
-    def link2(y, numbers, series, carried, torque):  # type: ignore[no-untyped-def]
-        """(alpha2 with what is carried against a torque, M2 with link 2 held)."""
-        omega1, k = numbers[SPEED], numbers[RATIO]
-        rate = k * (omega1 - y[1])
-        inertia = steady = 0.0
-        for row in series:
-            cosine, sine = math.cos(row[0] * y[0]), -math.sin(row[0] * y[0])
-            inertia += row[1] * cosine + row[5] * sine
-            steady += (row[2] * cosine + row[6] * sine) * omega1 * omega1
-            steady += (row[3] * cosine + row[7] * sine) * omega1 * rate
-            steady += (row[4] * cosine + row[8] * sine) * rate * rate
-        return (k * steady - torque) / (numbers[INERTIA2] + carried - k * inertia), k * steady
+    def address(array: Array) -> int:
+        return int(array.__array_interface__["data"][0])
 
-    @jit  # type: ignore[untyped-decorator]
-    def rates(t, y, numbers, series):  # type: ignore[no-untyped-def]
-        load, shaft, stiffness = numbers[LOAD], numbers[INERTIA3], numbers[STIFFNESS]
-        result = np.zeros(3)
-        result[0] = numbers[RATIO] * (numbers[SPEED] - y[1])
-        if stiffness > 0.0:
-            clutch = stiffness * max(0.0, y[1] - y[2])
-            result[1] = link2(y, numbers, series, 0.0, clutch - stiffness * max(0.0, -y[1]))[0]
-            result[2] = (clutch - load) / shaft
-            return result
-        closed = numbers[OUTPUT] != 0.0
-        if numbers[HOUSING] == 0.0:
-            result[1] = link2(y, numbers, series, shaft * closed, load * closed)[0]
-        result[2] = result[1] if closed else -load / shaft
+    def rates(t: float, y: Array, numbers: Array, series: Array) -> Array:
+        result = np.empty(3)
+        library.rates(address(y), address(numbers), address(series), len(series), address(result))
         return result
 
-    @jit  # type: ignore[untyped-decorator]
-    def guard(t, y, numbers, series, which):  # type: ignore[no-untyped-def]
-        if numbers[STIFFNESS] > 0.0 or numbers[2 + which] == 0.0:
-            return 1.0
-        if numbers[which] == 0.0:
-            return y[1] if which == HOUSING else y[2] - y[1]
-        if which == OUTPUT:
-            return numbers[LOAD] + numbers[INERTIA3] * rates(t, y, numbers, series)[1]
-        carried = numbers[LOAD] if numbers[OUTPUT] != 0.0 else 0.0
-        return carried - link2(y, numbers, series, 0.0, 0.0)[1]
+    def guard(t: float, y: Array, numbers: Array, series: Array, which: int) -> float:
+        return float(library.guard(address(y), address(numbers), address(series), len(series), which))
 
     return rates, guard
 

@@ -10,7 +10,7 @@ import lief
 import pytest
 
 from inertia_module import __version__
-from inertia_module.compiling.linking import with_kernel
+from inertia_module.compiling.c_compiler import with_kernel
 from inertia_module.compiling.targets import TARGETS
 from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU

@@ -48,7 +48,7 @@ def drive(path, blocked=(), **environment):
 def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_to(fmu_path, tmp_path):
     """On a host with no compiler, in a folder of any name, with the same bits."""
     cache = tmp_path / "cache"
-    expected = drive(fmu_path, ("numba", "llvmlite", "ziglang"), INERTIA_MODULE_CACHE=str(cache))
+    expected = drive(fmu_path, ("ziglang",), INERTIA_MODULE_CACHE=str(cache))
     assert expected[0] == "the kernel is compiled"
     assert [folder.name for folder in cache.iterdir()] == ["unpacked"]
     plain = drive(fmu_path, INERTIA_MODULE_KERNEL="plain")

@@ -11,8 +11,9 @@ import pytest
 
 from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.compiling import CompilationUnavailable
-from inertia_module.compiling.linking import WARNINGS, object_file, run_tool
+from inertia_module.compiling.c_compiler import WARNINGS, object_file
 from inertia_module.compiling.targets import LINUX64
+from inertia_module.compiling.tools import ZIG, run_tool
 from inertia_module.fmu import builder
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder, shell_sources
 from inertia_module.fmu.tables import generated
@@ -73,7 +74,7 @@ class Workshop:
         """Options of every compilation: language, warnings as errors, headers, name of the kernel."""
         headers = [f"-I{folder}" for folder in (SHELL_FOLDER, WITH_KERNEL, SOURCES, self.folder)]
         symbol = f"-DKERNEL={self.fmu.model.symbol}"
-        return ["-std=c99", "-O1", *WARNINGS, *headers, "-isystem", str(header_folder()), symbol]
+        return ["-std=c99", "-O1", *WARNINGS, "-Werror", *headers, "-isystem", str(header_folder()), symbol]
 
     def all_sources(self, *names):
         """Paths of C files of the tests, then those of the shell and the tables.
@@ -113,7 +114,7 @@ class Workshop:
         """A program for a target, by the C compiler that comes with ziglang; C files are of the tests."""
         words = [str(SOURCES / word) if word.endswith(".c") else word for word in arguments]
         given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all", "tables.c", *words]
-        run_tool("cc", [*given, *target.libraries, "-o", program], self.folder)
+        run_tool([*ZIG, "cc", *given, *target.libraries, "-o", program], self.folder)
         return self.folder / program
 
 

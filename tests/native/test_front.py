@@ -5,8 +5,9 @@ import subprocess
 
 import pytest
 
-from inertia_module.compiling import linking
+from inertia_module.compiling import c_compiler
 from inertia_module.compiling.targets import LINUX64, WIN64
+from inertia_module.compiling.tools import ZIG, run_tool
 from inertia_module.fmu.linking import header_folder
 
 from ..fmu.test_binaries import glibc_versions, read, required_by
@@ -77,11 +78,18 @@ def run_at(binary_folder, tmp_path_factory, windows):
     )
 
     def build(file, *flags):
-        own = linking.windows_arguments(WIN64, folder)
-        system = linking.import_library(WIN64, folder, "kernel32.dll", names)
-        given = ["-target", WIN64.compiler, *linking.FLAGS, "-isystem", str(header_folder())]
+        own = [*c_compiler.windows_headers(), c_compiler.windows_runtime(WIN64, folder)]
+        system = c_compiler.import_library(WIN64, folder, "kernel32.dll", names)
+        given = [
+            "-target",
+            WIN64.compiler,
+            *c_compiler.FLAGS,
+            "-fno-sanitize=all",
+            "-isystem",
+            str(header_folder()),
+        ]
         source = str(SOURCES / "windows_pythonfmu.c")
-        linking.run_tool("cc", [*given, *flags, "-Wl,-e,begin", source, "-o", file, *own, system], folder)
+        run_tool([*ZIG, "cc", *given, *flags, "-Wl,-e,begin", source, "-o", file, *own, system], folder)
         return folder / file
 
     stubs = " ".join(f"STUB({name})" for name in sorted(required_by(2) - {"fmi2Instantiate"}))

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scenes import PLANAR
 
-from inertia_module.compiling.linking import import_library, run_tool, windows_arguments
+from inertia_module.compiling.c_compiler import import_library, windows_headers, windows_runtime
 from inertia_module.compiling.targets import LINUX_ARM, WIN64
+from inertia_module.compiling.tools import ZIG, run_tool
 from inertia_module.contract.variables import REAL
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder
 from inertia_module.fmu.native_fmu import SOURCE, library, source_files
@@ -131,7 +132,7 @@ def for_windows(workshop, _):
     functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
     system = import_library(WIN64, workshop.folder, "kernel32.dll", functions)
     files = ("scenes.c", str(WITH_KERNEL / "windows.c"))
-    own = windows_arguments(WIN64, workshop.folder)
+    own = [*windows_headers(), windows_runtime(WIN64, workshop.folder)]
     return workshop.cross(WIN64, "scenes.exe", "-Wl,-e,begin", *files, *own, system)
 
 
@@ -173,7 +174,9 @@ def test_the_sources_compute_the_same_on_any_processor(
     files = [SOURCE, "tables.c", str(SOURCES / "scenes.c")]
     headers = [f"-I{folder}" for folder in (".", SHELL_FOLDER, WITH_KERNEL)]
     given = ["-target", OTHERS[processor], "-static", "-std=c99", "-O1", "-fno-sanitize=all"]
-    run_tool("cc", [*given, *headers, "-isystem", str(header_folder()), *files, "-o", "scenes"], tmp_path)
+    run_tool(
+        [*ZIG, "cc", *given, *headers, "-isystem", str(header_folder()), *files, "-o", "scenes"], tmp_path
+    )
     found = deviations(identifier, opened, run([emulator, tmp_path / "scenes"]))
     record_testsuite_property(f"deviations of the sources of {identifier} on {processor}", found)
     assert max(found.values()) < RELATIVE, found

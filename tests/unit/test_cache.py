@@ -1,15 +1,14 @@
 """Files of the cache: one that is cut, empty or of another program is not used, and made again."""
 
-import lzma
-import subprocess
-from pathlib import Path
+import ctypes
+import shutil
 
 import pytest
 
 from inertia_module.common import files
-from inertia_module.compiling import ir, linking
-from inertia_module.compiling.targets import LINUX64
-from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.compiling import CompilationUnavailable, c_compiler
+from inertia_module.compiling.targets import LINUX64, TARGETS, here
+from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
 
@@ -86,26 +85,38 @@ def test_a_cache_folder_that_cannot_be_written_is_an_error_before_anything_is_ma
     assert not made
 
 
-def test_text_objects_and_libraries_are_checked_before_they_go_into_an_fmu(cache, monkeypatch):
-    def translate(command, **_):
-        Path(command[-1]).write_bytes(lzma.compress(b"text"))
-        return subprocess.CompletedProcess(command, 0)
+def test_objects_and_libraries_are_checked_before_they_go_into_an_fmu(cache, monkeypatch):
+    def compiled(target, arguments, folder):
+        (folder / arguments[-1]).write_bytes(b"object")
 
     def build():
         return [
-            ir.llvm_text(DRIVEN_SHAFT),
-            linking.object_file(DRIVEN_SHAFT, LINUX64),
+            c_compiler.object_file(DRIVEN_SHAFT, LINUX64),
             native_fmu.library(SHAFT_FMU, "GUID", LINUX64, lambda stage: None),
         ]
 
-    monkeypatch.setattr(subprocess, "run", translate)
-    monkeypatch.setattr(linking, "compile_ir", lambda *_: b"object")
+    monkeypatch.setattr(c_compiler, "run_compiler", compiled)
     monkeypatch.setattr(native_fmu, "with_kernel", lambda *_: b"library")
     good = build()
-    assert good == ["text", b"object", b"library"]
-    assert ir.is_cached(DRIVEN_SHAFT)
-    assert not ir.is_cached(INERTIA_MODULE)
+    assert good == [b"object", b"library"]
     for path in cache.iterdir():
-        path.write_bytes(lzma.compress(b"of somebody else"))
-    assert not ir.is_cached(DRIVEN_SHAFT)
+        path.write_bytes(b"of somebody else")
     assert build() == good
+
+
+def test_another_compiler_makes_the_library_of_this_platform(cache, monkeypatch):
+    monkeypatch.setenv("INERTIA_MODULE_CC", "gcc")
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    path = c_compiler.kernel_library(DRIVEN_SHAFT)
+    assert path.parent == cache
+    assert ctypes.CDLL(str(path)).inertia_module_kernel
+    with pytest.raises(CompilationUnavailable, match="gcc compiles only for"):
+        c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != here()))
+
+
+def test_a_compiler_that_is_not_there_is_an_error_that_names_it(cache, monkeypatch):
+    monkeypatch.setenv("INERTIA_MODULE_CC", "no-such-compiler -O1")
+    expected = r"INERTIA_MODULE_CC must be the command of a C compiler \(got 'no-such-compiler -O1'\)"
+    with pytest.raises(CompilationUnavailable, match=expected):
+        c_compiler.kernel_library(DRIVEN_SHAFT)

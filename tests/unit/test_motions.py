@@ -7,8 +7,6 @@ import scenes
 from refused import assert_refused
 from scenes import ACCOUNTS, LEVELS, MEANS, MOTION, advanced, motions, passed, started
 
-from inertia_module.compiling.ir import llvm_text
-from inertia_module.contract.models import INERTIA_MODULE
 from inertia_module.kernel import codes
 from inertia_module.memory import DrivenShaft, Module
 
@@ -311,9 +309,3 @@ def test_both_kernels_give_the_same_motion_of_a_driven_shaft(compiled):
             model.set(hub_speed=20.0 * (n % 7 - 3), load_torque=n - 20.0)
             model.advance((1e-4, 0.01, 0.3, 20.0)[n % 4])
     assert_same(*(model.snapshot() for model in models))
-
-
-def test_compiled_kernel_counts_no_references(compiled):
-    # calls that count references of arrays made R1 slower by a fifth, with the same results
-    assert compiled == "compiled"
-    assert "NRT_" not in llvm_text(INERTIA_MODULE)

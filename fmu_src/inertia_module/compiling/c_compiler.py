@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import importlib
 import re
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ from ..common.files import kept, sources
 from ..contract.models import Model
 from . import CompilationUnavailable
 from .targets import WIN_ARM, Target, here
-from .tools import compiler, run_tool
+from .tools import ZIG, compiler, run_tool
 from .translate import translate
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
@@ -38,7 +37,11 @@ def kernel_source(model: Model) -> bytes:
 
 def dependencies(model: Model) -> dict[str, bytes]:
     """Return all that the machine code of a kernel depends on, besides the platform, by name."""
-    return model.source | sources("compiling/*.py", "compiling/*.[ch]", "contract/records.py") | compiler().version
+    return (
+        model.source
+        | sources("compiling/*.py", "compiling/*.[ch]", "contract/records.py")
+        | compiler().version
+    )
 
 
 def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None:
@@ -71,7 +74,7 @@ def object_file(model: Model, target: Target) -> bytes:
             (folder / "kernel.c").write_bytes(kernel_source(model))
             (folder / "kernel.h").write_bytes(sources("compiling/kernel.h")["compiling/kernel.h"])
             own = [] if target.system == "windows" else ["-fPIC"]
-            own += _windows_headers() if target.system == "windows" else []
+            own += windows_headers() if target.system == "windows" else []
             arguments = [f"-DKERNEL={model.symbol}", *own, "-c", "kernel.c", "-o", "kernel.o"]
             run_compiler(target, arguments, folder)
             return (folder / "kernel.o").read_bytes()
@@ -92,22 +95,23 @@ def import_library(target: Target, folder: Path, library: str, names: Sequence[s
     stem = library.removesuffix(".dll")
     (folder / f"{stem}.def").write_text("\n".join([f"LIBRARY {library}", "EXPORTS", *names, ""]))
     machine = "arm64" if target.folder == WIN_ARM.folder else "i386:x86-64"
-    dlltool = (sys.executable, "-m", "ziglang", "dlltool")
-    run_tool([*dlltool, "-m", machine, "-d", f"{stem}.def", "-l", f"{stem}.imports.a"], folder)
+    run_tool([*ZIG, "dlltool", "-m", machine, "-d", f"{stem}.def", "-l", f"{stem}.imports.a"], folder)
     return f"{stem}.imports.a"
 
 
-def _windows_headers() -> list[str]:
+def windows_headers() -> list[str]:
     """Return the flags for the headers of Windows.
 
     Without them the compiler would first build the whole of its C library for Windows: some minutes.
     """
     zig = Path(str(importlib.import_module("ziglang").__file__)).parent
     headers = zig / "lib" / "libc" / "include" / "any-windows-any"
-    return ["-nostdlib", "-mno-stack-arg-probe", "-isystem", str(headers)]
+    # Windows has no sincos, which LLVM would make of sin and cos
+    own = ("-nostdlib", "-mno-stack-arg-probe", "-fno-builtin-sin", "-fno-builtin-cos")
+    return [*own, "-isystem", str(headers)]
 
 
-def _windows_runtime(target: Target, folder: Path) -> str:
+def windows_runtime(target: Target, folder: Path) -> str:
     """Make the import library of the C runtime of Windows; return the name of its file."""
     # of the mathematics those that the kernel names, and those of ** and %
     kernel = b"".join(sources("kernel/**/*.py").values()).decode()
@@ -140,7 +144,7 @@ def link(
             (folder / path).write_bytes(text)
         kind, own = ["-shared", "-fPIC", STACK_PROTECTOR], [*target.libraries]
         if target.system == "windows":
-            kind, own = ["-shared"], [*_windows_headers(), _windows_runtime(target, folder)]
+            kind, own = ["-shared"], [*windows_headers(), windows_runtime(target, folder)]
             own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
         elif target.system == "wasi":
             kind = ["-mexec-model=reactor"]
@@ -165,7 +169,7 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
 
 
 def kernel_library(model: Model) -> Path:
-    """Return the shared library of a kernel alone, in the cache: the machine code of an FMU of this platform."""
+    """Return the path of the shared library of a kernel alone, for this platform, in the cache."""
     target = here()
     name = f"{model.name}-kernel-{target.label}{target.suffix}"
     return kept(

@@ -8,7 +8,7 @@ import types
 from typing import NamedTuple, Protocol
 
 from .c_types import BOOL, DOUBLE, INT, SCALARS, Array, Record, TupleType, Type, common_type, type_name
-from .python_source import LOCAL, NotInLanguage, Scope
+from .python_source import NotInLanguage, Scope
 
 # how strongly an operator of C binds its operands
 TERNARY, OR, AND, BIT_AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, PRIMARY = range(10)
@@ -35,10 +35,12 @@ MATH_FUNCTIONS = {
 }
 MATH_CONSTANTS = {math.inf: "INFINITY"}
 # words that C does not accept as names of variables, and functions that a variable would hide
-RESERVED = frozenset(
-    "auto bool case char const default do double enum extern false float goto inline int long register restrict"
-    " short signed sizeof static struct switch true typedef union unsigned void volatile pow".split()
-) | frozenset(MATH_FUNCTIONS)
+RESERVED = frozenset(MATH_FUNCTIONS) | frozenset(
+    """
+    auto bool case char const default do double enum extern false float goto inline int long register restrict
+    short signed sizeof static struct switch true typedef union unsigned void volatile pow
+    """.split()  # noqa: SIM905 (a list of 28 strings is a line each)
+)
 # operations of Python that C has no operator for
 HELPERS = {
     "larger": "double larger(double a, double b)\n{\n    return b > a ? b : a;\n}",
@@ -122,6 +124,9 @@ class Expressions:
         if isinstance(node, ast.Attribute) and self.scope.look_up(node.value) is math:
             return Expression(MATH_CONSTANTS.get(value, repr(value)), PRIMARY, DOUBLE)
         if isinstance(value, int | float | tuple) and isinstance(node, ast.Name | ast.Attribute):
+            numbers = value if isinstance(value, tuple) else (value,)
+            if not all(type(number) in (int, float) for number in numbers):
+                raise self.scope.reject(node, f"{ast.unparse(node)} must be a number or a table of numbers")
             return self.kernel.constant(*self.scope.origin(node), value)
         method = getattr(self, f"_{type(node).__name__.lower()}", None)
         if method is None:
@@ -133,7 +138,9 @@ class Expressions:
         """Translate an expression whose value must be a number or a truth value."""
         expression = self.translate(node)
         if expression.type is not None and expression.type not in SCALARS:
-            raise self.scope.reject(node, f"{ast.unparse(node)} must be a number (got {type_name(expression.type)})")
+            raise self.scope.reject(
+                node, f"{ast.unparse(node)} must be a number (got {type_name(expression.type)})"
+            )
         return expression
 
     def literal_tuple(self, node: ast.Tuple, kind: Type = None) -> Expression:
@@ -179,7 +186,9 @@ class Expressions:
     def _subscript(self, node: ast.Subscript) -> Expression:
         base, index = self.translate(node.value), self.translate(node.slice)
         if isinstance(base.type, TupleType) and index.text.isdecimal():
-            return Expression(f"{base.within(PRIMARY)}.item{index.text}", PRIMARY, base.type.items[int(index.text)])
+            return Expression(
+                f"{base.within(PRIMARY)}.item{index.text}", PRIMARY, base.type.items[int(index.text)]
+            )
         if not isinstance(base.type, Array):
             raise self.scope.reject(node, f"{ast.unparse(node.value)} must be an array or a table")
         if index.type not in (INT, BOOL, None) or isinstance(node.slice, ast.UnaryOp):
@@ -208,7 +217,9 @@ class Expressions:
             case ast.FloorDiv() if kind == INT:
                 return Expression(f"floor_divide({left.text}, {right.text})", PRIMARY, INT)
             case ast.Pow() if isinstance(node.right, ast.Constant) and isinstance(node.right.value, int):
-                raise self.scope.reject(node, f"write {ast.unparse(node)} as a product: pow of C rounds differently")
+                raise self.scope.reject(
+                    node, f"write {ast.unparse(node)} as a product: pow of C rounds differently"
+                )
             case ast.Pow():
                 return Expression(f"pow({left.text}, {right.text})", PRIMARY, DOUBLE)
         if type(node.op) not in ARITHMETIC:
@@ -244,7 +255,11 @@ class Expressions:
         return Expression(" && ".join(comparison.text for comparison in comparisons), AND, BOOL)
 
     def _ifexp(self, node: ast.IfExp) -> Expression:
-        condition, first, second = self.scalar(node.test), self.translate(node.body), self.translate(node.orelse)
+        condition, first, second = (
+            self.scalar(node.test),
+            self.translate(node.body),
+            self.translate(node.orelse),
+        )
         texts = [Expression(one.value, one.binding, None).within(TERNARY + 1) for one in (first, second)]
         kind = common_type(first.type, second.type)
         return Expression(f"{condition.within(TERNARY + 1)} ? {texts[0]} : {texts[1]}", TERNARY, kind)
@@ -270,7 +285,9 @@ class Expressions:
     ) -> Expression:
         if function.__code__.co_argcount != len(arguments):
             count = function.__code__.co_argcount
-            raise self.scope.reject(node, f"{function.__name__} must have {count} arguments (got {len(arguments)})")
+            raise self.scope.reject(
+                node, f"{function.__name__} must have {count} arguments (got {len(arguments)})"
+            )
         name, kind = self.kernel.call(function, tuple(argument.type for argument in arguments))
         return Expression(f"{name}({', '.join(argument.value for argument in arguments)})", PRIMARY, kind)
 

@@ -8,13 +8,14 @@ import re
 import textwrap
 import types
 
-from .c_expression import PRIMARY, RELATION, Expression, Expressions, Kernel, variable_name
+from .c_expression import ARITHMETIC, PRIMARY, RELATION, Expression, Expressions, Kernel, variable_name
 from .c_types import DOUBLE, INT, VOID, Array, Record, TupleType, Type, common_type, declaration
-from .evaluation_order import Memory, check_order
+from .evaluation_order import Memory, called_function, check_order
 from .python_source import LOCAL, Comment, Scope, reads, source_file, stored_names
 
 WIDTH = 110
 INDENT = "    "
+NO_BREAK = "\N{NO-BREAK SPACE}"
 # nested blocks of a statement, from the outside inwards
 Path = tuple[int, ...]
 
@@ -22,10 +23,16 @@ Path = tuple[int, ...]
 def wrapped(line: str) -> list[str]:
     """Break a long line of C at spaces."""
     indent = " " * (len(line) - len(line.lstrip()))
-    return textwrap.wrap(
+    lines = textwrap.wrap(
         line.strip(), WIDTH, initial_indent=indent, subsequent_indent=indent + 2 * INDENT,
         break_long_words=False, break_on_hyphens=False,
     )  # fmt: skip
+    return [part.replace(NO_BREAK, " ") for part in lines]
+
+
+def _unbroken(text: str) -> str:
+    """Return a text with spaces at which no line is broken."""
+    return text.replace(" ", NO_BREAK)
 
 
 class Declarations:
@@ -97,34 +104,42 @@ class FunctionTranslator:
         self.expressions = Expressions(kernel, self.scope, self.variables)
         self.declarations = Declarations(self.scope)
 
-    def translate(self, storage: str, name: str) -> str:
-        """Return the text of the function in C.
+    def translate(self) -> None:
+        """Translate the statements, until the types of all variables are known.
+
+        Raises:
+            NotInLanguage: a statement is outside the language of the kernel.
+        """
+        body = self.scope.tree.body
+        has_docstring = ast.get_docstring(self.scope.tree) is not None
+        types_before: object = None
+        while types_before != (types_before := (dict(self.variables), self.result)):
+            self.lines: list[str] = []
+            self.depth = 1
+            self.last_line = (body[0].end_lineno if has_docstring else None) or self.scope.tree.lineno
+            self.numbers = itertools.count(1)
+            self._block(body[1:] if has_docstring else body)
+
+    def text(self, storage: str, name: str) -> str:
+        """Return the text of the translated function.
 
         Args:
             storage: storage class.
             name: name of the function in C.
         """
-        tree = self.scope.tree
-        docstring = ast.get_docstring(tree)
-        statements = tree.body[1:] if docstring else tree.body
-        types_before: object = None
-        while types_before != (types_before := (dict(self.variables), self.result)):
-            self.lines: list[str] = []
-            self.depth, self.last_line = 1, statements[0].lineno - 1
-            self.numbers = itertools.count(1)
-            self._block(statements)
-        body = "\n".join(self.lines)
-        top = [
-            f"{INDENT}(void){variable_name(one)};"
-            for one in self.scope.parameters
-            if not re.search(rf"\b{variable_name(one)}\b", body)
-        ]
+        text = "\n".join(self.lines)
+        parameters = {variable_name(one): self.variables[one] for one in self.scope.parameters}
+        unused = [one for one in parameters if not re.search(rf"\b{one}\b", text)]
+        top = [f"{INDENT}(void){one};" for one in unused]
         top += [
-            f"{INDENT}{declaration(self.variables[one], variable_name(one))};" for one in self.declarations.at_top
+            f"{INDENT}{declaration(self.variables[one], variable_name(one))};"
+            for one in self.declarations.at_top
         ]
-        parameters = [declaration(self.variables[one], variable_name(one)) for one in self.scope.parameters]
-        head = declaration(self.result or VOID, f"{name}({', '.join(parameters)})")
-        return "\n".join([*_comment(docstring), *wrapped(f"{storage} {head}"), "{", *top, *self.lines, "}", ""])
+        arguments = ", ".join(_unbroken(declaration(kind, one)) for one, kind in parameters.items())
+        head = wrapped(f"{storage} {declaration(self.result or VOID, f'{name}({arguments})')}")
+        return "\n".join(
+            [*_comment(ast.get_docstring(self.scope.tree)), *head, "{", *top, *self.lines, "}", ""]
+        )
 
     def _put(self, text: str) -> None:
         self.lines += wrapped(INDENT * self.depth + text)
@@ -140,7 +155,7 @@ class FunctionTranslator:
                 self._put(f"/* {own.text} */")
             self.last_line = statement.lineno
             method = getattr(self, f"_{type(statement).__name__.lower()}", None)
-            if method is None or getattr(statement, "orelse", None) and not isinstance(statement, ast.If):
+            if method is None or (getattr(statement, "orelse", None) and not isinstance(statement, ast.If)):
                 text = ast.unparse(statement).splitlines()[0]
                 raise self.scope.reject(statement, f"{text} is outside the language of the kernel")
             if not isinstance(statement, ast.If | ast.While | ast.For):
@@ -247,7 +262,9 @@ class FunctionTranslator:
             except ValueError:
                 step = None
         if not isinstance(step, int) or step == 0:
-            raise self.scope.reject(call, f"the step {ast.unparse(node)} must be an integer constant other than 0")
+            raise self.scope.reject(
+                call, f"the step {ast.unparse(node)} must be an integer constant other than 0"
+            )
         return step
 
     def _may_change(self, bound: ast.expr, body: list[ast.stmt]) -> bool:
@@ -264,8 +281,13 @@ class FunctionTranslator:
 
     def _augassign(self, statement: ast.AugAssign) -> None:
         operation = ast.BinOp(_as_load(statement.target), statement.op, statement.value)
-        value = self.expressions.translate(ast.copy_location(operation, statement))
-        self._assign_value(statement.target, value, ())
+        result = self.expressions.translate(ast.copy_location(operation, statement))
+        target = self.expressions.translate(_as_load(statement.target))
+        operator = ARITHMETIC.get(type(statement.op))
+        if operator is not None and target.type == result.type:
+            self._put(f"{target.text} {operator[0]}= {self.expressions.scalar(statement.value).text};")
+        else:
+            self._assign_value(statement.target, result, ())
 
     def _assign(self, statement: ast.Assign) -> None:
         declared = self.declarations.by_statement.get(statement, ())
@@ -277,14 +299,15 @@ class FunctionTranslator:
                 self._assign_value(target, self.expressions.translate(value), declared)
             if not isinstance(value, ast.Constant):
                 value = _as_load(target)  # in a = b = c: the second target takes the value of the first
-        return
 
     def _assign_items(
         self, statement: ast.Assign, target: ast.Tuple, value: ast.Tuple, declared: set[str] | tuple[()]
     ) -> None:
         """Assign a, b = c, d one after the other."""
         if len(target.elts) != len(value.elts):
-            raise self.scope.reject(statement, f"{ast.unparse(statement)} must have as many values as targets")
+            raise self.scope.reject(
+                statement, f"{ast.unparse(statement)} must have as many values as targets"
+            )
         for n, (item, item_value) in enumerate(zip(target.elts, value.elts, strict=True)):
             if any(self._is_read(item, later) for later in value.elts[n + 1 :]):
                 text = f"{ast.unparse(statement)} must be several statements: a value reads an earlier target"
@@ -296,8 +319,7 @@ class FunctionTranslator:
         if isinstance(target, ast.Name):
             return reads(value, target.id)
         parts = list(ast.walk(value))
-        if any(isinstance(part, ast.Call) and self.scope.look_up(part.func) is not LOCAL
-               and isinstance(self.scope.look_up(part.func), types.FunctionType) for part in parts):  # fmt: skip
+        if any(called_function(self.scope, part) is not None for part in parts):
             return True
         if isinstance(target, ast.Attribute):
             return any(isinstance(part, ast.Attribute) and part.attr == target.attr for part in parts)
@@ -311,7 +333,9 @@ class FunctionTranslator:
             place = self.expressions.translate(_as_load(target))
             if isinstance(place.type, Array) or isinstance(value.type, Array | TupleType):
                 raise self.scope.reject(target, f"{ast.unparse(target)} must be assigned number by number")
-            text = f"*{value.text}" if isinstance(value.type, Record) and not value.is_embedded else value.text
+            text = (
+                f"*{value.text}" if isinstance(value.type, Record) and not value.is_embedded else value.text
+            )
             self._put(f"{place.text} = {text};")
         elif target.id != "_":
             kind = common_type(self.variables.get(target.id), value.type)
@@ -323,8 +347,10 @@ class FunctionTranslator:
     def _unpack(self, target: ast.Tuple, value: Expression, declared: set[str] | tuple[()]) -> None:
         if not isinstance(value.type, TupleType) or len(value.type.items) != len(target.elts):
             raise self.scope.reject(target, f"{ast.unparse(target)} must be assigned as many values")
-        name = self._new_name("result")
-        self._put(f"const {declaration(value.type, name)} = {value.text};")
+        name = value.text
+        if not name.isidentifier():
+            name = self._new_name("result")
+            self._put(f"const {declaration(value.type, name)} = {value.text};")
         for n, (item, kind) in enumerate(zip(target.elts, value.type.items, strict=True)):
             self._assign_value(item, Expression(f"{name}.item{n}", PRIMARY, kind), declared)
 

@@ -60,13 +60,19 @@ def common_type(first: Type, second: Type) -> Type:
         return second if first is None else first
     if isinstance(first, str) and isinstance(second, str) and VOID not in (first, second):
         return SCALARS[max(SCALARS.index(first), SCALARS.index(second), SCALARS.index(INT))]
-    if isinstance(first, TupleType) and isinstance(second, TupleType) and len(first.items) == len(second.items):
+    if (
+        isinstance(first, TupleType)
+        and isinstance(second, TupleType)
+        and len(first.items) == len(second.items)
+    ):
         return TupleType(tuple(map(common_type, first.items, second.items)))
     raise TypeError(f"no type holds the values of both {type_name(first)} and {type_name(second)}")
 
 
 def type_name(kind: Type) -> str:
     """Return the name of a type; for a tuple, the name of its struct."""
+    if isinstance(kind, TupleType) and set(kind.items) == {DOUBLE}:
+        return f"doubles_{len(kind.items)}"
     if isinstance(kind, TupleType):
         return "_".join(["tuple", *(type_name(item).removesuffix("_t") for item in kind.items)])
     if isinstance(kind, Array):

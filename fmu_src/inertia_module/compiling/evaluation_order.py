@@ -82,4 +82,6 @@ def check_order(scope: Scope, statement: ast.AST) -> None:
         writers = [part for part in parts if contains_writer(scope, part)]
         if writers and any(reads_memory(scope, part) for part in parts if part is not writers[0]):
             call = ast.unparse(writers[0])
-            raise scope.reject(node, f"C may evaluate {call}, which writes to a record, before or after the rest")
+            raise scope.reject(
+                node, f"C may evaluate {call}, which writes to a record, before or after the rest"
+            )

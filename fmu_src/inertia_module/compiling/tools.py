@@ -15,6 +15,8 @@ from typing import NamedTuple
 from ..common.files import cache_folder
 from . import CompilationUnavailable
 
+# command of ziglang, before the name of a tool: cc, dlltool
+ZIG = (sys.executable, "-m", "ziglang")
 # environment variable with the command of a C compiler for this platform, instead of ziglang
 CHOSEN = "INERTIA_MODULE_CC"
 
@@ -58,7 +60,7 @@ def compiler() -> Compiler:
     """
     chosen = os.environ.get(CHOSEN)
     if not chosen:
-        return Compiler((sys.executable, "-m", "ziglang", "cc"), tool_versions("ziglang"), is_zig=True)
+        return Compiler((*ZIG, "cc"), tool_versions("ziglang"), is_zig=True)
     command = tuple(shlex.split(chosen))
     if shutil.which(command[0]) is None:
         raise CompilationUnavailable(f"{CHOSEN} must be the command of a C compiler (got {chosen!r})")

@@ -2,7 +2,7 @@
 
 The kernel is a small part of Python, which this package defines:
 
-- Functions of modules with positional arguments. Each is translated once for each combination of argument types.
+- Functions of modules with positional arguments, translated once for each combination of argument types.
 - Numbers: `float` (double), `int` (int64_t), `bool`. Constants and tables (tuples of numbers) of modules.
 - Records of doubles, arrays and records (kernel.fields), and `numbers`, all doubles of a record in a row.
 - Tuples as results of functions and in assignments to as many names.
@@ -28,10 +28,10 @@ from typing import Any
 from .. import kernel
 from ..contract.models import MODELS, Model
 from ..kernel import fields
-from . import CompilationUnavailable
 from .c_expression import HELPERS, PRIMARY, Expression
-from .c_function import INDENT, FunctionTranslator
+from .c_function import INDENT, FunctionTranslator, wrapped
 from .c_types import DOUBLE, INT, Array, Record, TupleType, Type, declaration, member_declaration, type_name
+from .python_source import Scope
 
 # functions that each evaluation of the equations of motion calls: compilers take them for too long to inline
 INLINED = frozenset(
@@ -89,6 +89,7 @@ class KernelTranslator:
         self.structs: dict[str, str] = {}
         self.constants: dict[str, str] = {}
         self.functions: dict[str, str] = {}
+        self.texts: dict[types.FunctionType, list[str]] = {}
         self.translations: dict[tuple[types.FunctionType, tuple[Type, ...]], tuple[str, Type]] = {}
         self.open: list[types.FunctionType] = []
 
@@ -113,8 +114,8 @@ class KernelTranslator:
         """Return the name of the struct of a tuple."""
         name = type_name(kind)
         if name not in self.structs and None not in kind.items:
-            members = " ".join(f"{declaration(item, f'item{n}')};" for n, item in enumerate(kind.items))
-            self.structs[name] = f"typedef struct {{ {members} }} {name};\n"
+            lines = [f"{INDENT}{declaration(item, f'item{n}')};" for n, item in enumerate(kind.items)]
+            self.structs[name] = "\n".join(["typedef struct {", *lines, f"}} {name};", ""])
         return name
 
     def constant(self, module: str, name: str, value: Any) -> Expression:
@@ -127,13 +128,15 @@ class KernelTranslator:
         """
         symbol = c_name(module, name)
         numbers = value if isinstance(value, tuple) else (value,)
-        if not all(type(number) in (int, float) for number in numbers):
-            raise CompilationUnavailable(f"{module}.{name} must be a number or a table of numbers (got {value!r})")
         kind = INT if all(type(number) is int for number in numbers) else DOUBLE
         if not isinstance(value, tuple):
-            self.constants[symbol] = f"#define {symbol} {value!r}" if value >= 0 else f"#define {symbol} ({value!r})"
+            self.constants[symbol] = (
+                f"#define {symbol} {value!r}" if value >= 0 else f"#define {symbol} ({value!r})"
+            )
             return Expression(symbol, PRIMARY, kind)
-        rows = textwrap.fill(", ".join(map(repr, value)), 106, initial_indent=INDENT, subsequent_indent=INDENT)
+        rows = textwrap.fill(
+            ", ".join(map(repr, value)), 106, initial_indent=INDENT, subsequent_indent=INDENT
+        )
         self.constants[symbol] = f"static const {kind} {symbol}[{len(value)}] = {{\n{rows}\n}};"
         return Expression(symbol, PRIMARY, Array(kind, len(value), is_constant=True))
 
@@ -149,24 +152,35 @@ class KernelTranslator:
             return c_name(function.__module__, function.__name__), None
         if key not in self.translations:
             if function in self.open:
-                raise CompilationUnavailable(f"{function.__module__}.{function.__name__} must not call itself")
+                scope = Scope(function)
+                raise scope.reject(scope.tree, f"{function.__name__} must not call itself")
             self.open.append(function)
-            qualified = f"{function.__module__}.{function.__name__}"
             translator = FunctionTranslator(self, function, arguments)
-            text = translator.translate("INLINED" if qualified in INLINED else "static", "@NAME@")
-            self.translations[key] = self._add_function(function, text), translator.result
+            translator.translate()
+            self.translations[key] = self._add_function(function, translator), translator.result
             self.open.pop()
         return self.translations[key]
 
-    def _add_function(self, function: types.FunctionType, text: str) -> str:
-        """Add a function, unless its text is there for other types; return its name."""
-        stem = c_name(function.__module__, function.__name__)
-        for number in range(1, len(self.functions) + 2):
-            name = stem if number == 1 else f"{stem}_{number}"
-            named = text.replace("@NAME@", name, 1)
-            if self.functions.setdefault(name, named) == named:
-                break
+    def _add_function(self, function: types.FunctionType, translator: FunctionTranslator) -> str:
+        """Add a function, unless it has the same text for other types; return its name."""
+        name = c_name(function.__module__, function.__name__)
+        storage = "INLINED" if f"{function.__module__}.{function.__name__}" in INLINED else "static"
+        texts = self.texts.setdefault(function, [])
+        text = translator.text(storage, name)
+        if text not in texts:
+            texts.append(text)
+        number = texts.index(text) + 1
+        if number > 1:
+            name = f"{name}_{number}"
+        self.functions.setdefault(name, translator.text(storage, name))
         return name
+
+    def definitions(self) -> str:
+        """Return all definitions: helpers, constants, structs and functions."""
+        functions = "\n".join(self.functions.values())
+        helpers = [text for name, text in HELPERS.items() if re.search(rf"\b{name}\(", functions)]
+        parts = [f"static inline {text}\n" for text in helpers]
+        return "\n".join([*parts, *self.constants.values(), "", *self.structs.values(), functions])
 
 
 def translate(model: Model) -> str:
@@ -180,17 +194,20 @@ def translate(model: Model) -> str:
     translator = KernelTranslator(_names_of_inner_records(model.records, names))
     records = [translator.record(record) for record in model.records]
     entry, _ = translator.call(model.call, (INT, *records, DOUBLE))  # type: ignore[arg-type]
-    arguments = ", ".join(f"(struct {record.name} *){one}" for record, one in zip(records, "pduxyw", strict=True))
-    body = "\n".join(translator.functions.values())
-    helpers = [f"static inline {text}\n" for name, text in HELPERS.items() if re.search(rf"\b{name}\(", body)]
-    parts = [HEAD.format(name=model.name), *helpers, *translator.constants.values(), "", *translator.structs.values()]
+    arguments = ", ".join(
+        f"(struct {record.name} *){one}" for record, one in zip(records, "pduxyw", strict=True)
+    )
     parameters = ", ".join(f"double *{one}" for one in "pduxyw")
-    parts += [
-        body,
-        f"int64_t KERNEL(int64_t operation, {parameters}, double h)",
-        f"{{\n{INDENT}return {entry}(operation, {arguments}, h);\n}}\n",
-    ]
-    return "\n".join(parts)
+    return "\n".join(
+        [
+            HEAD.format(name=model.name),
+            translator.definitions(),
+            f"int64_t KERNEL(int64_t operation, {parameters}, double h)",
+            "{",
+            *wrapped(f"{INDENT}return {entry}(operation, {arguments}, h);"),
+            "}\n",
+        ]
+    )
 
 
 def _names_of_inner_records(records: tuple[Any, ...], names: dict[int, str]) -> dict[int, str]:

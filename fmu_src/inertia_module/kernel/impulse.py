@@ -117,7 +117,8 @@ def jump_input(d, x, jump, stiff):
         own = d.J2 + d.k * d.k * g + carried
         change = d.k * (b + d.k * g) * jump / own
         stops, meets = holds_link2(d, x), meets_output(d, x)
-        end2, end3, _, mode = settle(d, own, omega2 + change, shaft - carried, x.omega3, stops, meets, 0.0, 0.0)
+        free2 = omega2 + change
+        end2, end3, _, mode = settle(d, own, free2, shaft - carried, x.omega3, stops, meets, 0.0, 0.0)
         if end2 != omega2 + change and change != 0.0:
             # the rest of the way link 2 goes with what it has met
             fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change

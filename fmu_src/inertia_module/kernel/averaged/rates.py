@@ -112,7 +112,8 @@ def write_losses(side, x, speed, s, lost):
         power = 0.0
         for m in range(NEAR):
             place = MOTIONS * cause + first + m
-            power += share_of(m, share0, share1, share2, share3) * (here.lost[place] + t * (after.lost[place] - here.lost[place]))
+            lost_here = here.lost[place] + t * (after.lost[place] - here.lost[place])
+            power += share_of(m, share0, share1, share2, share3) * lost_here
         lost[cause] = scale * scale * max(power, 0.0)
     return total(lost)
 

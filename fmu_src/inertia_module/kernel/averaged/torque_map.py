@@ -190,7 +190,8 @@ def write_steady(d, w, knot):
     knot.value[table.INPUT] = 2.0 * w.sum_energy / time - d.J1
     if d.by_torque != 0.0:
         knot.value[table.INPUT] = abs(w.sum_omega1) / (time * v)
-    variance = w.sum_square / (time * ((v * v) * (v * v))) - knot.value[table.TORQUE] * knot.value[table.TORQUE]
+    mean = knot.value[table.TORQUE]
+    variance = w.sum_square / (time * ((v * v) * (v * v))) - mean * mean
     knot.value[table.RIPPLE] = math.sqrt(max(variance, 0.0))
     knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
     knot.value[table.PEAK] = w.sum_peak / (v * v)

@@ -161,7 +161,8 @@ def least_violation(d, x, housing_before, output_before, slip_before, before_mis
             missing = violation(d, x, prescribed, x.load_torque)
         missing = max(missing - ROUNDING, 0.0)
         equal += missing == 0.0
-        if x.housing_state == housing_before and x.output_state == output_before and x.slip_sign == slip_before:
+        is_same = x.housing_state == housing_before and x.output_state == output_before
+        if is_same and x.slip_sign == slip_before:
             missing += before_misses
         if missing < least:
             least = missing
