@@ -79,7 +79,7 @@ def test_what_has_no_averaged_system_is_refused(compiled, arguments, message):
 
 
 def test_transient_inertia_needs_a_shaft_that_is_slower_than_its_input(compiled):
-    with pytest.raises(ValueError, match="must be above 0 and below omega1 = 100 rad/s .got 120"):
+    with pytest.raises(ValueError, match=r"must be above 0 and below omega1 = 100 rad/s .got 120"):
         bridge.transient_inertia({}, 100.0, 120.0, compiled)
 
 
