@@ -223,14 +223,6 @@ def build(output: OutputFolder = None) -> Answer:
     return Answer(told, shown, failed=bool(built.skipped))
 
 
-# headings of properties of an FMU, by their names in JSON
-FACTS = {
-    "made by": "generation tool",
-    "stepped to": "simulated",
-    "with event mode": "simulated with event mode",
-}
-
-
 @command
 def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
@@ -249,8 +241,7 @@ def check(
     with progress_bar(f"check of {fmu.name}") as progress:
         report = check_fmu(fmu, limit or 0.0, progress)
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
-    facts = {FACTS.get(name, name): text for name, text in report.facts.items()}
-    shown: list[Shown] = [(str(fmu), facts)]
+    shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviation from reference results", rows)] if rows else []
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
@@ -514,7 +505,7 @@ def chart(
     mapped: Annotated[
         bool,
         option(
-            "Also write maps of torque and efficiency over speed ratio and input speed, and converter tables.",
+            "Also write torque converter tables, and maps over speed ratio and input speed.",
             None,
             "--map",
         ),
