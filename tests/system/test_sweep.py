@@ -238,6 +238,8 @@ def test_worker_without_the_package_is_one_line(scene, fmu, empty_cluster, tmp_p
 
 
 def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluster, tmp_path, monkeypatch):
+    with Client(cluster.address) as client:
+        client.wait_for_workers(1, timeout=60)
     monkeypatch.setattr(workers, "__version__", "0.1.0")
     words = "cannot do the task: .*version of inertia-module on the worker must be 0.1.0 .got 0"
     with pytest.raises(workers.ClusterError, match=words):
