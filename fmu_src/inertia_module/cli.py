@@ -223,14 +223,6 @@ def build(output: OutputFolder = None) -> Answer:
     return Answer(told, shown, failed=bool(built.skipped))
 
 
-# headings of properties of an FMU, by their names in JSON
-FACTS = {
-    "made by": "generation tool",
-    "stepped to": "simulated",
-    "with event mode": "simulated with event mode",
-}
-
-
 @command
 def check(
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="Any FMU file.")],
@@ -240,8 +232,8 @@ def check(
 ) -> Answer:
     """Validate an FMU, simulate it and check its reference results.
 
-    Simulates it in event mode, too, if the FMU supports it. The reference results embedded in the FMU follow
-    FMI-LS-REF. The FMU runs in its own process with limits on time and memory. This is not a sandbox.
+    FMUs that support event mode are also simulated in event mode. The reference results inside the FMU
+    follow FMI-LS-REF. The FMU runs in its own process with limits on time and memory. This is not a sandbox.
     """
     from .harness.check import check_fmu
 
@@ -249,8 +241,7 @@ def check(
     with progress_bar(f"check of {fmu.name}") as progress:
         report = check_fmu(fmu, limit or 0.0, progress)
     rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
-    facts = {FACTS.get(name, name): text for name, text in report.facts.items()}
-    shown: list[Shown] = [(str(fmu), facts)]
+    shown: list[Shown] = [(str(fmu), report.facts)]
     shown += [("deviation from reference results", rows)] if rows else []
     shown += [f"problem: {problem}" for problem in report.problems]
     shown.append(f"{len(report.problems) or 'no'} problems found")
@@ -331,7 +322,7 @@ def run(
         Text, option("Maximum error of the outputs for fidelity auto, e.g. 1%.", "ERROR")
     ] = None,
     fmu: FmuToRun = None,
-    view: Annotated[bool, option("Also write the animation page.html (see view).", None, "--view")] = False,
+    view: Annotated[bool, option("Also write the viewer to page.html (see view).", None, "--view")] = False,
     keys: Keys = None,
 ) -> Answer:
     """Run a scene and write its table, summary and plot.
@@ -406,10 +397,10 @@ def view(
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
-    """Write an interactive 3-D animation of a scene (HTML).
+    """Write the interactive 3-D viewer of a scene (one HTML file).
 
-    The file contains the kernel and runs in a browser. Closed-loop scenes (with a controller, or a load that
-    depends on the motion) are simulated first and replayed.
+    The viewer contains the kernel and runs in a browser. Scenes with a controller, or with a load that
+    depends on the motion, are simulated first and replayed.
     """
     from .contract.variables import COMPUTED
     from .page.html import checked_path, html_file, is_exact, template
@@ -448,7 +439,8 @@ def report(
     """Run a scene and write a printable HTML report.
 
     The report contains the inputs, the mechanism, its parameters and their sources, curves, torque converter
-    chart, orders, loads, losses, freewheel duty, all warnings, and how to reproduce it.
+    chart, orders, loads, losses, freewheel loads and all warnings. It also contains the command that
+    reproduces it.
     """
     from .figures.report import RECORDED, report_file
     from .page.html import checked_path
@@ -508,17 +500,23 @@ def chart(
     output: OutputFolder = None,
     speed: Annotated[
         Text,
-        option("Input speed for torques and converter tables (lookup blocks), e.g. '3000 rpm'.", "SPEED"),
+        option("Input speed of the chart and of the torque converter tables, e.g. '3000 rpm'.", "SPEED"),
     ] = None,
     mapped: Annotated[
-        bool, option("Also write maps over speed ratio and input speed, and converter tables.", None, "--map")
+        bool,
+        option(
+            "Also write torque converter tables, and maps over speed ratio and input speed.",
+            None,
+            "--map",
+        ),
     ] = False,
     keys: Keys = None,
 ) -> Answer:
-    """Draw torque converter charts of mechanisms.
+    """Draw the torque converter charts of one or more scenes.
 
-    Writes one CSV file per scene and one figure. With losses, a chart is for one input speed, and the figure
-    also shows the efficiency over speed ratio and input speed. Default output folder: out/chart.
+    Writes one CSV file per scene and one figure. With losses, a chart applies to one input speed (--speed).
+    The figure then also shows the efficiency over speed ratio and input speed. Default output folder:
+    out/chart.
     """
     from .harness import chart as steady
 
@@ -586,12 +584,14 @@ def orders(
     ] = None,
     begin: Annotated[
         Text,
-        option("Start of the analysed interval, e.g. '2 s' (default: start of rotation).", "TIME", "--from"),
+        option(
+            "Start of the analysed interval, e.g. '2 s' (default: link 1 begins to rotate).", "TIME", "--from"
+        ),
     ] = None,
     end: Annotated[
         Text, option("End of the analysed interval (default: end of the run).", "TIME", "--to")
     ] = None,
-    hz: Annotated[bool, option("Use Hz and rpm in output and figure.", None, "--hz")] = False,
+    hz: Annotated[bool, option("Print and plot frequencies in Hz and speeds in rpm.", None, "--hz")] = False,
     mat: Annotated[bool, option("Also write complex amplitudes to orders.mat.", None, "--mat")] = False,
     uff: Annotated[
         bool, option("Also write complex amplitudes to orders.uff (data set 58).", None, "--uff")
@@ -656,7 +656,11 @@ def fit(
     ] = None,
     columns: Annotated[
         Texts,
-        option("Column to compare (default: all outputs); may be repeated.", "NAME", "--column"),
+        option(
+            "Column of MEASURED.csv to compare (default: all that the scene computes); may be repeated.",
+            "NAME",
+            "--column",
+        ),
     ] = None,
     starts: Annotated[int, option("Number of starting points.", "N")] = 16,
     seed: Annotated[int, option("Random seed of the starting points.", "N")] = 0,
@@ -666,8 +670,9 @@ def fit(
 ) -> Answer:
     """Fit scene parameters to measured data.
 
-    RANGE is LOW:HIGH or "VALUE +- DEVIATION". Prints the fitted values with their intervals (95 %). Writes
-    fitted.toml (a scene), residuals.csv, fit.json and fit.png. Default output folder: out/SCENE_fit.
+    RANGE is LOW:HIGH, log:LOW:HIGH or "VALUE +- DEVIATION". Prints the fitted values with their 95 %
+    intervals. Writes fitted.toml (a scene), residuals.csv, fit.json and fit.png. Default output folder:
+    out/SCENE_fit.
     """
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
@@ -705,7 +710,7 @@ def sweep(
         Text, option("Samples instead of a grid, e.g. latin:200 or sobol:256.", "KIND:COUNT")
     ] = None,
     sensitivity: Annotated[
-        int | None, option("Sobol indices from N (keys + 2) runs; N is a power of 2.", "N")
+        int | None, option("Sobol indices from N * (number of keys + 2) runs; N must be a power of 2.", "N")
     ] = None,
     figure: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
     seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,

@@ -189,7 +189,7 @@ def test_a_signal_ends_the_check_and_its_process(fmu, tmp_path, monkeypatch, nam
 def test_a_correct_fmu_has_no_problems(fmu):
     report = examined(fmu())
     assert (report.problems, report.warnings) == ([], [])
-    assert report.facts["stepped to"] == "1 s in 100 steps"
+    assert report.facts["simulated"] == "1 s in 100 steps"
     assert report.outputs == {"y": 0.0, "flag": 1.0, "text": "late", "count": 100.0}
 
 
@@ -212,18 +212,18 @@ def test_default_experiment_is_stepped_as_the_fmu_has_it(fmu, fmi, case):
     code = "return fabs(time - model.time) > 1e-6 ? 3 : 0"
     report = examined(fmu(code, fmi=fmi, times=times, variable=variable))
     assert (report.problems, report.warnings) == ([], [])
-    assert report.facts["stepped to"] == f"{end:g} s in {steps} steps"
+    assert report.facts["simulated"] == f"{end:g} s in {steps} steps"
 
 
 def test_internal_step_of_an_fmu_is_its_step(fmu):
     report = examined(fmu(fmi=3, times='stopTime="10"', more='fixedInternalStepSize="1"'))
-    assert report.facts["stepped to"] == "10 s in 10 steps"
+    assert report.facts["simulated"] == "10 s in 10 steps"
 
 
 def test_only_the_beginning_of_a_default_experiment_without_end_is_stepped(fmu):
     report = examined(fmu(times='stopTime="1e8" stepSize="1e-3"'))
     assert report.problems == []
-    assert report.facts["stepped to"] == "100 s in 100000 steps"
+    assert report.facts["simulated"] == "100 s in 100000 steps"
     assert report.warnings == [
         "only 100000 of 1e+11 steps of the default experiment are simulated (0 s to 1e+08 s by 0.001 s)"
     ]
@@ -246,7 +246,7 @@ def test_an_fmu_that_ends_the_simulation_is_correct(fmu, fmi):
     code = "if (time > 0.5) { model.count = -1; return " + ("2; }" if fmi == 2 else "0; }")
     report = examined(fmu(code, fmi=fmi))
     assert report.problems == []
-    assert report.facts["stepped to"] == "0.51 s in 51 steps; the FMU ends the simulation"
+    assert report.facts["simulated"] == "0.51 s in 51 steps; the FMU ends the simulation"
 
 
 EARLY = "if ({}) {{ is_early = true; early_time = time + step / 2; }}"
@@ -256,7 +256,7 @@ def test_event_mode_and_early_returns_are_tried_too(fmu):
     code = EARLY.format("early_allowed && step > 0.009")
     report = examined(fmu(code, fmi=3, more='hasEventMode="true"'))
     assert report.problems == []
-    assert report.facts["stepped to"] == report.facts["with event mode"] == "1 s in 100 steps"
+    assert report.facts["simulated"] == report.facts["simulated with event mode"] == "1 s in 100 steps"
     assert report.outputs["count"] == 200.0
 
 
@@ -275,7 +275,7 @@ def test_model_exchange_is_stepped_and_its_references_are_not_replayed(fmu):
     report = examined(fmu(fmi=3, interface="ModelExchange", files=files, times='startTime="1" stopTime="3"'))
     assert report.problems == []
     assert report.warnings == ["reference results are not checked: this requires co-simulation"]
-    assert report.facts["stepped to"] == "3 s in 100 steps"
+    assert report.facts["simulated"] == "3 s in 100 steps"
     assert report.outputs["ramps"] == pytest.approx([3.0, 6.0, 9.0])
 
 

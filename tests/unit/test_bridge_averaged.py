@@ -79,7 +79,7 @@ def test_what_has_no_averaged_system_is_refused(compiled, arguments, message):
 
 
 def test_transient_inertia_needs_a_shaft_that_is_slower_than_its_input(compiled):
-    with pytest.raises(ValueError, match="must be above 0 and below omega1 = 100 rad/s, is 120 rad/s"):
+    with pytest.raises(ValueError, match=r"must be above 0 and below omega1 = 100 rad/s .got 120"):
         bridge.transient_inertia({}, 100.0, 120.0, compiled)
 
 
@@ -165,7 +165,7 @@ def test_all_balances_are_listed_with_their_stability(compiled):
         if len(stable) == 1:
             assert bridge.operating_point(system, omega1, load) == stable[0]
         else:
-            words = r"guess must select one of the operating points .*rad/s .(un)?stable"
+            words = r"guess must be close to one of the operating points .*rad/s .(un)?stable"
             with pytest.raises(ValueError, match=words):
                 bridge.operating_point(system, omega1, load)
         for point in found:

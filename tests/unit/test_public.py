@@ -18,7 +18,7 @@ from refused import assert_refused
 import inertia_module
 from inertia_module import PUBLIC, Result
 from inertia_module.common.equality import ByContent
-from inertia_module.common.errors import Refused, did_you_mean
+from inertia_module.common.errors import Refused, unknown
 from inertia_module.common.examples import example
 from inertia_module.contract.variables import BY_NAME
 from inertia_module.memory import Module
@@ -172,7 +172,7 @@ def test_number_that_a_summary_has_not_is_told():
 
 
 @pytest.mark.parametrize("name", ["omega_2", "Omega_out", "load torque", "torque", "imbalance", "xyz", ""])
-@pytest.mark.parametrize("ask", [Module("plain").__getitem__, lambda name: did_you_mean(name, BY_NAME)])
+@pytest.mark.parametrize("ask", [Module("plain").__getitem__, lambda name: unknown("output", name, BY_NAME)])
 def test_unknown_name_is_told_the_nearest_and_never_all_there_are(name, ask):
     try:
         said = str(ask(name))

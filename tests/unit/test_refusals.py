@@ -81,7 +81,7 @@ def test_rate_that_makes_an_input_absurd_is_refused_with_its_unit(name):
     module = started("plain", ENGINE, drive=int(name == "drive_torque"), **{name: 100.0})
     for rate in (1e16, math.nan, math.inf):
         module.set_rates(**{name: rate})
-        said = f"the rate of {name} must keep it {variable.allowed} over 0.01 s (got {rate:.16g}"
+        said = f"the rate of {name} must keep {name} {variable.allowed} over 0.01 s (got {rate:.16g}"
         assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100)"
 
 

@@ -41,7 +41,7 @@ def test_a_step_too_short_and_a_rate_too_large_are_rejected_at_once(compiled, sc
         for rate in (1e308, -1e200, math.inf, math.nan):
             for step in (SMALLEST_STEP, 1e-9, 1e-3, 1e6):
                 module.set_rates(**{name: rate})
-                assert f"the rate of {name} must keep it" in rejected_at_once(module.advance, step)
+                assert f"the rate of {name} must keep {name}" in rejected_at_once(module.advance, step)
                 module.restore(before)
     advanced(module, SMALLEST_STEP, 1e-3)
 

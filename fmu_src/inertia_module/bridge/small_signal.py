@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from ..common.equality import ByContent
-from ..common.errors import did_you_mean, must_be
+from ..common.errors import must_be, unknown
 from ..contract.variables import BY_NAME
 from ..harness.fmu import Fmu, as_names, run
 from ..kernel import codes
@@ -38,6 +38,8 @@ from ..memory import Module
 
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"
+# message: the drive of the FMU is a torque
+BY_SPEED = must_be("drive", "0 (speed)", "1 (torque)")
 OUTPUTS = (
     *("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
     *("torque_ripple", "torque_peak"),
@@ -82,15 +84,16 @@ def averaged_system(
         ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
     """
     if BY_NAME["drive"].number((parameters or {}).get("drive", codes.DRIVE_SPEED)) != codes.DRIVE_SPEED:
-        raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is an input of the averaged system")
+        raise ValueError(f"{BY_SPEED}. The averaged system has the input omega1.")
     inputs, outputs = as_names(inputs), as_names(outputs)
     known = (*INPUTS, INPUT_RATE)
     for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
         for wanted in names:
             if wanted not in allowed:
-                raise ValueError(f"{kind} {wanted} must be of this system {did_you_mean(wanted, allowed)}")
+                raise ValueError(unknown(kind, wanted, allowed))
     if not set(INPUTS) <= set(inputs):
-        raise ValueError(f"inputs must contain {' and '.join(INPUTS)}, are {', '.join(inputs)}")
+        allowed_inputs = f"{' and '.join(INPUTS)}, and optionally {INPUT_RATE}"
+        raise ValueError(must_be("inputs", allowed_inputs, ", ".join(inputs)))
     module = Module(kernel).start(**{**(parameters or {}), "fidelity": float(codes.AVERAGED)})
     d = module.derived
     places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
@@ -285,7 +288,7 @@ def measured_response(
     point = {SPEED: omega1, LOAD: load_torque}
     with Fmu(path, parameters, point, tolerance) as fmu:
         if fmu["drive"] != codes.DRIVE_SPEED:
-            raise ValueError("drive must be 0 (speed), is 1 (torque): omega1 is made to swing")
+            raise ValueError(f"{BY_SPEED}. The measurement prescribes omega1.")
         bench = SineBench(fmu, point, as_names(outputs), step)
         rate = bench.settle(settling)
         settled = fmu.get_state()
@@ -392,8 +395,7 @@ def operating_point(system: Any, omega1: float, load_torque: float, guess: float
     stable = [point for point in points if point.is_stable]
     if len(stable) != 1:
         raise ValueError(
-            f"guess must select one of the operating points at load_torque = {load_torque:g} N.m, is None:"
-            f" {', '.join(map(str, points))}"
+            must_be("guess", f"close to one of the operating points: {', '.join(map(str, points))}", "None")
         )
     return stable[0].omega_out
 
@@ -464,9 +466,7 @@ def transient_inertia(
         Refused: the parameters cannot be. ValueError: speeds out of range, or no pulses there.
     """
     if not 0.0 < omega_out < omega1:
-        raise ValueError(
-            f"omega_out must be above 0 and below omega1 = {omega1:g} rad/s, is {omega_out:g} rad/s"
-        )
+        raise ValueError(must_be("omega_out", f"above 0 and below omega1 = {omega1:g} rad/s", omega_out))
     averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
     point = {SPEED: omega1, LOAD: float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])}
     # that no torque moves, kg m^2
@@ -480,9 +480,7 @@ def transient_inertia(
         bench = SineBench(module, point, ("omega_out", PULSES), cycle / 8.0)
         rate = bench.settle(80.0 * cycle)
         if rate == 0.0:
-            raise ValueError(
-                f"no pulses come through at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s"
-            )
+            raise ValueError(f"no pulses at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s")
         frequency, swing = 0.05 * rate, 0.005 * omega1
         turn = 2.0 * math.pi * frequency
         amplitude = swing if excited == SPEED else swing * turn * heavy

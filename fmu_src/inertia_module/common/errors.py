@@ -101,14 +101,6 @@ def cannot_read(path: Path | str, reason: BaseException | str) -> str:
     return f"cannot read {path}: {text[:1].lower() + text[1:] if is_word else text}"
 
 
-def did_you_mean(name: Any, known: Iterable[str]) -> str:
-    """Suggest names in brackets: "(did you mean omega1?)" or "(there are a, b)"."""
-    names = list(dict.fromkeys(known))
-    if near := _nearest(name, names):
-        return f"(did you mean {alternatives(near)}?)"
-    return f"(there are {listed(names)})" if names else "(there are none)"
-
-
 class UnknownName(Refused, KeyError):
     """Unknown name."""
 

@@ -257,9 +257,9 @@ def allowed_number(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> str:
     """The allowed range of a number in a unit, as it follows "must be"."""
-    limits = (("above", above), ("of at least", minimum), ("of at most", maximum))
-    found = " and ".join(f"{bound} {limit:g}" for bound, limit in limits if limit is not None)
-    number = f"a number {found}".rstrip()
+    limits = (("above", above), ("at least", minimum), ("at most", maximum))
+    bounds = " and ".join(f"{bound} {limit:g}" for bound, limit in limits if limit is not None)
+    number = f"a number {'of ' if bounds and above is None else ''}{bounds}".rstrip()
     if unit == "1":
         return number
     example = "2" if above is None and minimum is None else f"{max(above or 0.0, minimum or 0.0, 2.0):g}"

@@ -31,14 +31,14 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
         name, allowed = variable.name, variable.allowed
         sentences[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
         sentences[codes.BAD_RATE + n] = (
-            f"the rate of {name} must keep it {allowed} over {{step}} s (got {{{name}_rate}}"
+            f"the rate of {name} must keep {name} {allowed} over {{step}} s (got {{{name}_rate}}"
             f" {variable.unit}/s from {named(name)})"
         )
     speed = inputs[0]
     sentences[codes.BAD_HOLD] = (
         f"{speed.name} must stay {speed.allowed} over {{step}} s with input_hold = linear (got"
-        f" {{{speed.name}}} after a far shorter step). The extrapolated speed leaves this range. Use steps of"
-        " similar length, or input_hold = zero_order."
+        f" {{{speed.name}}}). The extrapolation of its change in a far shorter step leaves this range. Use"
+        " steps of similar length, or input_hold = zero_order."
     )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
     sentences[codes.NOT_FINITE] = (
@@ -53,7 +53,7 @@ _LOSSES = [v.name for v in VARIABLES if v.group == Group.LOSSES and v.name not i
 
 MESSAGES: Mapping[int, str] = {
     codes.NO_RECTIFIER: (
-        "housing_freewheel and output_freewheel must both be 1 with fidelity = averaged (got"
+        "housing_freewheel and output_freewheel must both be 1 (true) with fidelity = averaged (got"
         " {housing_freewheel} and {output_freewheel}). Without both freewheels nothing rectifies the pulses"
         " and there is no mean torque."
     ),
@@ -73,14 +73,14 @@ MESSAGES: Mapping[int, str] = {
     codes.JAMMED: (
         f"mesh_efficiency and satellite_mesh_efficiency must be higher with {named(*_LINK_INERTIAS)}"
         " (got {mesh_efficiency} and {satellite_mesh_efficiency}). The gear meshes are self-locking."
-        " Larger inertias also help."
+        " Increase the efficiencies or these inertias."
     ),
     codes.SINGULAR: (
-        "link2_inertia must be significantly greater than 0 with"
+        "link2_inertia must be above 1e-12 of the maximum inertia at link 2 with"
         f" {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} (got {{link2_inertia}})."
         " The inertia at link 2 vanishes where the unbalanced mass is at rest relative to the carrier (a = b"
-        " or eccentricity = 0). Alternatively set drive_inertia or satellite_inertia above 0, or a different"
-        " from b."
+        " or eccentricity = 0). Alternatively set drive_inertia or satellite_inertia above 0, or use"
+        " different values for a and b."
     ),
     codes.BAD_START_HOUSING: "omega2_start must be at least 0 with a housing freewheel (got {omega2_start})",
     codes.BAD_START_OUTPUT: (
@@ -92,8 +92,8 @@ MESSAGES: Mapping[int, str] = {
         " {omega_out_start})"
     ),
     codes.NO_INPUT_INERTIA: (
-        "input_inertia must be significantly greater than 0 with drive = torque (got {input_inertia})."
-        " It must include the inertia of the engine or motor."
+        "input_inertia must be above 1e-12 of the maximum inertia of the mechanism at the input with"
+        " drive = torque (got {input_inertia}). It must include the inertia of the engine or motor."
     ),
     codes.PRESCRIBED: (
         "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic) with drive = torque (got {fidelity},"
@@ -105,14 +105,14 @@ MESSAGES: Mapping[int, str] = {
     ),
     codes.TOO_MUCH_WORK: (
         f"{_ABANDONED}it requires more than 5e7 right-hand-side evaluations. Use a shorter communication"
-        " step or a larger tolerance."
+        " step or increase the parameter tolerance."
     ),
     codes.STEP_TOO_SMALL: (
         f"{_ABANDONED}no internal step meets {named('tolerance')}. Increase tolerance or link2_inertia."
     ),
     codes.NOT_BALANCED: (
         f"{_ABANDONED}the energy balance check failed with {named('tolerance', 'max_step')}. Reduce"
-        " tolerance or max_step."
+        " the parameter tolerance or max_step."
     ),
     codes.NOT_STEADY: (
         "fidelity = averaged is rejected: no periodic steady state was found at constant output speed with"

@@ -88,7 +88,7 @@ def _facts(description: Any, folder: Path) -> dict[str, str]:
     return {
         "model": str(description.modelName),
         "FMI": f"{description.fmiVersion}, {' and '.join(_kinds(description)) or 'no interface'}",
-        "made by": description.generationTool or "unspecified",
+        "generation tool": description.generationTool or "unspecified",
         "platforms": ", ".join(_platforms(folder)) or "none",
         "variables": str(len(description.modelVariables)),
     }
@@ -191,7 +191,7 @@ def _step(description: Any, folder: Path, journal: Journal, events: bool = False
     report.problems += [
         f"output {name} is not finite at t = {t:g} s" for name, t in samples.not_finite.items()
     ]
-    report.facts["with event mode" if events else "stepped to"] = (
+    report.facts["simulated with event mode" if events else "simulated"] = (
         f"{samples.time:g} s in {samples.count} steps" + ended * "; the FMU ends the simulation"
     )
     report.outputs |= {name: _plain(values) for name, values in samples.last.items()}

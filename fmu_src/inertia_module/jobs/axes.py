@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from ..common.errors import Refused, did_you_mean, must_be
+from ..common.errors import Refused, must_be, unknown
 from ..common.units import number_of, parse_unit, split_quantity
 from ..contract.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene, SceneError
@@ -237,7 +237,7 @@ def free_keys(
             key = others[name]
             keys.append(_free(key, text, partial(_number, name, key.unit)))
         elif name.partition(".")[0] in kinds:
-            raise Refused(f"{name} must be of a column that is compared {did_you_mean(name, others)}")
+            raise Refused(unknown("sensor parameter", name, others))
         else:
             key, read = key_of_scene(name, scene), partial(_value, scene, name)
             if text is None and not abs(key.start) > 0.0:

@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, did_you_mean, must_be
+from ..common.errors import Refused, must_be, unknown
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
@@ -216,12 +216,10 @@ class Spec(Scene):
             given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
             if given != asked:
                 at_speed = [one for one, named in NAMED.items() if named.asks]
-                known = f": it is not a steady-state metric {did_you_mean(name, at_speed)}"
+                cause = "" if name in NAMED else f": {unknown('steady-state metric', name, at_speed)}"
                 required = f"requires {' and '.join(asked)}" if asked else "accepts no speed and no ratio"
-                raise SceneError(
-                    f"figures.{name} {required} (got {' and '.join(given) or 'none'})"
-                    f"{'' if name in NAMED else known}"
-                )
+                got = " and ".join(given) or "none"
+                raise SceneError(f"figures.{name} {required} (got {got}){cause}")
             if name in NAMED:
                 limits_of(name, demand, NAMED[name].unit)
         number = len(self.goals)
@@ -566,7 +564,7 @@ def design(
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
         for figure in read.figures:
             if figure not in known and not figure.startswith(TIME_TO):
-                raise SceneError(f"figures.{figure} must be one that there is {did_you_mean(figure, known)}")
+                raise SceneError(f"figures: {unknown('metric', figure, known)}")
         judge = Judge(read, units)
         searched = DesignSearch(read, judge, evaluate, progress).run()
         rows = searched.rows

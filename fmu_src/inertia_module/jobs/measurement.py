@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, did_you_mean, must_be
+from ..common.errors import Refused, must_be, unknown
 from ..common.time_range import likely_cause
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME, COMPUTED
@@ -195,7 +195,7 @@ def _compared(table: Result, scene: Scene, columns: Sequence[str]) -> tuple[list
     compared = [*columns] or [name for name in values if name in known or table.origin is None]
     for name in compared if compared else values:
         if name not in known:
-            raise Refused(f"column {name} must be computed by the scene {did_you_mean(name, known)}")
+            raise Refused(unknown("output of the scene", name, known))
     if not compared:
         raise Refused(must_be("at least one column", "computed by the scene", ", ".join(table.names)))
     for name in names:

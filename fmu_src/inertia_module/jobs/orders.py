@@ -482,7 +482,7 @@ def orders(
             scene computes too seldom.
     """
     if of not in BASES:
-        raise Refused(must_be("orders", " or ".join(BASES), repr(of)))
+        raise Refused(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
     scene, _ = read(scene)
     if scene.parameters().get("fidelity") == AVERAGED:
         demand = must_be("fidelity", "kinematic, rigid or elastic for orders", "averaged")

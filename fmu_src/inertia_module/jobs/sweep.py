@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, did_you_mean, must_be
+from ..common.errors import Refused, must_be, unknown
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
@@ -66,7 +66,7 @@ class SweepResult(ByContent):
         """Values of a figure, NaN where refused, shape (rows,); one that no row has is refused."""
         known = self.figures
         if name not in known:
-            raise Refused(f"a figure must be one of the summary, is {name!r} {did_you_mean(name, known)}")
+            raise Refused(unknown("metric", name, known))
         return np.array([row.figures.get(name, np.nan) for row in self.rows])
 
     @property
@@ -118,7 +118,7 @@ def sweep(
     if sensitivity is None:
         points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
     elif sample is not None:
-        raise Refused("sample and sensitivity must not both be given")
+        raise Refused("only one of sample and sensitivity is allowed (got both)")
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
     task = Task(fmu_content(fmu), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
@@ -171,7 +171,9 @@ def indices(
         rows = evaluate(of_shares(axes, shares.T))
         for row in rows:
             if row.refused:
-                raise Refused(f"Sobol indices must have runs at all points, at {row.point}: {row.refused}")
+                raise Refused(
+                    f"Sobol indices require a run at every point; {row.point} is rejected: {row.refused}"
+                )
         every.extend(rows)
         names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
         return np.array([[row.figures[name] for row in rows] for name in names])

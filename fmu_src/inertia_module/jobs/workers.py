@@ -32,7 +32,7 @@ from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
 from .. import __version__
-from ..common.errors import Refused
+from ..common.errors import Refused, must_be
 from ..common.files import naming
 from ..scene.run import SceneRunner
 from .axes import Point
@@ -65,7 +65,7 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
     def setup(self, worker: Worker) -> None:
         """Write the FMU to a file; it goes when no thread runs an instance any more."""
         if self.version != __version__:
-            raise ClusterError(f"inertia-module must be version {self.version} here, is {__version__}")
+            raise ClusterError(must_be("version of inertia-module on the worker", self.version, __version__))
         self.closing = contextlib.ExitStack()
         self.path = Path(self.closing.enter_context(TemporaryDirectory())) / "Module.fmu"
         with naming(self.path):
@@ -159,10 +159,8 @@ def _connected(cluster: LocalCluster | str) -> Client:
     except Exception as error:
         with ThreadPoolExecutor(1) as thread:  # a notebook has an event loop in this one
             version = thread.submit(asyncio.run, _version_at(str(cluster))).result()
-        raise ClusterError(
-            f"the scheduler at {cluster} must run distributed {distributed.__version__}, as this environment,"
-            f" runs {version}: {error}"
-        ) from None
+        demand = must_be(f"version of distributed at {cluster}", distributed.__version__, version)
+        raise ClusterError(f"{demand}: {error}") from None
 
 
 async def _version_at(scheduler: str) -> str:

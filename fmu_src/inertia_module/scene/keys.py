@@ -274,7 +274,7 @@ _ALLOWED = {
     "model_type": "a table",
     "model_attributes_type": "a table",
     "list_type": "a list",
-    "too_short": "a list of at least one",
+    "too_short": "a list with at least one element",
     "string_type": "a string",
 }
 

@@ -47,7 +47,7 @@ class Satellite(Strict):
     weight_material: Material | None = None
 
     def parameters(self, given: Mapping[str, float]) -> dict[str, float]:
-        """Those of the module that follow (docs/mechanics.md, A satellite by its sizes): FOLLOWING.
+        """Those of the module that follow (docs/mechanics.md, Satellite from dimensions): FOLLOWING.
 
         The point mass is the whole satellite in its centre of mass, the inertias are about that. None of them
         may be among the parameters given.

@@ -4,7 +4,7 @@ import { button, element } from "../common/dom";
 import { KEY_HELP } from "./keyboard";
 
 const PARAGRAPHS = [
-  "The motor turns link 1, the carrier. The carrier holds pinions that mesh with link 2, and satellites with an unbalanced mass"
+  "The motor turns link 1, the carrier. The carrier supports pinions that mesh with link 2, and satellites with an unbalanced mass"
   + " each. The faster link 1 turns relative to link 2, the faster the unbalanced masses spin. Their inertia pushes link 2"
   + " alternately forward and backward.",
   "The housing freewheel (one-way clutch) transmits the backward pulses to the housing and locks link 2; it is amber while locked."
@@ -12,7 +12,7 @@ const PARAGRAPHS = [
   + " a continuously variable transmission that behaves like a torque converter. A freewheel with an engagement angle rotates"
   + " backward before it locks. The gap between its rollers and the outer race is the remaining angle.",
   "The kernel of the FMU computes all numbers in this page. Change any setting on the right to run the simulation again."
-  + " The energy imbalance is the integration error.",
+  + " The energy residual is the integration error.",
   "Gears, unbalanced masses and their paths are drawn to scale. Shafts, arms, freewheels and the diameters of gears 2 and 16 are"
   + " schematic. Planar modules are drawn side by side, at most 12 modules and 12 satellites.",
 ];

@@ -75,7 +75,7 @@ const AUDIT: readonly Row[] = [
     text: (run, time) => steadyText(
       valueAt(run, "energy_stored", time) - (run.columns.energy_stored?.[0] ?? NaN), largest(run, ["energy_stored"])),
   },
-  { name: "imbalance (integration error)", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
+  { name: "residual (integration error)", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
 ];
 
 /** A table of values at a time. */
