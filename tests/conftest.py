@@ -61,14 +61,3 @@ def pytest_collection_modifyitems(items):
         is_long = {getattr(item, "originalname", item.name), item.name} & LONG
         if is_long or "built_for_all" in item.fixturenames or item.nodeid.startswith(LONG_FILES):
             item.add_marker(pytest.mark.slow)
-
-
-def pytest_configure(config):
-    """Compile the kernels once, before the workers start: each of them would do it for itself."""
-    if ONLY_PLAIN or importlib.util.find_spec("ziglang") is None or hasattr(config, "workerinput"):
-        return
-    from inertia_module.compiling.load import load
-    from inertia_module.contract.models import MODELS
-
-    for model in MODELS.values():
-        load(model)

@@ -24,16 +24,33 @@ def _member(field: Field) -> tuple[str, Any]:
     return name, inner * count[0] if count else inner
 
 
+def _text(record: ctypes.Union) -> str:
+    """Return the fields of a record that are not 0, each on a line."""
+    names = [_member(field)[0] for field in type(record).fields_of]  # type: ignore[attr-defined]
+    lines = []
+    for name in names:
+        value = getattr(record, name)
+        if isinstance(value, ctypes.Array):
+            is_flat = issubclass(value._type_, ctypes.c_double)
+            value = list(value) if is_flat else f"<{len(value)} records>"
+        if any(value) if isinstance(value, list) else value != 0.0:
+            lines.append(f"    {name}={value!r},")
+    return "\n".join(["Record(", *lines, ")"])
+
+
 @functools.cache
 def record_type(fields: tuple[Field, ...]) -> type[ctypes.Union]:
-    """A record with these fields, each one or more doubles, and all its doubles in a row as `numbers`."""
+    """Return the type of a record with these fields, and all its doubles in a row as `numbers`.
+
+    A record has no other attributes: a misspelt field raises AttributeError.
+    """
     inner = type("Fields", (ctypes.Structure,), {"_fields_": [_member(field) for field in fields]})
     numbers = ctypes.c_double * (ctypes.sizeof(inner) // 8)
-    return type(
-        "Record",
-        (ctypes.Union,),
-        {"_anonymous_": ("fields",), "_fields_": [("fields", inner), ("numbers", numbers)]},
-    )
+    members = {
+        **{"_anonymous_": ("fields",), "_fields_": [("fields", inner), ("numbers", numbers)]},
+        **{"__slots__": (), "__repr__": _text, "fields_of": fields},
+    }
+    return type("Record", (ctypes.Union,), members)
 
 
 @functools.cache

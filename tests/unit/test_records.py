@@ -1,0 +1,33 @@
+"""Records of the plain kernel: a misspelt field raises, and a record can be read in a debugger."""
+
+import pytest
+
+from inertia_module.contract.records import place, record_type, size
+from inertia_module.memory import Module
+
+FIELDS = ("first", ("row", 3), ("inner", ("left", "right")), ("several", ("left", "right"), 2), "last")
+
+
+def test_fields_lie_in_one_row():
+    record = record_type(FIELDS)()
+    record.row[1], record.inner.right, record.several[1].left = 1.0, 2.0, 3.0
+    assert list(record.numbers) == [0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0, 0.0]
+    assert (size(FIELDS), place(FIELDS, "inner.right"), place(FIELDS, "last")) == (11, 5, 10)
+
+
+@pytest.mark.parametrize("name", ["fist", "inner.lift", "several[0].left_"])
+def test_a_misspelt_field_raises(name):
+    record = record_type(FIELDS)()
+    with pytest.raises(AttributeError):
+        exec(f"record.{name} = 1.0", {"record": record})
+    with pytest.raises(AttributeError):
+        eval(f"record.{name}", {"record": record})
+
+
+def test_the_state_of_a_module_can_be_read():
+    module = Module("plain").start(omega1=100.0)
+    module.advance(0.001)
+    text = repr(module.state)
+    assert "    omega1=100.0,\n" in text
+    assert "omega_missing" not in text
+    assert "(0.0" not in text
