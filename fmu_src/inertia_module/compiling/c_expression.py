@@ -8,7 +8,7 @@ import types
 from typing import NamedTuple, Protocol
 
 from .c_types import BOOL, DOUBLE, INT, SCALARS, Array, Record, TupleType, Type, common_type, type_name
-from .python_source import NotInLanguage, Scope
+from .python_source import Scope
 
 # how strongly an operator of C binds its operands
 TERNARY, OR, AND, BIT_AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, PRIMARY = range(10)
@@ -314,6 +314,3 @@ class Expressions:
         for argument in arguments[1:]:
             text = f"{helper}({text}, {argument.text})"
         return Expression(text, PRIMARY, kind)
-
-
-__all__ = ["HELPERS", "Expression", "Expressions", "Kernel", "NotInLanguage", "variable_name"]

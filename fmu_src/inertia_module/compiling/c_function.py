@@ -9,7 +9,7 @@ import textwrap
 import types
 
 from .c_expression import ARITHMETIC, PRIMARY, RELATION, Expression, Expressions, Kernel, variable_name
-from .c_types import DOUBLE, INT, VOID, Array, Record, TupleType, Type, common_type, declaration
+from .c_types import INT, VOID, Array, Record, TupleType, Type, common_type, declaration
 from .evaluation_order import Memory, called_function, check_order
 from .python_source import LOCAL, Comment, Scope, reads, source_file, stored_names
 
@@ -371,6 +371,3 @@ def _comment(docstring: str | None) -> list[str]:
     if len(lines) == 1:
         return [f"/* {lines[0]} */"]
     return ["/*", *(f" * {line}".rstrip() for line in lines), " */"]
-
-
-__all__ = ["DOUBLE", "FunctionTranslator"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import os
 import shlex
@@ -59,8 +60,14 @@ def compiler() -> Compiler:
         CompilationUnavailable: it is not installed.
     """
     chosen = os.environ.get(CHOSEN)
-    if not chosen:
-        return Compiler((*ZIG, "cc"), tool_versions("ziglang"), is_zig=True)
+    if chosen:
+        return _chosen_compiler(chosen)
+    return Compiler((*ZIG, "cc"), tool_versions("ziglang"), is_zig=True)
+
+
+@functools.cache
+def _chosen_compiler(chosen: str) -> Compiler:
+    """Return the compiler with a command."""
     command = tuple(shlex.split(chosen))
     if shutil.which(command[0]) is None:
         raise CompilationUnavailable(f"{CHOSEN} must be the command of a C compiler (got {chosen!r})")

@@ -189,9 +189,7 @@ def translate(model: Model) -> str:
     Raises:
         NotInLanguage: the kernel has a construct outside its language.
     """
-    names = {id(value): name.lower() for name, value in vars(fields).items() if isinstance(value, tuple)}
-    names |= {id(value): name for name, value in zip(RECORDS, model.records, strict=True)}
-    translator = KernelTranslator(_names_of_inner_records(model.records, names))
+    translator = KernelTranslator(record_names(model))
     records = [translator.record(record) for record in model.records]
     entry, _ = translator.call(model.call, (INT, *records, DOUBLE))  # type: ignore[arg-type]
     arguments = ", ".join(
@@ -210,13 +208,16 @@ def translate(model: Model) -> str:
     )
 
 
-def _names_of_inner_records(records: tuple[Any, ...], names: dict[int, str]) -> dict[int, str]:
-    """Add names for records that only another record names: the name of the field."""
-    for record in records:
-        for field in record:
+def record_names(model: Model) -> dict[int, str]:
+    """Return the names of all records of a model by the identity of their lists of fields."""
+    names = dict(zip(map(id, model.records), RECORDS, strict=True))
+    names |= {id(value): name.lower() for name, value in vars(fields).items() if isinstance(value, tuple)}
+    pending = list(model.records)
+    while pending:
+        for field in pending.pop():
             if not isinstance(field, str) and not isinstance(field[1], int):
-                names.setdefault(id(field[1]), field[0])
-                _names_of_inner_records((field[1],), names)
+                names.setdefault(id(field[1]), field[0])  # a record that only this field names
+                pending.append(field[1])
     return names
 
 
