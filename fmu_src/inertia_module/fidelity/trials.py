@@ -63,8 +63,8 @@ class Level(ByContent):
 
     @property
     def name(self) -> str:
-        """Fidelity and, if it has pulses, method, such as "rigid, event"."""
-        return self.row(0.0).level
+        """Name of the fidelity."""
+        return FIDELITIES[self.fidelity]
 
     @property
     def values(self) -> dict[str, float]:
@@ -73,8 +73,7 @@ class Level(ByContent):
 
     def row(self, step: float) -> Row:
         """Make the row of the level in communication steps, s, before anything is measured."""
-        method = "event" if self.fidelity in (RIGID, ELASTIC) else ""
-        return Row(FIDELITIES[self.fidelity], method, self.setting, step)
+        return Row(self.name, "", self.setting, step)
 
 
 def event(fidelity: int, tolerance: float) -> Level:
@@ -112,7 +111,7 @@ class Row(ByContent):
     """Measurements of one run.
 
     Attributes:
-        fidelity: its name, or "peer". method: of integration. setting: such as "tolerance 1e-06".
+        fidelity: its name, or "peer". method: of a peer, else "". setting: such as "tolerance 1e-06".
         communication_step: s. errors: by name, NaN where nothing is known.
         wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
         switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
@@ -130,7 +129,7 @@ class Row(ByContent):
 
     @property
     def level(self) -> str:
-        """Fidelity and method, such as "rigid, event"."""
+        """Fidelity and, of a peer, method."""
         return f"{self.fidelity}, {self.method}" if self.method else self.fidelity
 
     @property
