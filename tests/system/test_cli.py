@@ -99,7 +99,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
     assert found["recommendation"]["chosen"]["error"] <= 0.01
     assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
     settings = {(row["fidelity"], row["method"], row["setting"]) for row in found["rows"]}
-    assert {("rigid", "event", "tolerance 1e-05"), ("rigid", "timestepping", "step 1 ms")} <= settings
+    assert {("averaged", "", "map"), ("rigid", "", "tolerance 1e-05")} <= settings
     rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
     assert len(rows) == len(found["rows"]) + 1
     assert all(Path(file).stat().st_size > 500 for file in found["files"].values())
