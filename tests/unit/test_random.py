@@ -19,7 +19,7 @@ from studies.stability.motion import LEVELS, Figure, Motion, Segment, run
 from studies.stability.random_motions import REFERENCE, VIRTUAL_WORK, Finding, Outcome, draw_motion, examine
 
 SEED = 1
-EACH, WITH_REFERENCE = 8, 3
+EACH, WITH_REFERENCE = 8, 5
 RIGID_LEVEL = next(level for level in LEVELS if level.fidelity == RIGID)
 
 
@@ -74,7 +74,7 @@ def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch
     assert compared >= 1 or level.fidelity not in (RIGID, ELASTIC)
 
 
-@pytest.mark.parametrize("losses, digest", [(False, "20da135932acea32"), (True, "d5250cc8d94c45f3")])
+@pytest.mark.parametrize("losses, digest", [(False, "1b626e66a29241d5"), (True, "ad028c4066ecd503")])
 def test_number_of_a_seed_is_the_motion_that_the_documentation_counts(losses, digest):
     drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(50)]
     text = json.dumps([motion.as_dict() for motion in drawn])
