@@ -55,8 +55,6 @@ def values():
         "rejections": "\n".join(rejections(rows)),
         "tighter": verdicts.TIGHTER,
         "tightest": verdicts.TIGHTEST,
-        "fixed_phase": verdicts.FIXED_PHASE,
-        "timestepping": extremes.TIMESTEPPING_ACCURACY,
         "averaged": extremes.AVERAGED_ACCURACY,
         "energy": verdicts.ENERGY_TOLERANCES,
         "rounding": verdicts.ROUNDING,
@@ -66,6 +64,5 @@ def values():
         "step_work": verdicts.STEP_WORK,
         "phase_work": verdicts.PHASE_WORK,
         "order": verdicts.WORK_ORDER,
-        "fixed_work": verdicts.FIXED_STEP_WORK,
         "most": MAX_EVALUATIONS,
     }

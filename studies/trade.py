@@ -16,7 +16,7 @@ import numpy as np
 from inertia_module.contract.variables import default_parameters
 from inertia_module.fidelity.trials import PEER, Level, Row, all_levels, attempt, kernel_time
 from inertia_module.harness.simulate import Progress, whole_steps
-from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
+from inertia_module.kernel.codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
 from inertia_module.memory import Module
 from inertia_module.scene.schema import at_fidelity, is_elastic
 
@@ -166,7 +166,7 @@ def measure(
             "switches": found.switches,
         }
 
-    prescribed = Level(KINEMATIC, EVENT, "prescribed ratio")
+    prescribed = Level(KINEMATIC, "prescribed ratio")
     chosen = [prescribed, *all_levels(is_elastic(case.parameters))] if levels is None else levels
     lengths = [case.stop_time / number for number in (1, 100, 1000)] if steps is None else steps
     runs: list[tuple[Any, ...]]

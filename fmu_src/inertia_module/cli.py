@@ -468,7 +468,7 @@ def tradeoff(
 ) -> Answer:
     """Compare accuracy and run time of all fidelity levels.
 
-    Runs a scene with each fidelity, method, tolerance or step size, and communication step. Writes
+    Runs a scene with each fidelity, tolerance and communication step. Writes
     tradeoff.csv and tradeoff.png. Default output folder: out/tradeoff.
     """
     from .fidelity import trials

@@ -291,7 +291,7 @@ class ModelInstance(Plant):
             raise Refused(self.explain(status, step_size))
 
     def warnings(self) -> list[str]:
-        """Warnings of what cannot be built though its parameters are accepted: a sentence each."""
+        """Return a sentence for each warning on accepted parameters."""
         found = self.call(codes.WARN, 0.0) if self.model.warnings else 0
         return [self._filled(text, 0.0) for number, text in self.model.warnings.items() if found & number]
 

@@ -80,13 +80,11 @@ CASES = {
     "module at a standstill": (STANDSTILL, {}),
     "kinematic": (R1, {"fidelity": 0}),
     "averaged": (R1, {"fidelity": 1}),
-    "rigid, timestepping": (R1, {"method": 1}),
-    "rigid, event": (R1, {}),
-    "elastic, event": (R1, {"fidelity": 3}),
+    "rigid": (R1, {}),
+    "elastic": (R1, {"fidelity": 3}),
     "averaged, driven by torque": (TORQUE, {"drive": 1, "fidelity": 1}),
-    "rigid, timestepping, driven by torque": (TORQUE, {"drive": 1, "method": 1}),
-    "rigid, event, driven by torque": (TORQUE, {"drive": 1}),
-    "elastic, event, driven by torque": (TORQUE, {"drive": 1, "fidelity": 3}),
+    "rigid, driven by torque": (TORQUE, {"drive": 1}),
+    "elastic, driven by torque": (TORQUE, {"drive": 1, "fidelity": 3}),
 }
 
 

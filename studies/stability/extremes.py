@@ -14,13 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from inertia_module.fidelity.trials import Level
-from inertia_module.kernel.codes import AVERAGED, TIMESTEPPING
+from inertia_module.kernel.codes import AVERAGED
 from inertia_module.memory import Module
 
 from .motion import ELASTIC_LEVELS, LEVELS, Motion, Segment, imbalance_inertia, solve_at
 
-# what the fixed steps of timestepping and the torque map of averaged are trusted to, relative
-TIMESTEPPING_ACCURACY = 0.02
+# accuracy of the torque map of averaged, relative
 AVERAGED_ACCURACY = 0.005
 # rad that link 1 turns in a trial, where nothing else is said
 TRAVEL = 100.0
@@ -50,10 +49,8 @@ class Case:
 
     @property
     def accuracy(self) -> float:
-        """Relative accuracy asked for: the tolerance, or what method and fidelity can give."""
-        least = TIMESTEPPING_ACCURACY if self.level.method == TIMESTEPPING else 0.0
-        if self.level.fidelity == AVERAGED:
-            least = max(least, AVERAGED_ACCURACY)
+        """Relative accuracy asked for: the tolerance, or the accuracy of the fidelity if that is larger."""
+        least = AVERAGED_ACCURACY if self.level.fidelity == AVERAGED else 0.0
         return max(self.motion["tolerance"], least)
 
 
@@ -132,7 +129,6 @@ def extremes(m: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]]:
     """Work out the table beside the code: axis, value as it is called, changes of the mechanism."""
     known = {**vars(math), "m": m, "signed": signed, "Segment": Segment, "TRAVEL": TRAVEL}
     known |= {"ELASTIC_LEVELS": ELASTIC_LEVELS}
-    known["FIXED_STEPS"] = tuple(level for level in LEVELS if level.method == TIMESTEPPING)
     for name, formula in TABLE["known"].items():
         known[name] = eval(formula, known)
     for axis, called, changes, values, layout in (

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from inertia_module.common.errors import Refused
 from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.fidelity.trials import Level
-from inertia_module.kernel.codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID, TIMESTEPPING
+from inertia_module.kernel.codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
 from inertia_module.kernel.equations.motion import evaluate
 from inertia_module.kernel.equations.states import LOCKED, OPEN, are_allowed
 from inertia_module.kernel.links import response
@@ -20,14 +20,8 @@ from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency
 
-ELASTIC_LEVELS = (Level(ELASTIC, EVENT), Level(ELASTIC, TIMESTEPPING))
-LEVELS = (
-    Level(KINEMATIC, EVENT),
-    Level(AVERAGED, EVENT),
-    Level(RIGID, EVENT),
-    Level(RIGID, TIMESTEPPING),
-    *ELASTIC_LEVELS,
-)
+ELASTIC_LEVELS = (Level(ELASTIC),)
+LEVELS = (Level(KINEMATIC), Level(AVERAGED), Level(RIGID), *ELASTIC_LEVELS)
 # compared at the end of a run; and the torques whose largest is its scale
 SPEEDS = ("omega2", "omega_out")
 ENERGIES = ("energy_in", "energy_out")
@@ -140,7 +134,7 @@ class Motion:
     @property
     def level(self) -> Level:
         """Its level of fidelity."""
-        return Level(int(self["fidelity"]), int(self["method"]))
+        return Level(int(self["fidelity"]))
 
     def changed(self, **parameters: float) -> Motion:
         """The motion with other parameters."""
@@ -198,13 +192,12 @@ class Run:
         end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
         points: all values at the start and after each segment. state: state and outputs at the end.
         finite: whether every output was, at every communication point.
-        residual: largest energy residual, J. gained: largest spurious energy, J.
+        residual: largest energy residual, J.
         energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
         speed, torque: largest seen, rad/s, N.m.
         breaches: deepest of each of BREACHES, rad/s, N.m, W, J.
         lost: energy lost so far by cause, but the shaft's, J.
         phase: advance of what has to be followed, rad. evaluations, steps: what it took.
-        fixed_steps: internal steps of method timestepping.
         refused: message of the refusal that ended it, or "".
         broken: what must never happen and did, such as an exception that is no refusal, or "".
     """
@@ -214,14 +207,12 @@ class Run:
     state: bytes = b""
     finite: bool = True
     residual: float = 0.0
-    gained: float = 0.0
     energy: float = 0.0
     speed: float = 0.0
     torque: float = 0.0
     breaches: dict[str, float] = field(default_factory=lambda: dict.fromkeys(BREACHES, 0.0))
     lost: dict[str, float] = field(default_factory=dict)
     phase: float = 0.0
-    fixed_steps: int = 0
     evaluations: float = 0.0
     steps: int = 0
     refused: str = ""
@@ -241,7 +232,6 @@ class Run:
         """Take note of what shows at a communication point."""
         self.finite = self.finite and all(map(math.isfinite, module.outputs.numbers))
         self.residual = max(self.residual, abs(module["energy_residual"]))
-        self.gained = max(self.gained, -module["energy_residual"])
         # at the beginning of the step where it is given
         link1 = module["input_speed" if module["drive"] else "omega1"]
         fastest = max(abs(link1), abs(module["omega2"]))
@@ -338,8 +328,6 @@ def _advance(found: Run, module: Module, segment: Segment, split: int, kick: flo
                 found.broken = f"no good step after a refused one: {next_one}"
             return
         found.steps += 1
-        if module["max_step"] > 0.0:
-            found.fixed_steps += math.ceil(step / module["max_step"])
         found.phase += step * _followed_rate(module)
         for name in impulses:
             impulses[name] += module[name] * step
@@ -356,7 +344,7 @@ def _followed_rate(module: Module) -> float:
     omega1 = module["input_speed" if module["drive"] else "omega1"]
     harmonic = float(module.derived.harmonic * module.derived.k)
     pulses = harmonic * max(abs(omega1 - module["omega2"]), abs(omega1))
-    if module["fidelity"] != ELASTIC or module["method"] != EVENT:
+    if module["fidelity"] != ELASTIC:
         return pulses
     shaft = shaft_frequency(module.__getitem__)
     fastest = harmonic * max(abs(omega1), abs(module["omega_hub"]), abs(module["omega_out"]))

@@ -25,7 +25,7 @@ from inertia_module.common.files import content_hash, sources
 from inertia_module.contract.variables import BY_NAME, default_parameters
 from inertia_module.harness.results import write_text
 from inertia_module.kernel import codes
-from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, EVENT, RIGID, TIMESTEPPING
+from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, RIGID
 from inertia_module.memory import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
@@ -33,7 +33,6 @@ from ..reference.geometry import Array, Unavailable, ratio, satellite_ratio
 from ..reference.motion import Reference
 from ..reference.virtual_work import VirtualWork
 from . import motion as motions
-from .extremes import TIMESTEPPING_ACCURACY
 from .motion import Figure, Figures, Make, Motion, Parameters, Run, Segment
 from .verdicts import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
 
@@ -51,7 +50,7 @@ DRAWS = {
 # of Draw, that formulas use
 METHODS = ("choice", "random", "uniform", "randint", "decades", "between")
 # how often each of LEVELS is drawn
-WEIGHTS = (1, 3, 5, 3, 4, 2)
+WEIGHTS = (1, 3, 8, 6)
 STUDIES = Path(__file__).parents[1]
 HEADINGS = ("level", "invariant", "runs", "explained", "sensitive", "failed", "worst", "bound", "number")
 # rows that count motions with all checks done, and accepted motions
@@ -110,18 +109,15 @@ def of_one_run(motion: Motion, found: Run, make: Make) -> Figures:
     # a velocity within rounding of the fastest is zero: so much energy comes and goes
     fastest = max(found.speed, *(part.fastest for part in motion.segments))
     rounding = ROUNDING * sum(motion[name] for name in INERTIAS) * fastest**2
-    name, energy, accuracy = "energy residual", found.residual, motion["tolerance"]
-    if motion.level.method == TIMESTEPPING:
-        name, energy, accuracy = "spurious energy", found.gained, TIMESTEPPING_ACCURACY
-    beyond = motions.relative(max(energy - rounding, 0.0), found.energy)
-    figures[name] = Figure(beyond, energy_bound(accuracy, found.turns))
+    beyond = motions.relative(max(found.residual - rounding, 0.0), found.energy)
+    figures["energy residual"] = Figure(beyond, energy_bound(motion["tolerance"], found.turns))
     breaches = motions.BREACHES if motion.level.fidelity in (RIGID, ELASTIC) else (motions.REGAINED,)
     return figures | {name: Figure(found.share(name), BREACH) for name in breaches}
 
 
 def of_steps(motion: Motion, found: Run, make: Make) -> Figures:
     """One long communication step as many short ones, to the tolerance and what the motion makes of it."""
-    if motion.level.method == TIMESTEPPING or motion.level.fidelity == AVERAGED:
+    if motion.level.fidelity == AVERAGED:
         return {}
     tolerance, short = motion["tolerance"], motions.run(motion, make, SPLIT)
     if short.refused or short.broken:
@@ -149,7 +145,7 @@ def of_restore(motion: Motion, found: Run, make: Make) -> Figures:
 
 def of_scaling(motion: Motion, found: Run, make: Make) -> Figures:
     """Speeds by a power of two and torques by its square: the same motion in less time, to the bit."""
-    if (motion.level.fidelity, motion.level.method) != (RIGID, EVENT):
+    if motion.level.fidelity != RIGID:
         return {}
     square = FACTOR**2
     faster = motion.changed(
@@ -167,8 +163,6 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
     """Without a housing freewheel and weights momentum changes by what drive, load and friction give."""
     if motion.level.fidelity != RIGID or motion["housing_freewheel"] or motion["gravity"]:
         return {}
-    if motion.level.method == TIMESTEPPING and any(motion[name] for name in FRICTIONS):
-        return {}  # its friction is of first order in its steps
     p = {**default_parameters(), **motion.parameters}
     work, momenta = VirtualWork(p), []
     for point in found.points:
@@ -189,7 +183,7 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
     # link 2 moves by what links 1 and 2 move apart
     rounding = OF_FASTEST * sum(motion[name] for name in INERTIAS[:-1]) * found.speed
     missing = max(abs(momenta[-1] - momenta[0] - sum(impulses)) - rounding, 0.0)
-    bound = BREACH if motion.level.method == TIMESTEPPING else energy_bound(motion["tolerance"], found.turns)
+    bound = energy_bound(motion["tolerance"], found.turns)
     return {"momentum": Figure(motions.relative(missing, max(map(abs, (*momenta, *impulses)))), bound)}
 
 
@@ -209,7 +203,7 @@ def _by_reference(motion: Motion, most: float) -> Array:
 
 def of_reference(motion: Motion, found: Run, make: Make) -> Figures:
     """Agreement of speeds and energies with the independent reference, with losses or without."""
-    if motion.level.method != EVENT or motion.level.fidelity not in (RIGID, ELASTIC):
+    if motion.level.fidelity not in (RIGID, ELASTIC):
         return {}
     scales = np.array([*[found.speed] * (len(COMPARED) - 1), found.energy])
 

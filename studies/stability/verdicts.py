@@ -23,10 +23,9 @@ from matplotlib.patches import Patch
 
 from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION
 from inertia_module.common.errors import unknown
-from inertia_module.contract.variables import LARGEST_STEP
 from inertia_module.harness import results
 from inertia_module.harness.simulate import Progress
-from inertia_module.kernel.codes import ELASTIC, EVENT, KINEMATIC, TIMESTEPPING
+from inertia_module.kernel.codes import ELASTIC
 from inertia_module.memory import Module
 
 from ..reference.geometry import shaft_frequency, swing_frequency
@@ -45,17 +44,14 @@ RESULT_ACCURACIES = 3.0
 LARGEST_ERROR = 0.1
 # breach of what is never breached but for rounding (see Run.share)
 BREACH = 1e-9
-# right-hand sides for each communication step, for each radian of the highest harmonic (by events: they grow
-# slowly with the digits asked for, at eighth order) and for each internal step of timestepping
+# right-hand sides for each communication step and for each radian of the highest harmonic (they grow slowly
+# with the digits asked for, at eighth order)
 STEP_WORK = 100.0
 PHASE_WORK = 20.0
 WORK_ORDER = 8.0
-FIXED_STEP_WORK = 10.0
 # the run the others are measured against: tighter by this, down to what doubles allow
 TIGHTER = 1e-4
 TIGHTEST = 1e-13
-# rad of the highest harmonic in a step of method timestepping
-FIXED_PHASE = 0.1
 
 EXACT, SENSITIVE, DEGRADED, REJECTED, BROKEN = "exact", "sensitive", "degraded", "rejected", "broken"
 COLOURS = {EXACT: GREEN, SENSITIVE: BLUE, DEGRADED: ORANGE, REJECTED: "#BBBBBB", BROKEN: VERMILION}
@@ -83,10 +79,8 @@ def result_bound(accuracy: float, sensitivity: float) -> float:
 
 
 def work_bound(case: Case, found: Run) -> float:
-    """Right-hand sides allowed for the phase, communication steps and internal steps of a run."""
+    """Right-hand sides allowed for the phase and communication steps of a run."""
     motion = case.motion
-    if case.level.method == TIMESTEPPING:
-        return STEP_WORK * found.steps + FIXED_STEP_WORK * found.fixed_steps
     # what the shaft, freewheels that wind up and weights can swing through costs too
     swinging = swing_frequency(motion.__getitem__)
     if case.level.fidelity == ELASTIC:
@@ -102,7 +96,7 @@ class Trial:
 
     Attributes:
         case: what was tried. long, short: in long communication steps and in many short ones.
-        tight: at a far tighter tolerance, by events (None if it is rejected).
+        tight: at a far tighter tolerance (None if it is rejected).
         sensitivity: of the motion itself: largest distance from tight by relative changes of the tolerance's
             size (angle at the start, load, speed of link 1), as far as it takes to explain the other runs.
     """
@@ -118,19 +112,12 @@ def try_case(case: Case, make: Make = Module) -> Trial:
     """All runs of a case. Never raises."""
     motion = case.motion
     try:
-        if case.level.method == TIMESTEPPING and "max_step" not in motion.parameters:
-            # by the highest harmonic at the fastest input and the swing of link 2 on weights; 0 at rest
-            module = motion.changed(fidelity=KINEMATIC, method=EVENT).started(make())
-            fastest = max(part.fastest for part in motion.segments)
-            rate = float(module.derived.harmonic * module.derived.k) * fastest
-            rate += swing_frequency(module.__getitem__)
-            motion = motion.changed(max_step=min(FIXED_PHASE / rate, LARGEST_STEP) if rate > 1e-300 else 0.0)
         long = motions.run(motion, make)
         if long.refused:
             return Trial(case, long)
         short = motions.run(motion, make, case.split)
         tolerance = motion["tolerance"]
-        precise = motion.changed(method=EVENT, max_step=0.0, tolerance=max(TIGHTER * tolerance, TIGHTEST))
+        precise = motion.changed(max_step=0.0, tolerance=max(TIGHTER * tolerance, TIGHTEST))
         tight = _tight(make, tuple(precise.parameters.items()), motion.segments)
         trial = Trial(case, long, short, None if tight.refused else tight)
         for beside in () if tight.refused or short.refused else precise.nudged(tolerance):

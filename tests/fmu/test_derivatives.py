@@ -4,7 +4,7 @@ import math
 from itertools import product
 
 import pytest
-from scenes import ELASTIC, LOSSES, TUNED
+from scenes import ELASTIC, TUNED
 
 from inertia_module.memory import Module
 
@@ -94,7 +94,6 @@ TUNABLE = {
     "elastic with losses, by torque": TUNED | {"windage": 1e-4, "freewheel_damping": 1.0},
     # each map with losses takes seconds
     "averaged": {"link2_friction": 0.01, "output_friction": 0.01},
-    "timestepping": LOSSES["viscous"],
     "kinematic": {"kinematic_ratio": 0.3},
 }
 

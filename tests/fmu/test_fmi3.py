@@ -10,7 +10,7 @@ from .conftest import BY_TORQUE, LEVELS, R1
 
 FLAVOURS = ("InertiaModule3",)
 # levels of fidelity whose steps stop at switches
-BY_EVENTS = [name for name in LEVELS if name.startswith(("rigid", "elastic")) and "timestepping" not in name]
+BY_EVENTS = [name for name in LEVELS if name.startswith(("rigid", "elastic"))]
 
 
 def pass_event(instance):

@@ -180,7 +180,7 @@ def test_tunable_parameters_that_do_not_go_together_are_discarded(instances):
     before = one.all_values()
     said = one.refusal(partial(one.set, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
     assert said.startswith(
-        "windage must be 0 with fidelity = 1, method = 0 (got 0.05). Windage requires method 0"
+        "windage must be 0 with fidelity = averaged (got 0.05). Windage requires fidelity 0"
     )
     assert one.all_values() == before
     for each in (one, undisturbed):
@@ -376,7 +376,7 @@ def test_instances_of_another_build_or_without_a_name_are_not_made(opened, guid,
     assert said in log.errors[0]
 
 
-# --- mechanisms that cannot be built run, and are warned of ---
+# --- mechanisms that cannot be built and a deprecated value run, with a warning ---
 
 CASES = {
     "overlap, planar": {"layout": 1, "satellites": 12},
@@ -384,6 +384,7 @@ CASES = {
     "imbalance, planar": {"layout": 1, "eccentricity": 0.04},
     "imbalance, bevel": {"a": 1.5},
     "both": {"layout": 1, "satellites": 12, "eccentricity": 0.04},
+    "method that is no longer available": {"method": 1},
     "none": {},
 }
 

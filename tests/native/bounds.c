@@ -48,11 +48,10 @@ int main(void)
         return 0;
     }
     for (int fidelity = 0; fidelity <= 3; fidelity++)
-        for (int method = 0; method <= (fidelity > 1); method++) /* which others ignore */
-            for (int layout = 0; layout <= 1; layout++) {
-                const struct setting changes[] = {{"fidelity", fidelity}, {"method", method}, {"layout", layout},
-                                                  {"max_step", 1e-3}, {"satellites", 2.0}, {NULL, 0.0}};
-                run(changes, 80.0);
-            }
+        for (int layout = 0; layout <= 1; layout++) {
+            const struct setting changes[] = {
+                {"fidelity", fidelity}, {"layout", layout}, {"max_step", 1e-3}, {"satellites", 2.0}, {NULL, 0.0}};
+            run(changes, 80.0);
+        }
     return 0;
 }

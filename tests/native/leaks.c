@@ -12,7 +12,6 @@ static void initialize(fmi2Component c, unsigned long life)
     if (model.tolerance_slot >= 0) { /* kinematic, rigid and elastic in turn, averaged once in five hundred */
         static const double fidelities[] = {0.0, 2.0, 3.0};
         set_value(c, reference_of("fidelity"), life % 500 == 1 ? 1.0 : fidelities[life % 3]);
-        set_value(c, reference_of("method"), life % 4 == 0);
     }
     fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0);
     CHECK(fmi2EnterInitializationMode(c) == fmi2OK && fmi2ExitInitializationMode(c) == fmi2OK, "life %lu", life);

@@ -15,7 +15,6 @@ from ..fmu.test_binaries import read, required_by
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run, system_compiler
 
 LETTERS = {REAL: "r", INTEGER: "i", BOOLEAN: "b", ENUMERATION: "e"}
-EVENTS_ONLY = ("averaged", "timestepping", "elastic-timestepping")
 # of Delphi, C++Builder, Fortran with -ffpe-trap; of Fortran and C with -ffast-math
 TRAPS, FLUSH = {"TRAPS": "1"}, {"FLUSH": "1"}
 
@@ -31,7 +30,7 @@ def levels():
         ):
             continue
         more = dict(scenes.ADDED[added])
-        if level in EVENTS_ONLY:
+        if level == "averaged":
             more.pop("windage", None)
         yield (
             f"{level}-{layout}-{drive}-{added}",

@@ -34,7 +34,6 @@ SCENES = {
     "InertiaModule": {
         "R1": R1,
         "elastic": R1 | OF_ELASTIC,
-        "timestepping": R1 | {"method": 1, "max_step": 1e-4},
         # whose map takes a tenth of that of the other layout: emulated, that is minutes
         "averaged": PLANAR | {"fidelity": 1},
         "by_torque": R1 | OF_TORQUE,

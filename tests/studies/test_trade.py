@@ -50,8 +50,8 @@ def test_errors_follow_the_tolerance_and_the_reference_has_none_against_itself(r
 
 
 REFUSED = [
-    (Level(2, 0, "tolerance 1", {"tolerance": 1.0}), 0.1, "tolerance must be between 1e-13 and 0.1 (got 1)"),
-    (Level(2, 0, "backwards", {"max_step": -1.0}), 0.1, "max_step must be between 0 and 1000000 s (got -1)"),
+    (Level(2, "tolerance 1", {"tolerance": 1.0}), 0.1, "tolerance must be between 1e-13 and 0.1 (got 1)"),
+    (Level(2, "backwards", {"max_step": -1.0}), 0.1, "max_step must be between 0 and 1000000 s (got -1)"),
     (event(2, 1e-6), 0.03, "must be an integer fraction of 0.1 s (got 0.03 s)"),
 ]
 
@@ -100,13 +100,13 @@ def test_rows_are_read_back_as_they_were_written(rows, failed, tmp_path):
 
 def test_plots_show_all_runs_by_level_but_those_that_failed(failed, tmp_path):
     errors = {3.0: 1e-3, 1.0: 1e-1, 2.0: 1e-1, 0.5: 0.0}
-    measured = [Row("rigid", "event", "", 1.0, {"e": e}, cost, 9.0) for cost, e in errors.items()]
-    refused = Row("rigid", "event", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
+    measured = [Row("rigid", "", "", 1.0, {"e": e}, cost, 9.0) for cost, e in errors.items()]
+    refused = Row("rigid", "", "", 1.0, {"e": 1e-9}, wall_time=0.1, failure="refused")
     peers = [Row("peer", f"LSODA, clutch {n}", "", 1.0, {"e": 1e-4}, 5.0, 7.0) for n in (1, 2)]
     figure = trials.work_precision([*measured, refused, *failed, *peers], ["e"], "some rows")
     times, sides = figure.axes
     for drawn, ours, theirs in ((times, [3e3, 1e3, 2e3], [5e3] * 2), (sides, [9.0] * 3, [7.0] * 2)):
-        assert [line.get_label() for line in drawn.lines] == ["rigid, event", "LSODA"]
+        assert [line.get_label() for line in drawn.lines] == ["rigid", "LSODA"]
         assert [line.get_xdata().tolist() for line in drawn.lines] == [ours, theirs]
         assert drawn.lines[0].get_ydata() == pytest.approx([1e-3, 1e-1, 1e-1])
     assert write_figure(tmp_path / "plot.png", figure).stat().st_size > 10_000

@@ -13,7 +13,7 @@ from studies.stability import verdicts
 from studies.stability.extremes import Case
 from studies.stability.motion import LEVELS, Motion, Run, Segment
 
-LEVEL = next(level for level in LEVELS if level.name == "rigid, event")
+LEVEL = next(level for level in LEVELS if level.name == "rigid")
 SEGMENT = Segment(0.05, REFERENCE["omega1"], REFERENCE["load_torque"])
 CASE = Case("ordinary", "R1", "bevel", Motion(LEVEL.values, (SEGMENT,)), split=10)
 

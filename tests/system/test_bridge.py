@@ -50,7 +50,6 @@ MOTIONS = [
         *(("InertiaModule", *case) for case in MOTIONS),
         *(("InertiaModulePy", *case) for case in MOTIONS),
         ("InertiaModule", {"input_hold": "linear"}, None, None),
-        ("InertiaModule", {"method": "timestepping"}, None, None),
         ("InertiaModule", ELASTIC, None, None),
         ("DrivenShaft", SHAFT, 1e-9, ["omega_out", "twist", "hub_speed_held"]),
     ],

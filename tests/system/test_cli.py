@@ -81,11 +81,12 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
 
 
 def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
-    scene = (*SHORT, "--set", "satellites=6", "--set", "a=1.5")
+    scene = (*SHORT, "--set", "satellites=6", "--set", "a=1.5", "--set", "method=timestepping")
     done = succeeded("run", *scene, "-o", tmp_path / "out", folder=workshop)
-    assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 2
+    assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 3
     assert "the 6 satellites of a module overlap" in done.stderr
     assert "a must be at most 1 and at most b = 1 (got 1.5)" in done.stderr
+    assert "method = timestepping is no longer available" in done.stderr
     printed = json.loads(command("run", *scene, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
     assert printed["summary"]["simulated_time"] == 0.1
     assert Path(printed["files"]["table"]).is_file()
@@ -99,7 +100,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
     assert found["recommendation"]["chosen"]["error"] <= 0.01
     assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
     settings = {(row["fidelity"], row["method"], row["setting"]) for row in found["rows"]}
-    assert {("rigid", "event", "tolerance 1e-05"), ("rigid", "timestepping", "step 1 ms")} <= settings
+    assert {("averaged", "", "map"), ("rigid", "", "tolerance 1e-05")} <= settings
     rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
     assert len(rows) == len(found["rows"]) + 1
     assert all(Path(file).stat().st_size > 500 for file in found["files"].values())

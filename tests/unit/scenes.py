@@ -16,7 +16,7 @@ TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="ut
 SCENES, LAYOUTS, FREEWHEELS = TABLE["scenes"], TABLE["layouts"], TABLE["freewheels"]
 REFERENCE, PLANAR = SCENES["bevel"], SCENES["planar"]
 LOSSES, PARTS, FOUND = TABLE["losses"], TABLE["parts"], TABLE["found"]
-ELASTIC, ENGINE, FIXED, GEARS = (PARTS[name] for name in ("elastic", "engine", "fixed_steps", "gears"))
+ELASTIC, ENGINE, GEARS = (PARTS[name] for name in ("elastic", "engine", "gears"))
 FRICTION, SHAFT, WIND_UP, PLAY = (PARTS[name] for name in ("friction", "shaft", "wind_up", "play"))
 # what is built, without what is given to it
 MECHANISMS = {
@@ -35,8 +35,6 @@ LEVELS = {
     "averaged": {"fidelity": 1},
     "rigid": {},
     "elastic": ELASTIC,
-    "timestepping": FIXED,
-    "elastic-timestepping": {**ELASTIC, **FIXED},
 }
 ALL_LOSSES = {name: value for one in LOSSES.values() for name, value in one.items()}
 # parameters that change between steps

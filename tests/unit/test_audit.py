@@ -64,7 +64,7 @@ def test_step_that_does_not_balance_is_made_once_more_with_care_and_then_refused
     assert_refused("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
 
 
-@pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}, {"method": 1}], ids=str)
+@pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}], ids=str)
 def test_steps_that_lose_energy_by_what_they_are_made_of_are_not_refused(spoil, values):
     module = started("plain", PLANAR, values)
     spoil(1)

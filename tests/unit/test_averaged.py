@@ -187,11 +187,6 @@ def test_very_long_steps_cost_little(compiled):
     assert module["output_torque"] == pytest.approx(2.0, rel=1e-6)
 
 
-def test_method_is_ignored_for_there_is_no_switching_to_locate(compiled):
-    event, timestepping = (advanced(averaged(compiled, SCENES["planar"], method=n), 1.0) for n in (0, 1))
-    assert event["omega_out"] == timestepping["omega_out"]
-
-
 def test_checking_parameters_builds_no_map(scene):
     module = Module("plain")
     module.check(**scene, fidelity=1)

@@ -17,7 +17,7 @@ MODES_AT_REST = {
 DEAD = ["input_speed", "omega2", "input_angle", "input_torque", "mesh_torque", "energy_in"]
 
 
-LEVELS = ("rigid", "elastic", "timestepping", "elastic-timestepping")
+LEVELS = ("rigid", "elastic")
 ideal = motions(LEVELS, added=("ideal",), missing=())
 
 

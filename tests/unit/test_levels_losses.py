@@ -9,7 +9,7 @@ import pytest
 from scenes import ALL_LOSSES, GEARS, PLAY, WIND_UP
 
 from inertia_module.common.errors import Refused
-from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC, TIMESTEPPING
+from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC
 from inertia_module.memory import Module
 from studies.stability.motion import LEVELS
 
@@ -34,8 +34,7 @@ def told():
 def ends(level, by_torque, **losses):
     """Energies, mean torque and speed after half a second."""
     drive = {"drive": DRIVE_TORQUE, "drive_torque": 20.0} if by_torque else {}
-    step = {"max_step": 1e-3} if level.method == TIMESTEPPING else {}
-    values = {**MACHINE, **level.values, **step, **drive, **losses}
+    values = {**MACHINE, **level.values, **drive, **losses}
     module = Module().start(**values, omega1=100.0, load_torque=10.0)
     for _ in range(10):
         module.advance(0.05)

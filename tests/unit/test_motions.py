@@ -30,8 +30,6 @@ def led(module, steps):
 
 def audit_bound(module):
     """Most that the residual may be of the energies that passed."""
-    if module["method"]:
-        return 2e-2
     return {0: 1e-11, 1: 1e-6}.get(module["fidelity"], 10.0 * module["tolerance"])
 
 
@@ -67,8 +65,6 @@ def test_energies_balance_and_freewheels_only_push(compiled, scene):
         assert all(math.isfinite(value) for value in module.snapshot().values())
         energy = max(energy, passed(module))
         assert abs(module["energy_residual"]) < audit_bound(module) * energy
-        if module["method"]:  # which may lose energy, but makes none
-            assert module["energy_residual"] > last["energy_residual"] - 1e-11 * energy
         assert sum(module[name] for name in ACCOUNTS) == pytest.approx(module["energy_lost"], rel=1e-12)
         for name in (*COUNTERS, *ACCOUNTS):
             assert module[name] >= last[name] - 1e-9 * energy * (name in ACCOUNTS), name
@@ -177,7 +173,7 @@ def test_error_follows_the_tolerance(compiled, scene):
 # --- a torque drives link 1 ---
 
 
-@motions(levels=("averaged", "rigid", "elastic", "timestepping", "elastic-timestepping"), added=("ideal",))
+@motions(levels=("averaged", "rigid", "elastic"), added=("ideal",))
 def test_one_input_alone_counts_and_its_work_is_torque_times_angle(compiled, scene):
     """The torque given to link 1, where the drive is by torque, not its speed; else the other way round."""
     one, other = (advanced(started(compiled, scene), 0.01) for _ in range(2))
@@ -294,8 +290,7 @@ def assert_led_alike(compiled, *scenes):
 
 @motions(levels=QUICK, added=("gears", "losses", "wind-up"))
 def test_both_kernels_give_the_same_results(compiled, scene):
-    fixed = {"max_step": 1e-3} if scene.get("method") else {}
-    assert_led_alike(compiled, scene, fixed, {"satellites": 2, "epsilon": 0.4, "balancer": 0.3})
+    assert_led_alike(compiled, scene, {"satellites": 2, "epsilon": 0.4, "balancer": 0.3})
 
 
 def test_both_kernels_give_the_same_mean_motion(compiled):

@@ -412,3 +412,9 @@ def test_a_driven_mass_is_rigid_with_the_hub_that_a_design_chooses():
     for level, inertia in (("averaged", 0.5), ("elastic", 0.2)):
         scene = figures({"fidelity": level, "mechanism.output_inertia": 0.2})["scene"].value
         assert scene.parameters()["output_inertia"] == pytest.approx(inertia)
+
+
+def test_a_design_with_a_deprecated_method_can_be_built():
+    scene = load_scene(example("reference")).replaced(mechanism={"method": "timestepping"})
+    figures = figures_wanted({"tables": scene.tables, "named": {}, "runs": False}, SimpleNamespace())
+    assert figures({"fidelity": "rigid"}) == {}

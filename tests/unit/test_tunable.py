@@ -46,7 +46,7 @@ def test_motion_goes_on_by_the_reference_with_the_new_parameters(compiled, scene
     assert abs(module["energy_residual"]) < 1e-8 * largest_energy(module)
 
 
-@motions(("rigid", "elastic", "timestepping"), added=("ideal",), missing=())
+@motions(("rigid", "elastic"), added=("ideal",), missing=())
 def test_rates_are_those_of_the_motion_that_goes_on(compiled, scene):
     module = advanced(started(compiled, scene, max_step=1e-5, tolerance=1e-11), 0.02)
     module.set(**FRICTION, **SHAFT)

@@ -57,18 +57,14 @@ MESSAGES: Mapping[int, str] = {
         " {housing_freewheel} and {output_freewheel}). Without both freewheels nothing rectifies the pulses"
         " and there is no mean torque."
     ),
-    codes.WIND_UP_STEPPED: (
-        "housing_stiffness and freewheel_stiffness must be 0 with method = timestepping (got"
-        " {housing_stiffness} and {freewheel_stiffness}). Freewheel compliance requires method = event."
-    ),
     codes.NO_PLAY: (
         "housing_engagement_angle and output_engagement_angle must be 0 with fidelity = kinematic (got"
         " {housing_engagement_angle} and {output_engagement_angle}). With prescribed motion no freewheel"
         " engages."
     ),
-    codes.EVENTS_ONLY: (
-        f"windage must be 0 with {named('fidelity', 'method')} (got {{windage}}). Windage requires method 0"
-        " (event) and fidelity 0 (kinematic), 2 (rigid) or 3 (elastic)."
+    codes.NO_WINDAGE: (
+        "windage must be 0 with fidelity = averaged (got {windage}). Windage requires fidelity 0"
+        " (kinematic), 2 (rigid) or 3 (elastic)."
     ),
     codes.JAMMED: (
         f"mesh_efficiency and satellite_mesh_efficiency must be higher with {named(*_LINK_INERTIAS)}"
@@ -121,7 +117,7 @@ MESSAGES: Mapping[int, str] = {
     ),
 }
 
-# warnings for an accepted mechanism that cannot be built, by the numbers of kernel.clearance
+# warnings on accepted parameters, by their numbers in kernel.codes
 WARNINGS: Mapping[int, str] = {
     codes.PLANAR_OVERLAP: (
         "the {satellites} satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites)"
@@ -142,5 +138,9 @@ WARNINGS: Mapping[int, str] = {
     codes.GEAR_TOO_FLAT: (
         "physically impossible inertia: satellite_inertia must be at most twice satellite_transverse_inertia"
         " = {satellite_transverse_inertia} kg.m2 (got {satellite_inertia} kg.m2)"
+    ),
+    codes.METHOD_DEPRECATED: (
+        "method = timestepping is no longer available. The module uses method = event; tolerance controls"
+        " the accuracy."
     ),
 }

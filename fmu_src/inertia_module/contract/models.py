@@ -63,7 +63,7 @@ class Model:
         description: one sentence without its full stop. variables: its table. time: the time of FMI 3.0.
         call: its kernel as plain Python. records: fields of the kernel's p, d, u, x, y and w.
         messages: what it says for each status of its kernel but OK.
-        warnings: what it says of a mechanism that is accepted but cannot be built.
+        warnings: messages on accepted parameters: a mechanism that cannot be built, a deprecated value.
         traced: variables that a log of every step shows. bounds: of d and x. terminals: the flanges.
     """
 

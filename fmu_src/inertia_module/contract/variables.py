@@ -109,7 +109,7 @@ ENUMERATIONS: dict[str, tuple[tuple[str, int, str], ...]] = {
     ),
     "Method": (
         ("event", 0, "high-order integration between located freewheel switching events"),
-        ("timestepping", 1, "fixed steps of max_step, freewheels by a complementarity problem of impulses"),
+        ("timestepping", 1, "deprecated, no longer available: the module uses event and logs a warning"),
     ),
     "Drive": (
         ("speed", 0, "omega1 is the input, the input torque is computed"),
@@ -355,11 +355,11 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(114, "housing_freewheel", Group.LAYOUT, "", "true if link 2 has a freewheel (one-way clutch) to the housing", 1.0, kind=BOOLEAN),
     _parameter(115, "output_freewheel", Group.LAYOUT, "", "true if link 2 drives the output shaft through a freewheel, false if it is rigidly connected to the shaft", 1.0, kind=BOOLEAN),
     _parameter(116, "fidelity", Group.SOLVER, "", "fidelity level of the model", 2, 0, 3, kind=ENUMERATION, enumeration="Fidelity"),
-    _parameter(117, "method", Group.SOLVER, "", "integration method", 0, 0, 1, kind=ENUMERATION, enumeration="Method", idle=True),
+    _parameter(117, "method", Group.SOLVER, "", "integration method; timestepping is deprecated", 0, 0, 1, kind=ENUMERATION, enumeration="Method", idle=True),
     _parameter(118, "drive", Group.FLANGES, "", "input quantity at the input shaft (carrier, link 1): its speed or its torque", 0, 0, 1, kind=ENUMERATION, enumeration="Drive", in_map=True),
     _parameter(119, "input_hold", Group.SOLVER, "", "extrapolation of omega1 between communication points", 0, 0, 1, kind=ENUMERATION, enumeration="InputHold", idle=True),
     _parameter(120, "tolerance", Group.SOLVER, "1", "relative tolerance; a tolerance set by the importer overrides it", 1e-6, 1e-13, 0.1, nominal=1e-6, idle=True),
-    _parameter(121, "max_step", Group.SOLVER, "s", "maximum internal step, 0 = no limit (with method = timestepping 0 = the communication step)", 0.0, 0.0, LARGEST_STEP, idle=True),
+    _parameter(121, "max_step", Group.SOLVER, "s", "maximum internal step, 0 = no limit", 0.0, 0.0, LARGEST_STEP, idle=True),
     _tunable(122, "kinematic_ratio", Group.SOLVER, "1", "prescribed speed ratio omega2/omega1 of link 2 and the carrier (kinematic)", 0.0, -10.0, 10.0),
     _parameter(123, "omega2_start", Group.START, "rad/s", "initial speed of link 2", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
     _parameter(124, "omega_out_start", Group.START, "rad/s", "initial speed of the output shaft", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),

@@ -32,7 +32,7 @@ from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..harness import results
 from ..harness.results import TIME
 from ..harness.simulate import Result, whole_steps
-from ..kernel.codes import AVERAGED, ELASTIC, EVENT, RIGID, TIMESTEPPING
+from ..kernel.codes import AVERAGED, ELASTIC, RIGID
 from ..loops import ClosedLoop
 from ..loops.closed_loop import PLANT_INPUTS
 from ..memory import Module
@@ -45,7 +45,6 @@ Array = NDArray[np.float64]
 # --- levels ---
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
-METHODS = {number: name for name, number, _ in ENUMERATIONS["Method"]}
 
 # outputs that a fidelity does not model, and why; everything else it has
 NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
@@ -59,42 +58,36 @@ class Level(ByContent):
     """Level of fidelity, by its numbers, at one setting, as it is printed, with what makes it."""
 
     fidelity: int
-    method: int
     setting: str = ""
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
-        """Fidelity and, where there is a choice of one, method, such as "rigid, event"."""
-        return self.row(0.0).level
+        """Name of the fidelity."""
+        return FIDELITIES[self.fidelity]
 
     @property
     def values(self) -> dict[str, float]:
         """Parameters of the module for this level."""
-        return {"fidelity": float(self.fidelity), "method": float(self.method), **self.parameters}
+        return {"fidelity": float(self.fidelity), **self.parameters}
 
     def row(self, step: float) -> Row:
         """Make the row of the level in communication steps, s, before anything is measured."""
-        method = METHODS[self.method] if self.fidelity in (RIGID, ELASTIC) else ""
-        return Row(FIDELITIES[self.fidelity], method, self.setting, step)
+        return Row(self.name, "", self.setting, step)
 
 
 def event(fidelity: int, tolerance: float) -> Level:
     """Make a level from event to event, at a tolerance."""
-    return Level(fidelity, EVENT, f"tolerance {tolerance:.0e}", {"tolerance": tolerance})
+    return Level(fidelity, f"tolerance {tolerance:.0e}", {"tolerance": tolerance})
 
 
 TOLERANCES = tuple(10.0**-n for n in range(3, 12))
-# s
-STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
 
 def all_levels(elastic: bool, few: bool = False) -> Iterator[Level]:
     """Yield the levels to measure, from coarse to fine, without prescribed motion; few for long scenes."""
-    yield Level(AVERAGED, EVENT, "map")
+    yield Level(AVERAGED, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
-        for step in STEPS[::3] if few else STEPS:
-            yield Level(fidelity, TIMESTEPPING, f"step {1e3 * step:g} ms", {"max_step": step})
         for tolerance in TOLERANCES[:-1:2] if few else TOLERANCES:
             yield event(fidelity, tolerance)
 
@@ -118,7 +111,7 @@ class Row(ByContent):
     """Measurements of one run.
 
     Attributes:
-        fidelity: its name, or "peer". method: of integration. setting: such as "tolerance 1e-06".
+        fidelity: its name, or "peer". method: of a peer, else "". setting: such as "tolerance 1e-06".
         communication_step: s. errors: by name, NaN where nothing is known.
         wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
         switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
@@ -136,7 +129,7 @@ class Row(ByContent):
 
     @property
     def level(self) -> str:
-        """Fidelity and method, such as "rigid, event"."""
+        """Fidelity and, of a peer, method."""
         return f"{self.fidelity}, {self.method}" if self.method else self.fidelity
 
     @property
@@ -477,7 +470,7 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
 
 def at_level(scene: Scene, level: Level, communication_step: float | None = None) -> Scene:
     """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub."""
-    values = {**at_fidelity(scene.given, level.fidelity), "max_step": None, **level.values}
+    values = {**at_fidelity(scene.given, level.fidelity), "method": None, "max_step": None, **level.values}
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
     return scene.replaced(

@@ -1,7 +1,8 @@
 """Constants derived once from the parameters: ratios, lengths, periods, bounds (docs/mechanics.md).
 
 And warnings of what is computed all the same, but cannot be built: room is said of the pitch circles (planar)
-and the pitch cones (bevel) of one module, and no body has an inertia above the sum of the other two.
+and the pitch cones (bevel) of one module, and no body has an inertia above the sum of the other two. The
+deprecated value of `method` has a warning, too.
 """
 
 import math
@@ -239,10 +240,8 @@ def derive(p, d):
             return codes.NO_INPUT_INERTIA
     if d.fidelity == codes.KINEMATIC:
         return codes.NO_PLAY if d.plays != 0.0 else codes.OK
-    if d.method == codes.TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
-        return codes.WIND_UP_STEPPED
-    if (d.method == codes.TIMESTEPPING or d.fidelity == codes.AVERAGED) and d.windage > 0.0:
-        return codes.EVENTS_ONLY
+    if d.fidelity == codes.AVERAGED and d.windage > 0.0:
+        return codes.NO_WINDAGE
     if d.fidelity == codes.AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return codes.NO_RECTIFIER
     if singular:
@@ -261,7 +260,7 @@ def satellites_overlap(p, reach):
 
 def warnings(p):
     """Sum of the warnings that hold for parameters that are each within their range."""
-    found = 0
+    found = codes.METHOD_DEPRECATED if p.method == codes.TIMESTEPPING else 0
     if p.layout != 0.0:
         if satellites_overlap(p, 1.0 + p.sun_radius / p.satellite_radius):
             found += codes.PLANAR_OVERLAP

@@ -35,8 +35,6 @@ NOW = (
     *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
     *("i", "b", "g"),
 )
-# reduced inertia at an angle of the drive: I, I', B, G
-INERTIA = ("i", "i1", "b", "g")
 # of the communication step in hand, or the last one: impulses, angle of the output, energy lost, how many
 # moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torques and slips
 SUMS = (
@@ -52,7 +50,7 @@ STATE = (
     *MOTION,
     *SUMS,
     *("q_low", "drive_turns", "theta1_low", "input_turns"),
-    *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
+    *("omega1_low", "omega2_low", "omega3_low", "mode"),
     *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
     # ... rigid output: the size in each contact mode when it was left, the mode of step_size; averaged: sizes
     # of gentle steps in each leg
@@ -68,8 +66,6 @@ STATE = (
     *("begin_theta1", "begin_input_turns", "begin_drive_turns", ("moments", MOMENT, MOMENTS)),
     # elastic output: of twist, and of omega3 - omega4, which would cancel if omega4 were kept instead
     *("twist_low", "relative_low"),
-    # fixed steps: inertia at q, and the friction by load in the last one, N m
-    *(("here", INERTIA), "friction"),
     # general: what freewheels and slip do
     *("housing_state", "output_state", "slip_sign", "flow_sign", "spin_signs"),
     # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
@@ -163,21 +159,6 @@ WORKSPACE = (
     # the stiff step: changes at its stages, derivatives of all rates, what moves in it, linear equations
     *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING), ("moves", MOVING), "moving"),
     *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
-    # fixed steps: inertia at the end and the slip angle to there, and where look_ahead looked, which a part
-    # of the step does not come to; what links 1 and 2 come to
-    *(("end", INERTIA), "slip_angle", ("far", INERTIA), "far_angle"),
-    *("end1", "end2", "new_slip_angle", "foreseen", "reached"),
-    # ... and what the freewheels leave of it: speeds of link 2 and the hub, contact mode
-    *("settled2", "settled3", "mode"),
-    # ... mean and end speed of the hub; elastic output: slip behind it, the driven mass
-    *("mean3", "end3", "stiff", "relative_load", "relative_gain", "mean_relative", "seen3", "omega4"),
-    # ... losses by load: torque against the slip, that of the step before and the torques it then was of,
-    # share of the journals in it, whether it has stopped the slip; whether the way is all that is asked for
-    *("friction", "friction_before", "spun", "mesh", "journal_share", "slip_stopped", "straight"),
-    # ... weights by the angles of the slip and of link 1, this angle, works of the weights; state before
-    *("weight_slip", "weight1", "far_angle1", "weighing", "weighed", ("fallen", STATE)),
-    # ... drag of the freewheels: whether it acts, whether a mean slip went against it
-    *("dragging", "reversed"),
     # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it

@@ -1,8 +1,8 @@
 """Impulses on link 2 and the output shaft: complementarity with the end velocities.
 
-In a fixed step they are those of the whole step. A jump of the input speed is the limit of a steep ramp, so
-a freewheel that closes does so part of the way: before, link 2 moves freely; after, with what it has met. As
-ideal contacts close at zero relative speed no energy is lost; freewheels that have play do not.
+A jump of the input speed is the limit of a steep ramp, so a freewheel that closes does so part of the way:
+before, link 2 moves freely; after, with what it has met. As ideal contacts close at zero relative speed no
+energy is lost; freewheels that have play do not.
 """
 
 from .accumulate import add, add_loss
@@ -23,21 +23,20 @@ def meets_output(d, x):
     return d.freewheel_stiffness == 0.0 and x.play_output == 0.0
 
 
-def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed, rested):
+def settle(d, inertia2, free2, inertia3, free3, stops, meets):
     """Solve the complementarity problem on impulses, from the velocities without them.
 
     Args:
         stops, meets: whether the housing and the output freewheel take one.
-        pressed, rested: impulses that link 2 has pressed shaft and housing with before, N m s.
 
     Returns:
-        (omega2, omega3, Pc besides what has been pressed, contact mode) at the end of the step.
+        (omega2, omega3, Pc, contact mode) after the impulses.
     """
     # of equals as in equations.choice: link 2 stays held, and a shaft that nothing pulls away touches it
     reduced = inertia2 * inertia3 / (inertia2 + inertia3)
-    apart = reduced * (free2 - free3) + pressed <= 0.0
-    if stops and inertia2 * free2 + pressed <= rested:
-        apart = inertia3 * free3 - pressed > 0.0
+    apart = reduced * (free2 - free3) <= 0.0
+    if stops and free2 <= 0.0:
+        apart = free3 > 0.0
     if d.output != 0.0 and (apart or not meets):
         if stops and free2 <= 0.0:
             return 0.0, free3, 0.0, HELD
@@ -46,7 +45,7 @@ def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed, rested):
     together = free2
     if free2 != free3:
         together = (inertia2 * free2 + inertia3 * free3) / (inertia2 + inertia3)
-    if not stops or (inertia2 + inertia3) * together > rested:
+    if not stops or together > 0.0:
         return together, together, reduced * (free2 - free3), DRIVING
     return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 
@@ -118,7 +117,7 @@ def jump_input(d, x, jump, stiff):
         change = d.k * (b + d.k * g) * jump / own
         stops, meets = holds_link2(d, x), meets_output(d, x)
         free2 = omega2 + change
-        end2, end3, _, mode = settle(d, own, free2, shaft - carried, x.omega3, stops, meets, 0.0, 0.0)
+        end2, end3, _, mode = settle(d, own, free2, shaft - carried, x.omega3, stops, meets)
         if end2 != omega2 + change and change != 0.0:
             # the rest of the way link 2 goes with what it has met
             fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change
@@ -152,7 +151,7 @@ def close_freewheels(d, x):
     omega2, omega3 = x.omega2, x.omega3
     own = inertia_of_link2(d, i, b, g) + carried
     stops, meets = holds_link2(d, x), meets_output(d, x)
-    end2, end3, output, _ = settle(d, own, omega2, shaft - carried, omega3, stops, meets, 0.0, 0.0)
+    end2, end3, output, _ = settle(d, own, omega2, shaft - carried, omega3, stops, meets)
     if d.output == 0.0:
         output = shaft * (end3 - omega3)
     change = end2 - omega2

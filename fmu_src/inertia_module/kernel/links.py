@@ -70,33 +70,9 @@ def inertia_at_output(d, q):
     return inertia_of_link2(d, i, b, g)
 
 
-def slip_inertia(d, i, b, g, carried):
-    """Inertia of links 1 and 2 against their slip rho = omega1 - omega2 (docs/mechanics.md, timestepping).
-
-        T = J omega1^2 / 2 - (J2 - k B) omega1 rho + (J2 + k^2 G) rho^2 / 2 = P^2 / (2 J) + mu rho^2 / 2
-
-    Args:
-        carried: inertia that link 2 carries, added to J2, kg m^2.
-
-    Returns:
-        (J, kappa, mu): J = J1 + I + J2. With the speed given kappa = J2 - k B and mu = J2 + k^2 G, as in the
-        first form; with the torque given kappa = (J2 - k B) / J and mu is that of the second.
-    """
-    k = d.k
-    own = d.J2 + carried
-    link1 = d.J1 + i
-    total = link1 + own
-    coupling = own - k * b
-    if d.by_torque == 0.0:
-        return total, coupling, own + k * k * g
-    determinant = own * inertia_of_link1(d, i, b, g) + k * k * (link1 * g - b * b)
-    per_total = 1.0 / total
-    return total, coupling * per_total, determinant * per_total
-
-
-def momentum_of_links(d, i, b, omega1, omega2, carried):
-    """Angular momentum of links 1 and 2, the imbalances and what link 2 carries, N m s."""
-    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + (d.J2 + carried) * omega2
+def momentum_of_links(d, i, b, omega1, omega2):
+    """Angular momentum of links 1 and 2 and the imbalances, N m s."""
+    return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
 
 
 def energy_of_links(d, i, b, g, omega1, omega2):

@@ -293,13 +293,6 @@ class Moment:
     alpha1: float
     alpha2: float
 
-class Inertia:
-    numbers: Doubles
-    i: float
-    i1: float
-    b: float
-    g: float
-
 class Now:
     numbers: Doubles
     alpha1: float
@@ -347,7 +340,6 @@ class State:
     omega2_low: float
     omega3_low: float
     mode: float
-    step_mode: float
     alpha1: float
     held_input: float
     load_torque: float
@@ -383,8 +375,6 @@ class State:
     moments: Records[Moment]
     twist_low: float
     relative_low: float
-    here: Inertia
-    friction: float
     housing_state: float
     output_state: float
     slip_sign: float
@@ -553,41 +543,6 @@ class Workspace:
     matrix: Doubles
     pivots: Doubles
     right_side: Doubles
-    end: Inertia
-    slip_angle: float
-    far: Inertia
-    far_angle: float
-    end1: float
-    end2: float
-    new_slip_angle: float
-    foreseen: float
-    reached: float
-    settled2: float
-    settled3: float
-    mode: float
-    mean3: float
-    end3: float
-    stiff: float
-    relative_load: float
-    relative_gain: float
-    mean_relative: float
-    seen3: float
-    omega4: float
-    friction: float
-    friction_before: float
-    spun: float
-    mesh: float
-    journal_share: float
-    slip_stopped: float
-    straight: float
-    weight_slip: float
-    weight1: float
-    far_angle1: float
-    weighing: float
-    weighed: float
-    fallen: State
-    dragging: float
-    reversed: float
     drive: float
     begin_energy: float
     begin_omega2: float

@@ -14,7 +14,6 @@ from .derive import derive
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
 from .equations.satellites import jams
 from .events.kinematic import keep_ratio
-from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
 from .inputs import begin, check_hold, check_inputs, check_step, input_speed
 from .links import fastest_own_rate, is_stiff
@@ -77,9 +76,6 @@ def start(p, d, u, x, y, w):
         x.switches = 0.0
     else:
         follow_parameters(d, x)
-        x.step_mode = x.mode
-        if d.method == codes.TIMESTEPPING:
-            write_inertia(d, x.q, x.here)
     x.energy_start = stored_energy(d, x)
     x.energy_stored = x.energy_start
     write_outputs(x, y)
@@ -233,8 +229,6 @@ def run(d, u, x, w, h):
     start1 = x.omega1
     if d.fidelity == codes.AVERAGED:
         status = run_averaged(d, x, w, h)
-    elif d.method == codes.TIMESTEPPING and d.fidelity != codes.KINEMATIC:
-        status = run_timestepping(d, x, w, h)
     else:
         status = run_events(d, x, w, h)
     if status != codes.OK:

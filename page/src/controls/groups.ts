@@ -20,7 +20,8 @@ const COUNTS: Readonly<Record<string, (value: Value) => boolean>> = {
   "Elastic output": (value) => value("fidelity") === 3,
 };
 
-const settable = variables.filter((v) => v.causality === "input" || v.causality === "parameter");
+// (`method` has one value that is not deprecated)
+const settable = variables.filter((v) => (v.causality === "input" || v.causality === "parameter") && v.name !== "method");
 const titles = [...new Set(settable.map((v) => v.group))];
 for (const title of [...OPEN, ...Object.keys(COUNTS)]) {
   if (!titles.includes(title)) throw new Error(`there is no group ${title}`);

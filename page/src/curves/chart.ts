@@ -32,7 +32,7 @@ export function chartPoint(parameters: Readonly<Record<string, number>>, speed: 
   const slowest = shape.k * Math.abs(speed) * (1 - ratio);
   const step = (2 * Math.PI) / slowest / STEPS_A_TURN;
   const held = {
-    ...parameters, fidelity: 2, method: 0, drive: 0, input_hold: 0, tolerance: Math.max(parameters.tolerance ?? 0, 1e-7),
+    ...parameters, fidelity: 2, drive: 0, input_hold: 0, tolerance: Math.max(parameters.tolerance ?? 0, 1e-7),
     output_inertia: HELD, omega_out_start: ratio * speed, omega2_start: 0, max_step: 0,
   };
   const found = simulate({

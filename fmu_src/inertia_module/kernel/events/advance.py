@@ -37,7 +37,7 @@ def balance(d, x, w):
         change.output = d.J3 * change.omega3 + w.load * w.step + d.b3 * change.turned3
     m = d.machine  # (of its motion nothing is known here)
     omega1, omega2 = x.omega1 + change.omega1, x.omega2 + change.omega2
-    passed = momentum_of_links(d, m.i, m.b, omega1, omega2, 0.0) - w.momentum + change.output
+    passed = momentum_of_links(d, m.i, m.b, omega1, omega2) - w.momentum + change.output
     passed += d.b1 * change.theta1 + d.b2 * (change.theta1 - change.q / d.k)
     if d.by_torque != 0.0:
         change.housing = passed - w.prescribed * w.step
@@ -253,7 +253,7 @@ def begin_step(d, x, w):
     else:
         keep_rates(d, x, w, 0)
     x.rates_cached = 0.0
-    w.momentum = momentum_of_links(d, m.i, m.b, x.omega1, x.omega2, 0.0)
+    w.momentum = momentum_of_links(d, m.i, m.b, x.omega1, x.omega2)
     w.energy = energy_of_links(d, m.i, m.b, m.g, x.omega1, x.omega2)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
 

@@ -1,1 +1,0 @@
-"""The motion in fixed steps, complementarity of impulses and end velocities in each."""
