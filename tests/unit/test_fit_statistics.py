@@ -9,7 +9,7 @@ from scipy.stats import f, t
 
 from inertia_module.harness.results import Result
 from inertia_module.jobs.axes import Free
-from inertia_module.jobs.candidates import collinearity, f_test, likelihood_ratio, released, widest_ends
+from inertia_module.jobs.candidates import collinearity, f_test, likelihood_ratio, released
 from inertia_module.jobs.least_squares import Problem
 from inertia_module.jobs.measurement import Measurement, autocorrelation
 from inertia_module.jobs.profile_likelihood import profile_end
@@ -137,21 +137,6 @@ def test_f_test_has_its_level_also_with_autocorrelated_noise(correlation):
         mean = problem(trend, [key("mean", 0.0)], values, estimated=True).minimise(np.zeros(1))
         p_values.append(f_test(mean, released(mean.with_estimated_noise(), key("slope", 0.0, size=0.01))))
     assert np.mean(np.array(p_values) < 0.05) < 0.1
-
-
-def test_ends_of_the_linear_model_keep_the_limits_of_the_candidate():
-    values = trend(1.0, -0.2) + noise(5)
-    mean = problem(trend, [key("mean", 0.0)], values).minimise(np.zeros(1))
-    for low, high in ((-np.inf, np.inf), (0.0, np.inf), (-0.05, 0.3)):
-        slopes = np.linspace(max(low, -2.0), min(high, 2.0), 4001)
-        means = np.array([np.mean(values - slope * TIME) for slope in slopes])
-        sums = np.array([np.sum((values - trend(*pair)) ** 2) for pair in zip(means, slopes, strict=True)])
-        spare = sums.min() + t.isf(0.025, ROWS - 2) ** 2 - sums
-        width = np.sqrt(np.maximum(spare, 0.0) / ROWS)
-        expected = np.min((means - width)[spare > 0.0]), np.max((means + width)[spare > 0.0])
-        slope = Free("slope", "", low, high, start=0.0, nominal=0.0, size=0.01)
-        both = released(mean, slope)
-        assert widest_ends(both, 0) == pytest.approx(expected, abs=3e-3)
 
 
 def test_collinearity_index_of_a_key_that_another_one_replaces():

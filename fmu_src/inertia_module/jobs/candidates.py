@@ -2,8 +2,8 @@
 
 Each candidate is released alone and the free keys are re-fitted. An F-test of the change of chi-squared gives
 the p-value: Seber and Wild, Nonlinear Regression (1989), section 5.8. It is multiplied by the number of
-candidates (Bonferroni). Candidates tie if their likelihoods differ by a factor below 20, an evidence ratio of
-Burnham and Anderson, Model Selection (2002), section 2.10.
+candidates (Bonferroni). A candidate whose 2 ln L is more than 10 below the best one has essentially no
+support: Burnham and Anderson, Model Selection and Multimodel Inference (2002), section 2.6.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ MAX_FACTOR, MAX_ZERO_FACTOR = 10.0, 1e3
 SIGNIFICANCE = 0.01
 # collinearity index from which a candidate is inseparable: 1 % of its influence remains
 MAX_COLLINEARITY = 100.0
-# difference of 2 ln L up to which candidates tie (evidence ratio 20)
-TIE = 2.0 * math.log(20.0)
+# difference of 2 ln L up to which the data do not exclude a candidate
+TIE = 10.0
 # candidates that are re-fitted with their own Jacobian if one of them is significant
 N_FULL_REFITS = 8
 
@@ -285,25 +285,3 @@ def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
         is_separable=collinearity(restricted, full) < MAX_COLLINEARITY,
         optimum=full,
     )
-
-
-def widest_ends(optimum: Optimum, number: int) -> tuple[float, float]:
-    """Return the ends of the interval of a key in the linear model, with the bounds of the last key.
-
-    Args:
-        optimum: with a candidate as the last key.
-        number: place of the key.
-    """
-    covariance, last = optimum.covariance, optimum.problem.keys[-1]
-    gradient = -covariance @ (optimum.jacobian.T @ optimum.residuals)
-    centre, released_value = optimum.point[number] + gradient[number], optimum.point[-1] + gradient[-1]
-    deviation, released_deviation = optimum.deviations[number], optimum.deviations[-1]
-    slope = covariance[number, -1] / released_deviation
-    low, high = ((end - released_value) / released_deviation for end in (last.low, last.high))
-    radius = math.hypot(optimum.t_quantile, np.clip(0.0, low, high))
-    ends = []
-    for side in (-1.0, 1.0):
-        position = float(np.clip(side * radius * slope / deviation, low, high))
-        alone = math.sqrt(max(deviation**2 - slope**2, 0.0) * max(radius**2 - position**2, 0.0))
-        ends.append(float(centre + slope * position + side * alone))
-    return ends[0], ends[1]

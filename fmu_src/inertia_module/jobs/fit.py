@@ -22,7 +22,7 @@ from ..harness.fmu import fmu_file
 from ..harness.simulate import Result
 from ..scene import Scene
 from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
-from .candidates import Candidate, candidate_keys, causes, release_candidates, widest_ends
+from .candidates import Candidate, candidate_keys, causes, release_candidates
 from .evaluation import read
 from .fit_result import (
     NO_INFLUENCE,
@@ -47,7 +47,7 @@ N_FREE_VALUES = 2
 # decrease of chi-squared in a profile after which the search is repeated from there, and repetitions
 NEW_OPTIMUM, MAX_RESTARTS = 1.0, 2
 # models whose profile is computed for an end of an interval
-MAX_PROFILES = 3
+MAX_PROFILES = 4
 # components of the weakest direction that are named
 MIN_COMPONENT = 0.1
 # factor by which the scale of all masses and torques is tested, and the change in noise that is none
@@ -278,38 +278,46 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
     is_systematic = named[0].is_systematic if named else best.is_systematic
     is_explained = bool(named) and not is_systematic
     models = [one for one in (named if is_explained else candidates) if one.is_separable]
-    if is_explained and models:
-        released = [_outermost([], number, side, models) for side in (-1, 1)]
-    elif any(end.open for end in ends):
-        released = [("", end) for end in ends]
-    else:
-        released = [_outermost([("", ends[side > 0])], number, side, models) for side in (-1, 1)]
-    is_open = [end.open for end in ends] if not is_explained else [end.open for _, end in released]
+    envelope = [("", end) for end in ends]
+    is_open = [end.open for end in ends]
+    if is_explained or not any(is_open):
+        envelope = [_outermost(ends[side > 0], number, side, models, is_explained) for side in (-1, 1)]
+    if is_explained and not any(is_open):
+        is_open = [end.open for _, end in envelope]
     doubts = [doubt(key, value, is_open), SYSTEMATIC if is_systematic else ""]
     return Fitted(
         name=key.name,
         value=value,
         unit=key.unit,
         error=float(best.deviations[number]),
-        interval=(released[0][1].value, released[1][1].value),
+        interval=(envelope[0][1].value, envelope[1][1].value),
         interval_if_exact=(ends[0].value, ends[1].value),
-        released=tuple(dict.fromkeys(name for name, _ in released if name)),
+        released=tuple(dict.fromkeys(name for name, _ in envelope if name)),
         is_excluded=is_explained,
         doubt="; ".join(text for text in doubts if text),
     )
 
 
 def _outermost(
-    ends: Sequence[tuple[str, End]], number: int, side: int, models: Sequence[Candidate]
+    end: End, number: int, side: int, models: Sequence[Candidate], is_excluded: bool
 ) -> tuple[str, End]:
-    """Return the outermost end of an interval and the candidate that is released there.
+    """Return the candidate whose release gives the outermost end of an interval, or "", and this end.
 
     Args:
-        ends: without a released candidate.
+        end: without a released candidate.
         number: place of the key.
         side: -1 for the lower, 1 for the upper end.
         models: candidates; the linear model selects those whose profile is computed.
+        is_excluded: whether the data exclude the model without a released candidate.
     """
-    widest = sorted(models, key=lambda one: side * widest_ends(one.optimum, number)[side > 0])
-    profiles = [(one.name, profile_end(one.optimum, number, side)) for one in widest[-MAX_PROFILES:]]
-    return max([*ends, *profiles], key=lambda pair: side * pair[1].value)
+
+    def linear(model: Candidate) -> float:
+        """Return the end of the interval of the linear model, outwards."""
+        optimum = model.optimum
+        return float(side * optimum.point[number] + optimum.t_quantile * optimum.deviations[number])
+
+    ends = {} if is_excluded and models else {"": end}
+    for model in sorted(models, key=linear, reverse=True)[:MAX_PROFILES]:
+        if all(linear(model) > side * other.value for other in ends.values()):
+            ends[model.name] = profile_end(model.optimum, number, side)
+    return max(ends.items(), key=lambda item: side * item[1].value)

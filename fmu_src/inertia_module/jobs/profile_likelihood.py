@@ -18,8 +18,12 @@ from ..common.errors import Refused
 from .axes import Free
 from .least_squares import Array, Optimum
 
-# doublings of the distance until the profile exceeds its limit; steps of the root search within the last one
-MAX_DOUBLINGS, MAX_ROOT_STEPS = 10, 8
+# extrapolations until the profile exceeds its limit, and their largest factor
+MAX_EXTRAPOLATIONS, MAX_FACTOR = 10, 4.0
+# distance of the first and of further values over the estimate of the distance of the end
+MARGIN = 1.1
+# steps of Brent's method
+MAX_STEPS = 8
 # relative accuracy of the root of the change of chi-squared, and its maximum, in quantiles
 PROFILE_RTOL, MAX_ROOT = 0.03, 3.0
 # a profile of a key without a range ends at its value and so many of its sizes
@@ -53,8 +57,8 @@ def limits(key: Free, value: float) -> tuple[float, float]:
 def profile_end(optimum: Optimum, number: int, side: int) -> End:
     """Find one end of the interval of a key.
 
-    The distance from the optimum doubles until the profile exceeds its limit. Brent's method follows, for
-    the root of the change of chi-squared, which is nearly linear in the key.
+    The root of the change of chi-squared is nearly linear in the key. It is extrapolated until it exceeds the
+    quantile. Brent's method follows. If it does not converge, the end is the outer end of its bracket.
 
     Args:
         optimum: with the noise by which chi-squared is measured.
@@ -72,32 +76,43 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
     def nearest(value: float) -> Array:
         return min((point for _, point in refits), key=lambda point: abs(point[number] - value))
 
+    def distance(point: Array) -> float:
+        """Return the root of chi-squared, infinite if the scene rejects the point."""
+        root = float(np.linalg.norm(problem.residuals(point)))
+        return root if math.isfinite(root) else math.inf
+
     @functools.cache
     def excess(value: float) -> float:
         """Return the root of the change of chi-squared, in quantiles, minus 1."""
+        nonlocal outside
         if value == centre:
             return -1.0
-        guess = nearest(value) + direction * (value - nearest(value)[number])
+        origins = optimum.point, nearest(value)
+        guesses = [np.clip(one + direction * (value - one[number]), *problem.bounds) for one in origins]
+        guess = min(guesses, key=distance)
         try:
             refit = problem.without_key(number, value).minimise(
                 np.delete(guess, number), np.delete(optimum.steps, number), refit=True
             )
         except Refused:
+            outside = value
             return MAX_ROOT
         refits.append((refit.chi_squared, np.insert(refit.point, number, value)))
         root = math.sqrt(max(refit.chi_squared - optimum.chi_squared, 0.0)) / quantile
+        outside = value if root > 1.0 else outside
         return min(root, MAX_ROOT) - 1.0 if abs(root - 1.0) > PROFILE_RTOL else 0.0
 
-    step, inside = side * quantile * float(optimum.deviations[number]), centre
-    for doubling in range(MAX_DOUBLINGS):
-        value = min(max(centre + 2.0**doubling * step, low), high)
+    step, inside, outside = side * MARGIN * quantile * float(optimum.deviations[number]), centre, centre
+    for _ in range(MAX_EXTRAPOLATIONS):
+        value = min(max(centre + step, low), high)
         if excess(value) >= 0.0 or value in (low, high):
             break
-        inside = value
+        inside, step = value, step * min(MARGIN / max(excess(value) + 1.0, 1e-3), MAX_FACTOR)
     is_open = excess(value) < 0.0 and value not in (low, high)
     if excess(value) > 0.0:
         xtol = 1e-3 * abs(value - centre)
-        value = float(brentq(excess, inside, value, xtol=xtol, maxiter=MAX_ROOT_STEPS, disp=False))
+        value = float(brentq(excess, inside, value, xtol=xtol, maxiter=MAX_STEPS, disp=False))
+        value = outside if excess(value) < 0.0 else value
     best = min(refits, key=lambda refit: refit[0])
     return End(value, is_open or _is_stopped(optimum, nearest(value)), best)
 
