@@ -68,7 +68,7 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
     from scipy.optimize import brentq
 
     problem, centre, quantile = optimum.problem, float(optimum.point[number]), optimum.t_quantile
-    low, high = limits(problem.keys[number], centre)
+    (low, high), inside, outside = limits(problem.keys[number], centre), centre, centre
     # direction along which the other keys follow
     follow = optimum.without_key(number, centre).compensation(optimum.jacobian[:, number])
     direction, refits = np.insert(follow, number, 1.0), [(optimum.chi_squared, optimum.point)]
@@ -102,7 +102,7 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
         outside = value if root > 1.0 else outside
         return min(root, MAX_ROOT) - 1.0 if abs(root - 1.0) > PROFILE_RTOL else 0.0
 
-    step, inside, outside = side * MARGIN * quantile * float(optimum.deviations[number]), centre, centre
+    step = side * MARGIN * quantile * float(optimum.deviations[number])
     for _ in range(MAX_EXTRAPOLATIONS):
         value = min(max(centre + step, low), high)
         if excess(value) >= 0.0 or value in (low, high):
