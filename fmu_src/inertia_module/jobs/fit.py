@@ -31,6 +31,7 @@ from .fit_result import (
     Fitted,
     combination_remark,
     doubt,
+    is_at_end,
     scale_remark,
     unit_remark,
 )
@@ -282,7 +283,7 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
     is_open = [end.open for end in ends]
     if is_explained or not any(is_open):
         envelope = [_outermost(ends[side > 0], number, side, models, is_explained) for side in (-1, 1)]
-    if is_explained and not any(is_open):
+    if is_explained and not is_at_end(key, value):
         is_open = [end.open for _, end in envelope]
     doubts = [doubt(key, value, is_open), SYSTEMATIC if is_systematic else ""]
     return Fitted(

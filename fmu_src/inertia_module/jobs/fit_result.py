@@ -72,6 +72,11 @@ class Fitted:
         return f"{text}; {self.doubt}" if self.doubt else text
 
 
+def is_at_end(key: Free, value: float) -> bool:
+    """Return True if a value is at an end of the range of its key."""
+    return key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size
+
+
 def doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
     """Return a remark on a key that is not identifiable or at the end of its range, or "".
 
@@ -84,7 +89,7 @@ def doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
         return ""
     if all(is_open):
         return "not identifiable from the data: the profile likelihood has no limit within the ranges"
-    if key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size:
+    if is_at_end(key, value):
         return "is at the end of its range"
     side = "lower" if is_open[0] else "upper"
     return f"not identifiable from the data: they set no {side} limit within the ranges"
