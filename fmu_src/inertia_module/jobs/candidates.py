@@ -203,7 +203,7 @@ def f_test(restricted: Optimum, full: Optimum) -> float:
 
 
 def causes(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates that explain the residuals as well as the best; none if that may be chance."""
+    """Return the best candidate and those that the data do not exclude; none if that may be chance."""
     best = max(candidates, key=lambda one: one.likelihood_ratio, default=None)
     if best is None or best.p_value > SIGNIFICANCE:
         return []

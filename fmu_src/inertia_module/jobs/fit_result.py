@@ -163,7 +163,7 @@ class FitResult(ByContent):
 
     @property
     def causes(self) -> list[Candidate]:
-        """Candidates that explain the residuals equally well; none if that may be chance."""
+        """Best candidate and those that the data do not exclude; none if that may be chance."""
         return causes(self.candidates)
 
     @property
@@ -204,7 +204,7 @@ class FitResult(ByContent):
         """Return the sentence on the causes."""
         if not self.causes:
             return []
-        first, *others = self.causes
+        first = self.causes[0]
         before, after = first.chi_squared
         values = ", ".join(
             f"{name} would be {value:.5g} instead of {self[name].value:.5g}"
@@ -212,10 +212,9 @@ class FitResult(ByContent):
         )
         p_value = f"p = {first.p_value:.1g}" if first.p_value > 1e-15 else "p < 1e-15"
         names = " or ".join(one.cause for one in self.causes)
-        equally = " equally well" if others else ""
         rest = " in part; autocorrelated residuals remain" if first.is_systematic else ""
         return [
-            f"{names} would explain the residuals{equally}{rest} (chi-squared {before:,.0f} → {after:,.0f},"
+            f"{names} would explain the residuals{rest} (chi-squared {before:,.0f} → {after:,.0f},"
             f" {p_value}): {values}; correct the cause or fit again with --free {first.option}"
         ]
 
