@@ -650,7 +650,9 @@ def fit(
     free: Annotated[
         Texts,
         option(
-            "Free parameter: a key, offset.COLUMN, gain.COLUMN or shift.COLUMN; may be repeated.",
+            "Free parameter; may be repeated. NAME is a key of the scene in dot notation, a parameter of the"
+            " mechanism, a sensor error (offset.COLUMN, gain.COLUMN, shift.COLUMN) or shift.time. RANGE is"
+            " LOW:HIGH, log:LOW:HIGH or 'VALUE +- DEVIATION' (default: start at the value in the scene).",
             "NAME[=RANGE]",
         ),
     ] = None,
@@ -662,17 +664,38 @@ def fit(
             "--column",
         ),
     ] = None,
-    starts: Annotated[int, option("Number of starting points.", "N")] = 16,
-    seed: Annotated[int, option("Random seed of the starting points.", "N")] = 0,
+    starts: Annotated[
+        int,
+        option(
+            "Number of points in the ranges that are compared with the values of the scene. The best three"
+            " points start a search.",
+            "N",
+        ),
+    ] = 16,
+    seed: Annotated[
+        int, option("Random seed of the starting points; the same seed gives the same result.", "N")
+    ] = 0,
     output: OutputFolder = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
     """Fit scene parameters to measured data.
 
-    RANGE is LOW:HIGH, log:LOW:HIGH or "VALUE +- DEVIATION". Prints the fitted values with their 95 %
-    intervals. Writes fitted.toml (a scene), residuals.csv, fit.json and fit.png. Default output folder:
-    out/SCENE_fit.
+    Prints the fitted values with their 95 % intervals, parameters that the data do not identify, and
+    causes that would explain the residuals. Writes fitted.toml (a scene), residuals.csv, fit.json and
+    fit.png. Default output folder: out/SCENE_fit.
+
+    RANGE is one of:
+
+    LOW:HIGH, the range of the search, with starting points even in the value, e.g. 0.5:2 or '10 g:1 kg'.
+
+    log:LOW:HIGH, the same range, with starting points even in the logarithm, for values that can differ by
+    factors of ten, e.g. log:1e-4:1e-1; LOW must be greater than 0.
+
+    'VALUE +- DEVIATION', a known value and its standard deviation, e.g. '0.5 +- 0.005'. A deviation of 0
+    declares the value exact.
+
+    Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
@@ -808,7 +831,7 @@ EXAMPLES = {
     orders: "orders orders.toml --highest 8",
     sweep: "sweep planar.toml --vary imbalance_mass=0.5:2:7",
     design: "design design_car.toml",
-    fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2",
+    fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2 --free link2_inertia=log:1e-3:2e-2",
     tradeoff: "tradeoff planar.toml --recommend 1%",
     export: "export planar.toml",
     check: "check InertiaModule.fmu --timeout '5 min'",

@@ -289,7 +289,7 @@ def test_a_wrong_unit_is_named_of_one_column_and_of_all(fmu, measured, tmp_path)
     wrong = {name: measured[name] * 30.0 / np.pi for name in ("omega2", "omega_out")}
     one = jobs.fit(with_column(measured, omega2=wrong["omega2"]), SCENE, FREE, output=tmp_path, fmu=fmu)
     assert one.causes[0].name == "gain.omega2"
-    assert any("(its numbers are in rpm, not in rad/s)" in line for line in one.warnings)
+    assert any("its numbers are in rpm, not in rad/s" in line for line in one.warnings)
     all_wrong = jobs.fit(with_column(measured, **wrong), SCENE, FREE, output=tmp_path, fmu=fmu)
     for name in wrong:
         words = "the unfitted scene computes; possible cause: its numbers are in rpm, not in rad/s"

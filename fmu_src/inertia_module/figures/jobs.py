@@ -20,7 +20,7 @@ from ..harness.chart import TorqueConverterChart
 from ..jobs.axes import Axis
 from ..jobs.design import DesignResult
 from ..jobs.evaluation import Row
-from ..jobs.fit import FitResult
+from ..jobs.fit_result import FitResult
 from ..jobs.orders import BASES, Orders
 from ..jobs.sweep import SweepResult, varies
 from .panels import SIZE, Array, dress, plain, sheet, titled

@@ -2,7 +2,8 @@
 
 from .batch import batch
 from .design import DesignResult, design
-from .fit import FitResult, fit
+from .fit import fit
+from .fit_result import FitResult
 from .orders import Orders, orders
 from .sweep import SweepResult, sweep
 

@@ -1,9 +1,9 @@
 """Candidate causes: fixed parameters and sensor errors that would explain the residuals of a fit.
 
 Each candidate is released alone and the free keys are re-fitted. An F-test of the change of chi-squared gives
-the p-value: Seber and Wild, Nonlinear Regression (1989), section 5.8. Holm's method (Scandinavian Journal of
-Statistics 6 (1979) 65) corrects it for the number of candidates. Candidates tie if their likelihoods differ
-by a factor below 20, an evidence ratio of Burnham and Anderson, Model Selection (2002), section 2.10.
+the p-value: Seber and Wild, Nonlinear Regression (1989), section 5.8. It is multiplied by the number of
+candidates (Bonferroni). A candidate whose 2 ln L is more than 10 below the best one has essentially no
+support: Burnham and Anderson, Model Selection and Multimodel Inference (2002), section 2.6.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from .measurement import CLOCK, GAIN, OFFSET, SHIFT, Measurement, autocorrelatio
 # groups of parameters that are candidates; with a value of 0 only LOSSES and MASSES are
 GROUPS = (Group.BEVEL, Group.PLANAR, Group.MASSES, Group.ELASTIC, Group.LOSSES)
 ZERO_GROUPS = (Group.MASSES, Group.LOSSES)
-# first step of a candidate, of its value, or SI if that is 0
-RELATIVE_STEP, ZERO_STEP = 0.01, 1e-4
-# change of the residuals, in noise, for which the step of a candidate is chosen, and number of steps
-CHANGE, N_STEPS = 5.0, 4
-# largest step over the first step, of a candidate with a value and of one with the value 0
-MAX_STEP_FACTOR, MAX_ZERO_STEP_FACTOR = 10.0, 1e3
-# smallest change of the residuals, in noise, that is an influence
-MIN_CHANGE = 1e-3
-# significance of a cause after Holm's correction
+# size of a candidate, of its value, or SI if that is 0
+RELATIVE_SIZE, ZERO_SIZE = 0.01, 1e-4
+# change of the residuals, in noise, along the difference of a candidate, and the least influence
+CHANGE, MIN_CHANGE = 5.0, 1e-3
+# steps in which the difference is chosen
+N_STEPS = 4
+# largest difference, in sizes, of a candidate with a value and of one with the value 0
+MAX_FACTOR, MAX_ZERO_FACTOR = 10.0, 1e3
+# significance of a cause after the correction for the number of candidates
 SIGNIFICANCE = 0.01
 # collinearity index from which a candidate is inseparable: 1 % of its influence remains
 MAX_COLLINEARITY = 100.0
-# differences of 2 ln L up to which candidates tie (evidence ratio 20) and are plausible
-TIE, PLAUSIBLE = 2.0 * math.log(20.0), 10.0
+# difference of 2 ln L up to which the data do not exclude a candidate
+TIE = 10.0
 # candidates that are re-fitted with their own Jacobian if one of them is significant
 N_FULL_REFITS = 8
 
@@ -57,10 +57,9 @@ class Candidate(ByContent):
         error: its standard error, SI.
         nominal: value in the fit without it, SI.
         unit: of these, "" for none.
-        other_unit: for the gain of a wrong unit, a sentence on it; else "".
         chi_squared: before and after, by the noise that is left after.
         likelihood_ratio: 2 ln of the ratio of the likelihoods, for the effective number of values.
-        p_value: of the F-test, after Holm's correction.
+        p_value: of the F-test, corrected for the number of candidates.
         values: of the free keys with the candidate released, SI, by name.
         is_systematic: whether autocorrelated residuals are left.
         is_separable: whether the data can separate it from the free keys.
@@ -72,7 +71,6 @@ class Candidate(ByContent):
     error: float
     nominal: float
     unit: str
-    other_unit: str
     chi_squared: tuple[float, float]
     likelihood_ratio: float
     p_value: float
@@ -89,7 +87,7 @@ class Candidate(ByContent):
         if kind == OFFSET:
             return f"an offset of {quantity} in {column}"
         if kind == GAIN:
-            return f"a gain of {quantity} in {column}{self.other_unit and f' ({self.other_unit})'}"
+            return f"a gain of {quantity} in {column}"
         if kind == SHIFT:
             late = "late" if self.value > 0.0 else "early"
             source = "the clock of the file" if self.name == CLOCK else column
@@ -128,7 +126,7 @@ def candidate_keys(scene: Scene, data: Measurement, excluded: Collection[str]) -
         numbers = [name for name, value in getattr(scene, part) if isinstance(value, float) and value]
         keys += [key_of_scene(f"{part}.{name}", scene) for name in numbers]
     return [
-        dataclasses.replace(key, size=RELATIVE_STEP * key.size or ZERO_STEP)
+        dataclasses.replace(key, size=RELATIVE_SIZE * key.size or ZERO_SIZE)
         for key in keys
         if key.name not in excluded
     ]
@@ -138,16 +136,17 @@ def released(optimum: Optimum, key: Free) -> Optimum | None:
     """Re-fit with a candidate released by Gauss-Newton steps; return None if it has no influence.
 
     The derivative by the candidate is a difference along which the free keys compensate and the residuals
-    change by about CHANGE. Otherwise curvature would hide the part that they cannot compensate.
+    change by about CHANGE. Otherwise curvature would hide the part that they cannot compensate. The Jacobian
+    stays constant (chord method).
     """
     problem = optimum.problem.with_key(key)
-    reach = key.size * (MAX_STEP_FACTOR if key.start else MAX_ZERO_STEP_FACTOR)
+    reach = key.size * (MAX_FACTOR if key.start else MAX_ZERO_FACTOR)
     low, high = max(key.low - key.start, -reach), min(key.high - key.start, reach)
     step, along, derivative = key.size if high > 0.0 else -key.size, np.zeros(optimum.point.size), None
     for number in range(N_STEPS):
         step = min(max(step, low), high)
-        point = np.append(optimum.point + step * along, key.start + step)
-        change = problem.residuals(point) - optimum.residuals
+        change = problem.residuals(np.append(optimum.point + step * along, key.start + step))
+        change -= optimum.residuals
         if not np.isfinite(change).all():
             step *= 0.1
             continue
@@ -155,11 +154,10 @@ def released(optimum: Optimum, key: Free) -> Optimum | None:
             break
         derivative = (change - step * optimum.jacobian @ along) / step
         compensation = optimum.compensation(change)
-        remainder = float(np.linalg.norm(change + optimum.jacobian @ compensation))
         along = along + compensation / step
+        remainder = float(np.linalg.norm(change + optimum.jacobian @ compensation))
         if number < N_STEPS - 2:  # the last two steps are equal, so that the compensation converges
-            factor = CHANGE / max(remainder, 1e-12)
-            step *= min(max(factor, 1.0 / MAX_ZERO_STEP_FACTOR), MAX_ZERO_STEP_FACTOR)
+            step *= float(np.clip(CHANGE / max(remainder, 1e-12), 1.0 / MAX_ZERO_FACTOR, MAX_ZERO_FACTOR))
     if derivative is None:
         return None
     jacobian = np.column_stack([optimum.jacobian, derivative])
@@ -173,10 +171,11 @@ def _sums_of_squares(optimum: Optimum) -> tuple[Array, float]:
     return np.maximum(columns * units**2, 1e-30), prior
 
 
-def _effective_share(optimum: Optimum) -> Array:
-    """Return the share of effectively independent rows of each column (Bartlett 1935), shape (columns,)."""
+def _effective_numbers(optimum: Optimum) -> Array:
+    """Return the number of effectively independent rows of each column (Bartlett 1935), shape (columns,)."""
     lag_one = np.maximum([autocorrelation(part) for part in optimum.parts[:-1]], 0.0)
-    return np.asarray((1.0 - lag_one) / (1.0 + lag_one))
+    number = optimum.problem.rig.data.counted.sum(axis=0)
+    return np.asarray(number * (1.0 - lag_one) / (1.0 + lag_one))
 
 
 def likelihood_ratio(restricted: Optimum, full: Optimum) -> float:
@@ -186,51 +185,29 @@ def likelihood_ratio(restricted: Optimum, full: Optimum) -> float:
     """
     data = full.problem.rig.data
     (before, prior_before), (after, prior_after) = _sums_of_squares(restricted), _sums_of_squares(full)
-    number = data.counted.sum(axis=0)
-    gains = np.where(
-        data.estimated,
-        number * np.log(before / after),
-        (before - after) / np.maximum(after / number, 1.0),
-    )
-    return float(gains @ _effective_share(full)) + prior_before - prior_after
+    mean_square = after / data.counted.sum(axis=0)
+    specified = (before / after - 1.0) * np.minimum(mean_square, 1.0)
+    gains = np.where(data.estimated, np.log(before / after), specified)
+    return float(gains @ _effective_numbers(full)) + prior_before - prior_after
 
 
 def f_test(restricted: Optimum, full: Optimum) -> float:
     """Return the p-value of the F-test of one released parameter."""
     from scipy.stats import f
 
-    number = full.problem.rig.data.counted.sum(axis=0) @ _effective_share(full)
+    number = float(_effective_numbers(full).sum())
     freedom = number - full.point.size
-    if freedom < 1.0:
-        return 1.0
     # of one column, exp(2 ln L / n) is the ratio of the sums of squares
-    ratio = max(likelihood_ratio(restricted, full), 0.0)
-    return float(f.sf(freedom * math.expm1(min(ratio / number, 500.0)), 1, freedom))
-
-
-def holm(p_values: Sequence[float]) -> list[float]:
-    """Return p-values corrected for multiple tests by Holm's method, in their order."""
-    order = np.argsort(p_values, kind="stable")
-    corrected = np.asarray(p_values)[order] * np.arange(len(p_values), 0, -1)
-    result = np.empty(len(p_values))
-    result[order] = np.minimum(np.maximum.accumulate(corrected), 1.0)
-    return [float(value) for value in result]
+    ratio = max(likelihood_ratio(restricted, full), 0.0) / number
+    return float(f.sf(freedom * math.expm1(min(ratio, 500.0)), 1, freedom)) if freedom >= 1.0 else 1.0
 
 
 def causes(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates that explain the residuals as well as the best; none if that may be chance."""
+    """Return the best candidate and those that the data do not exclude; none if that may be chance."""
     best = max(candidates, key=lambda one: one.likelihood_ratio, default=None)
     if best is None or best.p_value > SIGNIFICANCE:
         return []
     return [one for one in candidates if one.likelihood_ratio > best.likelihood_ratio - TIE]
-
-
-def plausible(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates that the data do not exclude; all of them if none is a cause."""
-    named = causes(candidates)
-    if not named or any(one.is_systematic for one in named):
-        return list(candidates)
-    return [one for one in candidates if one.likelihood_ratio > named[0].likelihood_ratio - PLAUSIBLE]
 
 
 def release_candidates(
@@ -248,7 +225,6 @@ def release_candidates(
         progress: called with the share that is done.
     """
     optima: dict[str, Optimum] = {}
-    by_name = {key.name: key for key in keys}
     for n, key in enumerate(keys):
         progress(0.5 * n / len(keys))
         candidate = released(optimum, key)
@@ -260,7 +236,7 @@ def release_candidates(
 
     def fit(name: str, point: Array) -> None:
         with contextlib.suppress(Refused):
-            refit = optimum.problem.with_key(optima[name].problem.keys[-1]).minimise(point, refit=True)
+            refit = optima[name].problem.minimise(point, refit=True)
             if likelihood_ratio(optima[name], refit) >= 0.0:
                 optima[name] = refit.with_estimated_noise()
 
@@ -269,12 +245,13 @@ def release_candidates(
         for name in best:
             fit(name, optima[name].point)
     if optimum.is_systematic and all(optima[name].is_systematic for name in ranked()[:1]):
-        for n, name in enumerate(list(optima)):
+        for n, key in enumerate(key for key in keys if key.name in optima):
             progress(0.5 + 0.5 * n / len(optima))
-            fit(name, np.append(start, by_name[name].start))
-    names = ranked()
-    p_values = holm([f_test(optimum, optima[name]) for name in names])
-    return [_candidate(optimum, optima[name], p_value) for name, p_value in zip(names, p_values, strict=True)]
+            fit(key.name, np.append(start, key.start))
+    return [
+        _candidate(optimum, optima[name], min(f_test(optimum, optima[name]) * len(optima), 1.0))
+        for name in ranked()
+    ]
 
 
 def collinearity(restricted: Optimum, full: Optimum) -> float:
@@ -290,22 +267,17 @@ def collinearity(restricted: Optimum, full: Optimum) -> float:
 
 def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
     """Describe a released candidate."""
-    data, key = full.problem.rig.data, full.problem.keys[-1]
-    (before, prior_before), (after, prior_after) = _sums_of_squares(restricted), _sums_of_squares(full)
-    noise = np.where(data.estimated, after / data.counted.sum(axis=0), 1.0)
-    values = full.problem.values(full.point)
-    kind, _, column = key.name.partition(".")
+    data, key, values = full.problem.rig.data, full.problem.keys[-1], full.problem.values(full.point)
+    sums = _sums_of_squares(restricted), _sums_of_squares(full)
+    noise = np.where(data.estimated, sums[1][0] / data.counted.sum(axis=0), 1.0)
+    before, after = (float(np.sum(columns / noise)) + prior for columns, prior in sums)
     return Candidate(
         name=key.name,
         value=values[key.name],
         error=float(full.deviations[-1]),
         nominal=key.start,
         unit=key.unit,
-        other_unit=data.unit_hint(column, values[key.name]) if kind == GAIN else "",
-        chi_squared=(
-            float(np.sum(before / noise)) + prior_before,
-            float(np.sum(after / noise)) + prior_after,
-        ),
+        chi_squared=(before, after),
         likelihood_ratio=likelihood_ratio(restricted, full),
         p_value=p_value,
         values={one.name: values[one.name] for one in restricted.problem.keys},
@@ -313,25 +285,3 @@ def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
         is_separable=collinearity(restricted, full) < MAX_COLLINEARITY,
         optimum=full,
     )
-
-
-def widest_ends(optimum: Optimum, number: int) -> tuple[float, float]:
-    """Return the ends of the interval of a key in the linear model, with the bounds of the last key.
-
-    Args:
-        optimum: with a candidate as the last key.
-        number: place of the key.
-    """
-    covariance, last = optimum.covariance, optimum.problem.keys[-1]
-    gradient = -covariance @ (optimum.jacobian.T @ optimum.residuals)
-    centre, released_value = optimum.point[number] + gradient[number], optimum.point[-1] + gradient[-1]
-    deviation, released_deviation = optimum.deviations[number], optimum.deviations[-1]
-    slope = covariance[number, -1] / released_deviation
-    low, high = ((end - released_value) / released_deviation for end in (last.low, last.high))
-    radius = math.hypot(optimum.t_quantile, np.clip(0.0, low, high))
-    ends = []
-    for side in (-1.0, 1.0):
-        position = float(np.clip(side * radius * slope / deviation, low, high))
-        alone = math.sqrt(max(deviation**2 - slope**2, 0.0) * max(radius**2 - position**2, 0.0))
-        ends.append(float(centre + slope * position + side * alone))
-    return ends[0], ends[1]

@@ -8,7 +8,6 @@ it: iteratively reweighted least squares (Seber and Wild, Nonlinear Regression, 
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -43,12 +42,14 @@ class Problem(ByContent):
         keys: free keys; a point is an array of their values, shape (keys,).
         noise: standard deviation of each value, shape (rows, columns).
         fixed: values of other keys, SI, by name.
+        priors: keys with a prior value, free or fixed.
     """
 
     rig: Rig
     keys: tuple[Free, ...]
     noise: Array
     fixed: dict[str, float] = field(default_factory=dict)
+    priors: tuple[Free, ...] = ()
 
     @property
     def sizes(self) -> Array:
@@ -68,10 +69,8 @@ class Problem(ByContent):
         """Return (computed - measured) / noise, column after column, then the residuals of prior values."""
         values, data = self.values(point), self.rig.data
         scaled = (self.rig.computed(values) - data.values) / self.noise
-        prior = [key for key in self.keys if math.isfinite(key.deviation)]
-        return np.append(
-            scaled.T[data.counted.T], [(values[key.name] - key.start) / key.deviation for key in prior]
-        )
+        priors = [(values[key.name] - key.start) / key.deviation for key in self.priors]
+        return np.append(scaled.T[data.counted.T], priors)
 
     def with_key(self, key: Free) -> Problem:
         """Return the problem with one more free key, which is the last."""
@@ -116,6 +115,9 @@ class Problem(ByContent):
 
         differences = "3-point" if central else "2-point"
         try:
+            if not self.keys:
+                residuals = np.asarray_chkfinite(self.residuals(start))
+                return Optimum(self, start, residuals, np.empty((residuals.size, 0)), True)
             result = least_squares(
                 lambda variables: self.residuals(point(variables)),
                 (np.clip(start, low, high) - origin) / sizes,
@@ -134,8 +136,8 @@ class Problem(ByContent):
             ) from error
         # SciPy keeps a small distance from the bounds
         best = point(result.x)
-        best = np.where(best - low < BOUND_RTOL * sizes, low, best)
-        best = np.where(high - best < BOUND_RTOL * sizes, high, best)
+        for bound in (low, high):
+            best = np.where(np.abs(best - bound) < BOUND_RTOL * sizes, bound, best)
         return Optimum(self, best, result.fun, result.jac / sizes, bool(result.success))
 
 
@@ -173,14 +175,10 @@ class Optimum(ByContent):
         return np.split(self.residuals, np.cumsum(self.problem.rig.data.counted.sum(axis=0)))
 
     @property
-    def autocorrelation(self) -> float:
-        """Largest lag-1 autocorrelation of the residuals of a column."""
-        return max(autocorrelation(part) for part in self.parts[:-1])
-
-    @property
     def is_systematic(self) -> bool:
         """Return True if residuals are more autocorrelated than noise of a sensor."""
-        return self.autocorrelation > self.problem.rig.data.max_autocorrelation
+        limit = self.problem.rig.data.max_autocorrelation
+        return any(autocorrelation(part) > limit for part in self.parts[:-1])
 
     @property
     def noise_ratios(self) -> Array:
@@ -190,9 +188,18 @@ class Optimum(ByContent):
         return np.where(self.problem.rig.data.estimated & (ratios > 0.0), ratios, 1.0)
 
     @cached_property
+    def svd(self) -> tuple[Array, Array]:
+        """Singular values and right singular vectors of the Jacobian, its columns scaled by the sizes.
+
+        A singular value is the change of the residuals, in noise, along the whole size. The last vector is
+        the weakest direction: Brun, Reichert and Kuensch, Water Resources Research 37 (2001) 1015.
+        """
+        return np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)[1:]
+
+    @cached_property
     def covariance(self) -> Array:
         """Covariance of the keys; huge along directions without influence, shape (keys, keys)."""
-        _, singular, directions = np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)
+        singular, directions = self.svd
         scaled = directions.T / np.maximum(singular, 1e-9) * self.problem.sizes[:, None]
         return np.asarray(scaled @ scaled.T)
 
@@ -220,15 +227,6 @@ class Optimum(ByContent):
         scaled = self.covariance / np.outer(self.deviations, self.deviations)
         pairs = itertools.combinations(range(len(self.problem.keys)), 2)
         return {(self.problem.keys[a].name, self.problem.keys[b].name): float(scaled[a, b]) for a, b in pairs}
-
-    def weakest_direction(self) -> tuple[float, Array]:
-        """Return the smallest singular value of the scaled Jacobian and its direction.
-
-        The columns are scaled by the sizes of the keys. The singular value is the change of the residuals, in
-        noise, along the whole size; see Brun, Reichert and Kuensch, Water Resources Research 37 (2001) 1015.
-        """
-        _, singular, directions = np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)
-        return float(singular[-1]), directions[-1]
 
     def compensation(self, change: Array) -> Array:
         """Return the change of the keys that compensates a change of the residuals best, shape (keys,)."""

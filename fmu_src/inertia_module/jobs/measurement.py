@@ -46,7 +46,7 @@ N_DEVIATIONS = 4.0
 # lag-1 autocorrelation that the noise of a sensor may have
 SENSOR_AUTOCORRELATION = 0.2
 # relative accuracy with which a gain is the factor of another unit
-UNIT_RTOL = 0.02
+UNIT_RTOL = 0.15
 # units of logger files besides SI
 UNITS = ("rpm", "deg/s", "rev/s", "km/h", "deg", "rev", "mm", "kN", "kNm", "kJ", "kW")
 
@@ -121,21 +121,15 @@ class Measurement(ByContent):
             for name, unit, ideal, size, reach in rows
         }
 
-    def unit_hint(self, column: str, gain: float, rtol: float = UNIT_RTOL) -> str:
-        """Return a sentence if the gain of a column is the factor of another unit, else "".
-
-        Args:
-            column: name of the column.
-            gain: measured over computed.
-            rtol: relative accuracy of the gain.
-        """
+    def unit_hint(self, column: str, gain: float) -> str:
+        """Return a sentence if measured over computed of a column suggests another unit, else ""."""
         heading, ratios = self.headings[column], dict[str, float]()
         for other in (self.table.units[column], *UNITS):
             with contextlib.suppress(ValueError):  # unit of another quantity
                 ratios[other] = factor_between(heading, other)
         errors = [(abs(gain / ratio - 1.0), other) for other, ratio in ratios.items() if ratio != 1.0]
-        error, unit = min(errors, default=(rtol, ""))
-        return f"its numbers are in {unit}, not in {heading}" if error < rtol else ""
+        error, unit = min(errors, default=(UNIT_RTOL, ""))
+        return f"its numbers are in {unit}, not in {heading}" if error < UNIT_RTOL else ""
 
 
 def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[str] = ()) -> Measurement:

@@ -8,6 +8,7 @@ the key is not identifiable: Raue et al., Bioinformatics 25 (2009) 1923.
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -17,12 +18,16 @@ from ..common.errors import Refused
 from .axes import Free
 from .least_squares import Array, Optimum
 
-# re-fits per end of an interval; relative accuracy of the root of the change of chi-squared there
-MAX_REFITS, PROFILE_RTOL = 8, 0.03
+# extrapolations until the profile exceeds its limit, and their largest factor
+MAX_EXTRAPOLATIONS, MAX_FACTOR = 10, 4.0
+# distance of the first and of further values over the estimate of the distance of the end
+MARGIN = 1.1
+# steps of Brent's method
+MAX_STEPS = 8
+# relative accuracy of the root of the change of chi-squared, and its maximum, in quantiles
+PROFILE_RTOL, MAX_ROOT = 0.03, 3.0
 # a profile of a key without a range ends at its value and so many of its sizes
 N_SIZES = 3.0
-# largest extrapolation of the secant method; root, in quantiles, from which bisection replaces it
-MAX_EXTRAPOLATION, MAX_ROOT = 4.0, 3.0
 # distance from an end of its range, of the size of a key, at which a key is at this end
 END_RTOL = 1e-4
 
@@ -33,7 +38,7 @@ class End(NamedTuple):
     Attributes:
         value: of the key, SI.
         open: whether the end of a range, of this or another key, stops the profile below its limit.
-        optimum: point with the least chi-squared of all re-fits, shape (keys,), and its chi-squared.
+        optimum: least chi-squared of all re-fits, and its point, shape (keys,).
     """
 
     value: float
@@ -52,78 +57,70 @@ def limits(key: Free, value: float) -> tuple[float, float]:
 def profile_end(optimum: Optimum, number: int, side: int) -> End:
     """Find one end of the interval of a key.
 
-    The root of the change of chi-squared is nearly linear in the key, so the secant method needs two or three
-    re-fits. Far outside, bisection replaces it. After MAX_REFITS the outer end of the bracket is returned.
+    The root of the change of chi-squared is nearly linear in the key. It is extrapolated until it exceeds the
+    quantile. Brent's method follows. If it does not converge, the end is the outer end of its bracket.
 
     Args:
         optimum: with the noise by which chi-squared is measured.
         number: place of the key.
         side: -1 for the lower, 1 for the upper end.
     """
-    problem, centre, least = optimum.problem, float(optimum.point[number]), optimum.chi_squared
-    limit, quantile = limits(problem.keys[number], centre)[side > 0], optimum.t_quantile
+    from scipy.optimize import brentq
+
+    problem, centre, quantile = optimum.problem, float(optimum.point[number]), optimum.t_quantile
+    (low, high), inside, outside = limits(problem.keys[number], centre), centre, centre
     # direction along which the other keys follow
     follow = optimum.without_key(number, centre).compensation(optimum.jacobian[:, number])
-    direction = np.insert(follow, number, 1.0)
-    best, inside, outside = (
-        (least, optimum.point),
-        (centre, 0.0, optimum.point),
-        (math.nan, math.inf, optimum.point),
-    )
-    value = centre + side * quantile * float(optimum.deviations[number])
-    for _ in range(MAX_REFITS):
-        value = min(value, limit) if side > 0 else max(value, limit)
-        guess = inside[2] + direction * (value - inside[0])
-        chi_squared, point = _refit(optimum, number, value, guess)
-        best = min(best, (chi_squared, point), key=lambda pair: pair[0])
-        root = math.sqrt(max(chi_squared - least, 0.0))
-        if root <= quantile:
-            inside = value, root, point
-        else:
-            outside = value, root, point
-        if (value == limit and root <= quantile) or abs(root - quantile) < PROFILE_RTOL * quantile:
-            return End(value, _is_stopped(optimum, point), best)
-        value = _next(inside[:2], outside[:2], centre, quantile)
-    # without a limit so far, or with another key at the end of its range just outside
-    last = inside if math.isnan(outside[0]) else outside
-    return End(last[0], last is inside or _is_stopped(optimum, last[2]), best)
+    direction, refits = np.insert(follow, number, 1.0), [(optimum.chi_squared, optimum.point)]
+
+    def nearest(value: float) -> Array:
+        return min((point for _, point in refits), key=lambda point: abs(point[number] - value))
+
+    def distance(point: Array) -> float:
+        """Return the root of chi-squared, infinite if the scene rejects the point."""
+        root = float(np.linalg.norm(problem.residuals(point)))
+        return root if math.isfinite(root) else math.inf
+
+    @functools.cache
+    def excess(value: float) -> float:
+        """Return the root of the change of chi-squared, in quantiles, minus 1."""
+        nonlocal outside
+        if value == centre:
+            return -1.0
+        origins = optimum.point, nearest(value)
+        guesses = [np.clip(one + direction * (value - one[number]), *problem.bounds) for one in origins]
+        guess = min(guesses, key=distance)
+        try:
+            refit = problem.without_key(number, value).minimise(
+                np.delete(guess, number), np.delete(optimum.steps, number), refit=True
+            )
+        except Refused:
+            outside = value
+            return MAX_ROOT
+        refits.append((refit.chi_squared, np.insert(refit.point, number, value)))
+        root = math.sqrt(max(refit.chi_squared - optimum.chi_squared, 0.0)) / quantile
+        outside = value if root > 1.0 else outside
+        return min(root, MAX_ROOT) - 1.0 if abs(root - 1.0) > PROFILE_RTOL else 0.0
+
+    step = side * MARGIN * quantile * float(optimum.deviations[number])
+    for _ in range(MAX_EXTRAPOLATIONS):
+        value = min(max(centre + step, low), high)
+        if excess(value) >= 0.0 or value in (low, high):
+            break
+        inside, step = value, step * min(MARGIN / max(excess(value) + 1.0, 1e-3), MAX_FACTOR)
+    is_open = excess(value) < 0.0 and value not in (low, high)
+    if excess(value) > 0.0:
+        xtol = 1e-3 * abs(value - centre)
+        value = float(brentq(excess, inside, value, xtol=xtol, maxiter=MAX_STEPS, disp=False))
+        value = outside if excess(value) < 0.0 else value
+    best = min(refits, key=lambda refit: refit[0])
+    return End(value, is_open or _is_stopped(optimum, nearest(value)), best)
 
 
 def _is_stopped(optimum: Optimum, point: Array) -> bool:
     """Return True if a key is at an end of its profile that is no physical limit."""
-    for key, value, centre in zip(optimum.problem.keys, point, optimum.point, strict=True):
-        for end, physical in zip(limits(key, float(centre)), key.physical, strict=True):
-            if end != physical and abs(value - end) <= END_RTOL * key.size:
-                return True
-    return False
-
-
-def _next(inside: tuple[float, float], outside: tuple[float, float], centre: float, quantile: float) -> float:
-    """Return the next value of the key by the secant method."""
-    if math.isnan(outside[0]):
-        value, root = inside
-        return centre + (value - centre) * min(quantile / max(root, 1e-9) * 1.02, MAX_EXTRAPOLATION)
-    is_near = outside[1] < MAX_ROOT * quantile
-    share = (quantile - inside[1]) / (outside[1] - inside[1]) if is_near else 0.5
-    return inside[0] + share * (outside[0] - inside[0])
-
-
-def _refit(optimum: Optimum, number: int, value: float, guess: Array) -> tuple[float, Array]:
-    """Return the least chi-squared with a key fixed, infinite if the scene rejects it, and its point."""
-    problem = optimum.problem.without_key(number, value)
-    start, others = np.delete(guess, number), problem.keys
-    # prior knowledge of the fixed key is a residual too
-    key = optimum.problem.keys[number]
-    prior = ((value - key.start) / key.deviation) ** 2
-    if not others:
-        residuals = problem.residuals(start)
-        chi_squared, rest = float(residuals @ residuals), start
-    else:
-        try:
-            refit = problem.minimise(start, np.delete(optimum.steps, number), refit=True)
-        except Refused:
-            return math.inf, guess
-        chi_squared, rest = refit.chi_squared, refit.point
-    if not math.isfinite(chi_squared):
-        return math.inf, guess
-    return chi_squared + prior, np.insert(rest, number, value)
+    return any(
+        end != physical and abs(value - end) <= END_RTOL * key.size
+        for key, value, centre in zip(optimum.problem.keys, point, optimum.point, strict=True)
+        for end, physical in zip(limits(key, float(centre)), key.physical, strict=True)
+    )
