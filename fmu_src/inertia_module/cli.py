@@ -831,7 +831,7 @@ EXAMPLES = {
     orders: "orders orders.toml --highest 8",
     sweep: "sweep planar.toml --vary imbalance_mass=0.5:2:7",
     design: "design design_car.toml",
-    fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2 --free link2_inertia=log:1e-3:2e-2",
+    fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2",
     tradeoff: "tradeoff planar.toml --recommend 1%",
     export: "export planar.toml",
     check: "check InertiaModule.fmu --timeout '5 min'",
