@@ -235,7 +235,7 @@ def test_what_goes_with_the_speed_of_links_that_crawl_is_as_exact_as_it(averaged
     _, side, *_ = averaged
     side.slow = 1e4
     for speed in (1e-9, 1e-3, 1.0, 1e4, 1e9):
-        first, now = rates.shares(side, speed)
+        first, *now = rates.shares(side, speed)
         left = sum(share * (1.0 - z) for share, z in zip(now, table.SLOWNESS[first:], strict=False))
         assert left == pytest.approx(speed / (speed + side.slow), rel=1e-13, abs=0.0)
 
