@@ -3,7 +3,7 @@
 The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
 """
 
-from .accumulate import add, copy
+from .accumulate import copy
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .equations.choice import GOES_ON, choose_next_states, choose_states, switch_states
 from .equations.motion import evaluate, recall, take_state
@@ -71,7 +71,6 @@ def run_events(d, x, w, h):
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
     time = 0.0
-    low = 0.0
     travel = 0.0
     stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
@@ -84,7 +83,7 @@ def run_events(d, x, w, h):
     x.load_prescribed = w.load
     event = False
     while time < h:
-        remaining = (h - time) - low
+        remaining = h - time
         speeds = abs(x.omega1) + abs(x.omega2)
         if x.output_state == GEARED:
             passed = advance_kinematic(d, x, w, remaining)
@@ -95,10 +94,9 @@ def run_events(d, x, w, h):
         if passed >= remaining:
             time = h
         else:
-            time, low = add(time, low, passed)
+            time += passed
         if d.by_torque == 0.0:
             x.omega1 = start1 + w.prescribed * time
-            x.omega1_low = 0.0
         travel += passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
         if d.elastic != 0.0:
             travel += passed * fastest_own_rate(d, x)

@@ -46,28 +46,23 @@ SUMS = (
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 
-# a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
-# communication steps add up to the same motion as one long step
 STATE = (
     *MOTION,
     *SUMS,
-    *("q_low", "drive_turns", "theta1_low", "input_turns"),
-    *("omega1_low", "omega2_low", "omega3_low", "mode", "step_mode"),
+    *("drive_turns", "input_turns"),
+    *("mode", "step_mode"),
     *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
     # ... rigid output: the size in each contact mode when it was left, the mode of step_size; averaged: sizes
     # of gentle steps in each leg
     *(("sizes", 4), "sized_mode"),
-    *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
-    *(("lost", CAUSES), ("lost_low", CAUSES)),
+    *("energy_in", "energy_out", ("lost", CAUSES)),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
     "torque_ripple",
     *("switches", "housing_engagements", "output_engagements"),
-    *("evaluations", "output_angle", "output_angle_low", "output_turns"),
+    *("evaluations", "output_angle", "output_turns"),
     # the communication step in hand, or the last one: its length, the state it began with, moments of it
     *("length", "begin_q", "begin_omega2"),
     *("begin_theta1", "begin_input_turns", "begin_drive_turns", ("moments", MOMENT, MOMENTS)),
-    # elastic output: of twist, and of omega3 - omega4, which would cancel if omega4 were kept instead
-    *("twist_low", "relative_low"),
     # fixed steps: inertia at q, and the friction by load in the last one, N m
     *(("here", INERTIA), "friction"),
     # general: what freewheels and slip do

@@ -5,7 +5,7 @@ a freewheel that closes does so part of the way: before, link 2 moves freely; af
 ideal contacts close at zero relative speed no energy is lost; freewheels that have play do not.
 """
 
-from .accumulate import add, add_loss
+from .accumulate import add_loss
 from .codes import DRIVING, FREE, HELD, HELD_DRIVING
 from .equations.losses import FREEWHEEL, SHAFT
 from .equations.states import GEARED
@@ -62,7 +62,7 @@ def push_driven_mass(d, x, change3, stiff):
     balancing = d.balancer * d.J4 * change3
     lost = (d.J4 * change4 - balancing) * (x.relative + 0.5 * (change3 - change4))
     lost -= balancing * (omega4 + 0.5 * change4)
-    x.relative, x.relative_low = add(x.relative, x.relative_low, change3 - change4)
+    x.relative += change3 - change4
     add_loss(x, SHAFT, lost)
 
 
@@ -72,7 +72,7 @@ def jump_links(d, x, inertia, jump, change2):
     rate_change = d.k * (jump - change2)
     mesh = d.k * (b * jump + g * rate_change)
     drive = (d.J1 + i) * jump + b * rate_change + mesh
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, drive * (x.omega1 + 0.5 * jump))
+    x.energy_in += drive * (x.omega1 + 0.5 * jump)
     x.omega1 += jump
     x.omega2 += change2
     return drive, mesh
@@ -81,12 +81,10 @@ def jump_links(d, x, inertia, jump, change2):
 def set_speeds(d, x, end2, end3, stiff):
     """Set the speeds of link 2 and hub after an impulse."""
     x.omega2 = end2
-    x.omega2_low = 0.0
     if end3 != x.omega3:
         if d.elastic != 0.0:
             push_driven_mass(d, x, end3 - x.omega3, stiff)
         x.omega3 = end3
-        x.omega3_low = 0.0
 
 
 def shaft_inertia(d, stiff):
@@ -131,7 +129,7 @@ def jump_input(d, x, jump, stiff):
     output = shaft * (end3 - x.omega3)
     if geared:
         output = mesh - d.J2 * change
-        x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output * (omega2 + 0.5 * change))
+        x.energy_out += output * (omega2 + 0.5 * change)
     else:
         x.housing_impulse += d.J2 * (end2 - omega2) + output - mesh
     set_speeds(d, x, end2, end3, stiff)

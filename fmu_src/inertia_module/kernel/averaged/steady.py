@@ -287,7 +287,6 @@ def add_part(d, x, w, side, q, length, before):
     for _ in range(2 if before else 1):
         begin_sums(x)
         clear(x.lost)
-        clear(x.lost_low)
         start = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time, energy = follow(d, x, w, length)
         d.map_evaluations += x.step_evaluations

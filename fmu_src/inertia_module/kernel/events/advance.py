@@ -1,6 +1,6 @@
 """The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
-from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
+from ..accumulate import add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import NONE
 from ..equations.choice import take_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
@@ -76,21 +76,21 @@ def turn_back(d, x, change):
 def commit(d, x, w):
     """Take the step in hand over, with its sums."""
     change = w.change
-    x.q, x.q_low = add(x.q, x.q_low, change.q)
+    x.q += change.q
     wrap_drive_angle(d, x)
-    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, change.theta1)
+    x.theta1 += change.theta1
     wrap_input_angle(x)
-    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change.omega1)
-    x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, change.omega2)
-    x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change.omega3)
+    x.omega1 += change.omega1
+    x.omega2 += change.omega2
+    x.omega3 += change.omega3
     if d.elastic != 0.0:
-        x.twist, x.twist_low = add(x.twist, x.twist_low, change.twist)
-        x.relative, x.relative_low = add(x.relative, x.relative_low, change.relative)
+        x.twist += change.twist
+        x.relative += change.relative
         balancing = d.balancer * d.J4 * (x.omega3 - 0.5 * change.omega3) * change.omega3
         add_loss(x, SHAFT, change.lost[SHAFT] - balancing)
     work = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * change.turned3)
+    x.energy_in += work
+    x.energy_out += w.load * change.turned3
     if d.viscous != 0.0:
         add_loss(x, VISCOUS, change.lost[VISCOUS])
     if d.losses != 0.0:
@@ -172,23 +172,17 @@ def meet(d, x, which):
     x.rates_cached = 0.0
     if which == guards.HOUSING or which == guards.HOUSING_BACK:
         x.omega2 = 0.0
-        x.omega2_low = 0.0
         if x.output_state == LOCKED:
             x.omega3 = 0.0
-            x.omega3_low = 0.0
     elif which == guards.OUTPUT or which == guards.OUTPUT_BACK:
         if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
-            x.omega3_low = 0.0
         x.omega2 = x.omega3
-        x.omega2_low = x.omega3_low
     elif x.housing_state == LOCKED:
         if d.by_torque != 0.0:
             x.omega1 = 0.0
-            x.omega1_low = 0.0
     else:
         x.omega2 = x.omega1
-        x.omega2_low = x.omega1_low
 
 
 def meet_limits(d, x):

@@ -353,11 +353,9 @@ def end_hub(d, x, w, end3):
     if d.elastic != 0.0:
         x.omega3 = w.seen3
         x.relative = w.seen3 - w.omega4
-        x.relative_low = 0.0
         push_driven_mass(d, x, w.end3 - w.seen3, False)
         x.omega3 = w.end3
         if w.stiff != 0.0:
             x.relative = 0.0
-            x.relative_low = 0.0
         push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
     x.omega3 = end3
