@@ -13,10 +13,10 @@ from .equations import losses
 # stages of the explicit pair, with those for the inside of a step; its interpolants
 STAGES = 16
 DENSE = 7
-# ... of the stiff step, and how many quantities it solves for
-SOLVED, MOVING = 8, 9
-# their guards, and the satellites that may have one each (equations.satellites.MANY)
-GUARDS, SATELLITES = 6, 50
+# averaged: stages of its stiff step
+SOLVED = 8
+# their guards, and satellites at most (contract/variables.py), which have one each
+GUARDS, SATELLITES = 6, 24
 # causes of losses
 CAUSES = len(losses.CAUSES)
 # knots of the averaged map at most, for one sign of omega1
@@ -52,9 +52,8 @@ STATE = (
     *("drive_turns", "input_turns"),
     *("mode", "step_mode"),
     *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
-    # ... rigid output: the size in each contact mode when it was left, the mode of step_size; averaged: sizes
-    # of gentle steps in each leg
-    *(("sizes", 4), "sized_mode"),
+    # averaged: sizes of gentle steps in each leg
+    ("sizes", 4),
     *("energy_in", "energy_out", ("lost", CAUSES)),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
     "torque_ripple",
@@ -126,6 +125,8 @@ CONSTANTS = (
     # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic"),
+    # whether the elastic shaft is so stiff that it is rigid
+    "rigid_shaft",
     *("b1", "bq", "b2", "b3", "viscous"),
     # whether it is fidelity averaged, with losses
     *("averaged", "lossy"),
@@ -148,16 +149,17 @@ WORKSPACE = (
     *("stops", "tolerance"),
     # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
     # length, angular momentum and kinetic energy at its beginning
-    *("pair", "prescribed", "load", "step", "momentum", "energy"),
+    *("pair", "prescribed", "load", "step", "momentum", "energy", "potential"),
     # averaged: speed that counts as zero beside those at the beginning of the communication step
     "at_rest",
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
-    # the stiff step: changes at its stages, derivatives of all rates, what moves in it, linear equations
-    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING), ("moves", MOVING), "moving"),
-    *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
+    # by events: scale of the error of each integrated quantity, 0 if it does not count (events.error)
+    ("scale", FOLLOWED),
+    # averaged: changes at the stages of the stiff step, derivatives of all rates
+    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, 2)),
     # fixed steps: inertia at the end and the slip angle to there, and where look_ahead looked, which a part
     # of the step does not come to; what links 1 and 2 come to
     *(("end", INERTIA), "slip_angle", ("far", INERTIA), "far_angle"),

@@ -10,7 +10,7 @@ from .codes import DRIVING, FREE, HELD, HELD_DRIVING
 from .equations.losses import FREEWHEEL, SHAFT
 from .equations.states import GEARED
 from .inertia import reduced_inertia
-from .links import inertia_of_link1, inertia_of_link2, is_stiff
+from .links import inertia_of_link1, inertia_of_link2
 
 
 def holds_link2(d, x):
@@ -78,12 +78,14 @@ def jump_links(d, x, inertia, jump, change2):
     return drive, mesh
 
 
-def set_speeds(d, x, end2, end3, stiff):
+def set_speeds(d, x, end2, end3):
     """Set the speeds of link 2 and hub after an impulse."""
     x.omega2 = end2
     if end3 != x.omega3:
         if d.elastic != 0.0:
-            push_driven_mass(d, x, end3 - x.omega3, stiff)
+            push_driven_mass(d, x, end3 - x.omega3, False)
+        elif d.rigid_shaft != 0.0:
+            add_loss(x, SHAFT, -0.5 * d.balancer * d.J4 * (end3 - x.omega3) * (end3 + x.omega3))
         x.omega3 = end3
 
 
@@ -92,11 +94,8 @@ def shaft_inertia(d, stiff):
     return d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
 
 
-def jump_input(d, x, jump, stiff):
+def jump_input(d, x, jump):
     """Apply a jump of omega1, rad/s; where link 2 is geared its ratio may have changed, too.
-
-    Args:
-        stiff: whether an elastic output takes the jump with the driven mass.
 
     Returns:
         (P1, Pc): impulse of the input torque and on the output, N m s.
@@ -105,7 +104,7 @@ def jump_input(d, x, jump, stiff):
     omega2 = x.omega2
     target = x.omega1 + jump
     geared = x.output_state == GEARED
-    shaft = shaft_inertia(d, stiff)
+    shaft = d.J3
     fraction = 1.0
     if geared:
         end2 = end3 = d.kinematic_ratio * target
@@ -132,7 +131,7 @@ def jump_input(d, x, jump, stiff):
         x.energy_out += output * (omega2 + 0.5 * change)
     else:
         x.housing_impulse += d.J2 * (end2 - omega2) + output - mesh
-    set_speeds(d, x, end2, end3, stiff)
+    set_speeds(d, x, end2, end3)
     return drive, output
 
 
@@ -143,8 +142,7 @@ def close_freewheels(d, x):
     lost, half the impulse times the slip before; the meshes take their part without loss.
     """
     i, _, b, _, g, _ = reduced_inertia(d, x.q)
-    stiff = d.elastic != 0.0 and is_stiff(d, x, x.omega1)
-    shaft = shaft_inertia(d, stiff)
+    shaft = d.J3
     carried = shaft if d.output == 0.0 else 0.0
     omega2, omega3 = x.omega2, x.omega3
     own = inertia_of_link2(d, i, b, g) + carried
@@ -162,4 +160,4 @@ def close_freewheels(d, x):
     x.input_impulse += drive
     x.output_impulse += output
     x.housing_impulse += housing
-    set_speeds(d, x, end2, end3, stiff)
+    set_speeds(d, x, end2, end3)

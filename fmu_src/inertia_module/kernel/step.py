@@ -11,14 +11,13 @@ from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angl
 from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
 from .derive import derive
-from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
+from .engine import follow_parameters, follow_torque, run_events, switch_now
 from .equations.satellites import jams
 from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
-from .inputs import begin, check_hold, check_inputs, check_step, input_speed
-from .links import fastest_own_rate, is_stiff
-from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
+from .inputs import begin, check_hold, check_inputs, check_step
+from .outputs import is_audited, shaft_twist, stored_energy, write_late_outputs, write_outputs
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
@@ -35,8 +34,6 @@ NOTHING = 1e-30
 PRECISE = 1e-11
 # share of the speeds by which a given one that the last step should have come to misses it by rounding
 SAME_SPEED = 1e-14
-# phase, rad, in which torques change as rounding of momenta does their means
-INSTANT = 1e-8
 
 
 def check_parameters(p, d):
@@ -61,7 +58,7 @@ def start(p, d, u, x, y, w):
         if status != codes.OK:
             return status
     clear(x.numbers)
-    x.omega1 = input_speed(u)
+    x.omega1 = u.omega1
     x.held_input = x.omega1
     x.load_torque = u.load_torque
     x.drive_torque = u.drive_torque
@@ -82,6 +79,8 @@ def start(p, d, u, x, y, w):
         x.step_mode = x.mode
         if d.method == codes.TIMESTEPPING:
             write_inertia(d, x.q, x.here)
+    if d.rigid_shaft != 0.0:
+        x.twist = shaft_twist(d, x)
     x.energy_start = stored_energy(d, x)
     x.energy_stored = x.energy_start
     write_outputs(x, y)
@@ -104,22 +103,6 @@ def tune(p, d, x, w):
     return status
 
 
-def is_instant(d, x, h):
-    """Tell whether impulses of the step are those of the torques at its end, but for rounding of momenta.
-
-    These are then in d.machine.
-    """
-    m = d.machine
-    fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
-    swings = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
-    if d.fidelity == codes.AVERAGED or not h * (d.harmonic * d.k * fastest + swings) < INSTANT:
-        return False
-    solve_now(d, x)
-    missing = abs(x.input_impulse - h * m.drive) + abs(x.housing_impulse - h * m.housing)
-    missing += abs(x.output_impulse - h * m.output)
-    return missing <= SAME_SPEED * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
-
-
 def pass_mesh(d, x, output):
     """Impulse that the mesh has passed to link 2, by its momentum: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
     x.mesh_impulse = output - x.housing_impulse
@@ -131,14 +114,9 @@ def pass_mesh(d, x, output):
         x.mesh_impulse += d.b2 * (turned1 - turned / d.k)
 
 
-def end(d, x, h, jump, input_jump, output_jump):
-    """Means over the step, all impulses included; where they cannot be told the torques of its end."""
+def end(d, x, h, input_jump, output_jump):
+    """Write means over the step, all impulses included."""
     pass_mesh(d, x, output_jump + x.output_impulse)
-    if jump == 0.0 and is_instant(d, x, h):
-        m = d.machine
-        x.input_impulse, x.mesh_impulse, x.housing_impulse = h * m.drive, h * m.mesh, h * m.housing
-        x.output_impulse = h * m.output
-        x.output_square = x.output_impulse * (x.output_impulse / h)
     x.input_torque_mean = (input_jump + x.input_impulse) / h
     x.output_torque_mean = (output_jump + x.output_impulse) / h
     mean = x.output_impulse / h
@@ -212,7 +190,7 @@ def apply_jump(d, u, x, h, jump):
     """Apply a jump of the speed of link 1, or of a prescribed ratio. Returns impulses of M1 and Tc, N m s."""
     if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
-        return jump_input(d, x, jump, d.fidelity == codes.ELASTIC and is_stiff(d, x, u.omega1))
+        return jump_input(d, x, jump)
     if takes_up_jump(d, x, jump, h):
         x.alpha1 += jump / h
         return 0.0, 0.0
@@ -246,7 +224,9 @@ def run(d, u, x, w, h):
         if d.fidelity != codes.AVERAGED:
             follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
-    end(d, x, x.length, jump, input_jump, output_jump)
+    end(d, x, x.length, input_jump, output_jump)
+    if d.rigid_shaft != 0.0:
+        x.twist = shaft_twist(d, x)
     if not is_finite(x):
         return codes.NOT_FINITE
     return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else codes.OK
