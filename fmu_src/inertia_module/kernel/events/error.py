@@ -36,7 +36,8 @@ def write_scales(d, x, w):
     """Write the scale of each integrated quantity into w.scale, 0 for a quantity whose error does not count.
 
     A heavy link hardly changes its speed, but these small changes are its torque: the scale of a speed is the
-    part of it that the imbalances can impart to the inertia that moves with it (links.response).
+    part of it that the imbalances can impart to the inertia that moves with it (links.response), or its change
+    in the step if load or shaft move it more.
     """
     scale, change = w.scale, w.change
     links = fastest_link(x, change)
@@ -46,12 +47,12 @@ def write_scales(d, x, w):
     scale.q = 1.0
     scale.omega1 = response(d, d.J1) * links if d.by_torque != 0.0 else 0.0
     carried = d.J3 if x.output_state == LOCKED else 0.0
-    scale.omega2 = response(d, d.J2 + carried) * links
-    behind = response(d, d.J2 + d.J3) * output
+    scale.omega2 = max(response(d, d.J2 + carried) * links, abs(change.omega2))
+    behind = max(response(d, d.J2 + d.J3) * output, abs(change.omega3), abs(change.relative))
     scale.omega3 = behind if x.output_state != LOCKED else 0.0
     if d.elastic != 0.0:
         scale.relative = behind
-        scale.twist = behind / shaft_frequency(d, 1.0 / d.J3)
+        scale.twist = max(behind / shaft_frequency(d, 1.0 / d.J3), abs(change.twist))
     if d.losses != 0.0:
         stiffness = max(d.housing_stiffness, d.freewheel_stiffness)
         angle = links * math.sqrt(d.J2 / stiffness) if stiffness > 0.0 else 1.0

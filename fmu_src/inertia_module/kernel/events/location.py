@@ -69,24 +69,65 @@ def illinois(d, x, w, which, zero, low, value_low, high, value_high, by_equation
     return high
 
 
+def lowest_point(before, here, after):
+    """Return the lowest point of the parabola through three samples, in samples from the middle one.
+
+    It is 0 if the middle sample is not the lowest.
+    """
+    if here > before or here >= after:
+        return 0.0
+    return 0.5 * (before - after) / (before - 2.0 * here + after)
+
+
+def fall_between(d, x, w, which, zero, low, value_low, high, value_high):
+    """Return the part of the step at which an indicator falls, or -1 if its torque does not.
+
+    Args:
+        d: constants.
+        x: state at the beginning of the step.
+        w: workspace with the step in hand.
+        which: number of the indicator.
+        zero: threshold of the indicator.
+        low: part of the step at which its dense output has not fallen.
+        value_low: dense output there.
+        high: part of the step at which its dense output has fallen below -zero.
+        value_high: dense output there.
+    """
+    sigma = illinois(d, x, w, which, zero, low, value_low, high, value_high, False)
+    if not guards.is_exact(x, which):
+        return sigma
+    value = exact_guard(d, x, w, which, sigma)
+    if value < -zero:
+        return illinois(d, x, w, which, zero, low, max(value_low, -zero), sigma, value, True)
+    value_high = exact_guard(d, x, w, which, high)
+    if value_high < -zero:
+        return illinois(d, x, w, which, zero, sigma, value, high, value_high, True)
+    return -1.0
+
+
 def first_fall(d, x, w, which, zero):
-    """Return the part of the step at which an indicator first falls below -zero, or -1."""
+    """Return the part of the step at which an indicator first falls below -zero, or -1.
+
+    A dip between two samples is looked for at the lowest point of the parabola through three samples.
+    """
+    part = 1.0 / SAMPLES
     low = 0.0
-    value_low = guards.fitted_guard(x, w, which, 0.0)
+    value_before = value_low = guards.fitted_guard(x, w, which, 0.0)
     for n in range(1, SAMPLES + 1):
-        high = n / SAMPLES
+        high = n * part
         value_high = guards.fitted_guard(x, w, which, high)
-        if value_high < -zero:
-            sigma = illinois(d, x, w, which, zero, low, value_low, high, value_high, False)
-            if not guards.is_exact(x, which):
-                return sigma
-            value = exact_guard(d, x, w, which, sigma)
-            if value < -zero:
-                return illinois(d, x, w, which, zero, low, max(value_low, -zero), sigma, value, True)
-            value_high = exact_guard(d, x, w, which, high)
-            if value_high < -zero:
-                return illinois(d, x, w, which, zero, sigma, value, high, value_high, True)
-        low, value_low = high, value_high
+        sigma = -1.0
+        offset = lowest_point(value_before, value_low, value_high) if n > 1 else 0.0
+        lowest = low + offset * part
+        value_lowest = guards.fitted_guard(x, w, which, lowest) if offset != 0.0 else 0.0
+        if value_lowest < -zero:
+            begin, value_begin = (low, value_low) if offset > 0.0 else (low - part, value_before)
+            sigma = fall_between(d, x, w, which, zero, begin, value_begin, lowest, value_lowest)
+        if sigma < 0.0 and value_high < -zero:
+            sigma = fall_between(d, x, w, which, zero, low, value_low, high, value_high)
+        if sigma >= 0.0:
+            return sigma
+        low, value_before, value_low = high, value_low, value_high
     return -1.0
 
 
