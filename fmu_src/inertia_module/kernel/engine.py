@@ -112,6 +112,8 @@ def run_events(d, x, w, h):
                 x.length = time
                 return OK
             stalls = 0 if changed else stalls + 1
+            if not changed:
+                x.step_size *= 0.5  # dense output too coarse for the indicators
             allowed = SWITCHES_PER_PULSE * d.harmonic * travel
             switches = x.switches - w.before.switches
             if stalls > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed:

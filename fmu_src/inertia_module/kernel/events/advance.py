@@ -23,7 +23,7 @@ SEEN = (5, 9, 10)
 # least play that is one, rad
 NO_PLAY = 1e-300
 # energy that a step may make, in tolerances of the energies that move, and tries with shorter steps
-MAX_ENERGY_MADE, MAX_REPEATS = 10.0, 20
+MAX_ENERGY_MADE, MAX_REPEATS = 4.0, 20
 # share of energies that is rounding
 ENERGY_ROUNDING = 1e-13
 

@@ -8,7 +8,7 @@ from .guards import how_many_guards, is_clear, is_watched
 from .stages import make_step
 
 # maximum phase of the highest harmonic in one step, rad: more would step over pulses
-STEP_PHASE = 4.0
+STEP_PHASE = 2.0
 # ... in a step of the pair 5(4), whose few stages show the event indicators
 QUIET_PHASE = 2.0
 # ... in the first step after a contact mode has changed
