@@ -68,7 +68,7 @@ def test_fast_input_keeps_its_angles_over_long_steps(compiled, scene):
 
 
 def test_link_2_held_by_its_freewheel_keeps_the_same_angles(compiled, scene):
-    held = started(compiled, scene, load_torque=1e9, omega1=4096.0)
+    held = started(compiled, scene, load_torque=1e7, omega1=4096.0)
     prescribed = started(compiled, scene, fidelity=0, omega1=4096.0)
     for module in (held, prescribed):
         advanced(module, 0.25, 1.0, 0.0625)

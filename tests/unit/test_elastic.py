@@ -87,12 +87,13 @@ def test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance(compiled, dra
     for tolerance, steps in itertools.product((1e-4, 1e-6, 1e-8), (1, 10)):
         module = started(compiled, ELASTIC, shaft, load_torque=-10.0, tolerance=tolerance)
         advanced(module, *[0.1 / steps] * steps)
-        # what swings is known to its phase
-        scale = abs(twist) if drag == 100.0 else module["omega_out"] / abs(slow)
+        # an oscillation is known to its phase, a twist to the output speed over the natural frequency
+        rate = abs(slow) if drag < 100.0 else math.sqrt(stiffness * mobility)
+        scale = max(abs(twist) if drag == 100.0 else 0.0, module["omega_out"] / rate)
         assert abs(module["shaft_twist"] - twist) <= 30.0 * tolerance * scale
 
 
 def test_a_shaft_that_has_come_to_rest_costs_little(compiled):
-    module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 100.0)
+    module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 1000.0)
     assert module["shaft_twist"] == pytest.approx(10.0 / 400.0, rel=1e-6)
     assert module["rhs_evaluations"] < 1e5

@@ -166,7 +166,7 @@ def test_error_follows_the_tolerance(compiled, scene):
     def end(tolerance):
         return advanced(started(compiled, scene, tolerance=tolerance), duration)
 
-    exact, errors = end(1e-13), []
+    exact, errors = end(1e-12), []
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10):
         module = end(tolerance)
         names = ("input_speed", "omega2", "omega_out")[:: 2 if module["fidelity"] == codes.AVERAGED else 1]

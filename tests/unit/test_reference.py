@@ -263,7 +263,7 @@ def test_error_falls_in_proportion_to_tolerance_and_stays_within_three_in_any_st
         module = started(compiled, scene, tolerance=tolerance)
         return advanced(module, *[step] * round(DURATION / step))["omega_out"]
 
-    exact = speed(1e-13)
+    exact = speed(1e-12)
     for step in (DURATION, 0.1, 1e-3):
         errors = [abs(speed(tolerance, step) - exact) / exact for tolerance in TOLERANCES]
         slope, _ = np.polyfit(np.log(TOLERANCES), np.log(errors), 1)
