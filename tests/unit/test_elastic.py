@@ -96,4 +96,4 @@ def test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance(compiled, dra
 def test_a_shaft_that_has_come_to_rest_costs_little(compiled):
     module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 1000.0)
     assert module["shaft_twist"] == pytest.approx(10.0 / 400.0, rel=1e-6)
-    assert module["rhs_evaluations"] < 1e5
+    assert module["rhs_evaluations"] < 2e5

@@ -320,7 +320,7 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(79, "satellite_radius", Group.PLANAR, "m", "radius r of a satellite (planar)", 0.03, 1e-4, 10.0, in_map=True),
     _parameter(80, "eccentricity", Group.PLANAR, "m", "distance l of the unbalanced mass from the satellite axis (planar)", 0.02, 0.0, 10.0, in_map=True),
     _parameter(81, "imbalance_mass", Group.MASSES, "kg", "mass m of each unbalanced mass", 1.0, 0.0, 1e5, in_map=True),
-    _parameter(82, "modules", Group.LAYOUT, "", "number of identical modules, evenly spaced about the central axis", 1, 1, 100, kind=INTEGER, in_map=True),
+    _parameter(82, "modules", Group.LAYOUT, "", "number of identical modules, evenly spaced about the central axis", 1, 1, 1000, kind=INTEGER, in_map=True),
     _parameter(83, "satellites", Group.LAYOUT, "", "number of satellites (and unbalanced masses) per module, evenly spaced", 1, 1, 24, kind=INTEGER, in_map=True),
     _parameter(84, "drive_inertia", Group.MASSES, "kg.m2", "total inertia J16 of all pinion shafts about their own axes", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(85, "input_inertia", Group.MASSES, "kg.m2", "inertia J1 of the carrier, link 1 (with drive = torque including the engine or motor)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),

@@ -66,11 +66,8 @@ def is_spring(x, which):
 
 
 def is_exact(x, which):
-    """Tell whether the guard is looked at by the equations inside a step, not by its fit.
-
-    The freewheel's torque and what is left of friction end a mode: the fit is off by what the step is.
-    """
-    return which < FLOW and not is_speed(x, which) and not is_spring(x, which)
+    """Return True if an indicator is a torque that ends a contact mode: it is evaluated by the equations."""
+    return which < FLOW and not is_speed(x, which)
 
 
 def value_and_rate(d, x, m, which):

@@ -10,7 +10,7 @@ from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
 from ..links import energy_of_links
 from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
-from .guards import FLOW, SLIP, how_many_guards, value_and_rate
+from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
 
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
@@ -233,7 +233,7 @@ def exact_guard(d, x, w, which, sigma):
         set_changes_inside(d, x, w, sigma)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
-    return value - min(values[0], 0.0)
+    return value - (0.0 if is_spring(x, which) else min(values[0], 0.0))
 
 
 def cut_step(d, x, w, sigma):
