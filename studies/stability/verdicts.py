@@ -53,7 +53,7 @@ WORK_ORDER = 8.0
 FIXED_STEP_WORK = 10.0
 # the run the others are measured against: tighter by this, down to what doubles allow
 TIGHTER = 1e-4
-TIGHTEST = 1e-13
+TIGHTEST = 1e-12
 # rad of the highest harmonic in a step of method timestepping
 FIXED_PHASE = 0.1
 

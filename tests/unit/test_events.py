@@ -14,7 +14,7 @@ H = 0.1
 
 
 def step_of(rate, start, which=guards.HOUSING):
-    """State and workspace of a step H in which an overrunning freewheel has this slip, by its rate in time."""
+    """Constants, state and workspace of a step H in which a freewheel has this slip, by its rate."""
     module = started("plain", SCENES["bevel"], omega2_start=5.0, omega_out_start=10.0)
     w = record_type(WORKSPACE)()
     w.step, w.pair = H, tableau.LONG
@@ -22,7 +22,7 @@ def step_of(rate, start, which=guards.HOUSING):
     nodes = tableau.NODES[: tableau.STAGES]
     for n, node in enumerate(nodes):
         indicator.rate[n] = rate(H * node)
-    for n, node in enumerate(nodes):
+    for n in range(len(nodes)):
         indicator.value[n] = start + H * tableau.weighed(n, n, indicator.rate) if n else start
     tableau.fit(H, indicator.rate, indicator.dense)
     return module.derived, module.state, w
@@ -74,6 +74,7 @@ def test_freewheel_opens_and_closes_at_its_condition(compiled, scene):
     for _ in range(50):
         advanced(module, 1e-3)
         slip = module["omega_hub"] - module["omega2"]
-        assert module["omega2"] >= 0.0 and slip >= 0.0
+        assert module["omega2"] >= 0.0
+        assert slip >= 0.0
         assert module["housing_torque"] >= -1e-9 * abs(module["mesh_torque"])
         assert module["output_torque"] >= -1e-9 * abs(module["mesh_torque"])

@@ -9,7 +9,7 @@ import random
 from itertools import product
 
 import pytest
-from differences import assert_rates, difference
+from differences import difference
 from scenes import ENGINE, FRICTION, LAYOUTS, SCENES, started
 
 from inertia_module.contract.records import record_type

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import SCENES, started
+from scenes import started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import tableau
@@ -23,11 +23,7 @@ def powers(nodes, power):
 
 def nodes_of(pair):
     """Nodes of a pair, and those for the inside of the longer one."""
-    return (
-        tableau.NODES[: tableau.STAGES]
-        if pair == tableau.LONG
-        else tableau.NODES[tableau.SHORT :]
-    )
+    return tableau.NODES[: tableau.STAGES] if pair == tableau.LONG else tableau.NODES[tableau.SHORT :]
 
 
 @pytest.mark.parametrize(("pair", "end", "order"), PAIRS.values(), ids=PAIRS)

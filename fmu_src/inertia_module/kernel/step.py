@@ -109,8 +109,8 @@ def tune(p, d, x, w):
 def is_instant(d, x, h):
     """Return True if the impulses of the step are the torques at its end times its length.
 
-    A host whose time is rounded leaves steps of 1e-17 s, in which changes of momenta are rounding. The torques
-    are then in d.machine.
+    A host whose time is rounded leaves steps of 1e-17 s, in which changes of momenta are rounding. These
+    torques are then in d.machine.
     """
     m = d.machine
     fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)

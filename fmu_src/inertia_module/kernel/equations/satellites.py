@@ -12,7 +12,7 @@ from ..sine import sine_cosine
 
 # angles in one turn at which it is looked at, for each of its highest harmonics; of more turns as many angles
 ANGLES = 64
-# instead of the number that has a bit for each satellite, set if its torque is negative: signs as the torques have them
+# signs as the torques have them, instead of the number with a bit for each negative torque
 AS_THEY_ARE = -1.0
 
 

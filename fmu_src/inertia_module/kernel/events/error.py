@@ -1,8 +1,8 @@
 """Error of a step: one weighted root mean square of all that is integrated.
 
 Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.4. Each error is
-divided by the tolerance and by one of six scales: an angle of 1 rad, speed of link 1, speed of link 2, speed of
-the output, twist of shaft and springs, and impulse (times speed: work).
+divided by the tolerance and by one of six scales: an angle of 1 rad, speeds of link 1, of link 2 and of the
+output, angle of shaft and springs, and impulse (times speed: work).
 """
 
 import math
@@ -23,7 +23,7 @@ def fastest_link(x, change):
 
 
 def fastest_output(d, x, change):
-    """Return the largest speed of the output at the ends of the step, or the speed that its twist can drive."""
+    """Return the largest speed of the output in the step, or the speed that its twist can drive, rad/s."""
     speed = max(abs(x.omega3), abs(x.omega3 + change.omega3))
     if d.elastic != 0.0:
         driven = max(abs(x.omega3 - x.relative), abs(x.omega3 + change.omega3 - x.relative - change.relative))
@@ -35,9 +35,9 @@ def fastest_output(d, x, change):
 def write_scales(d, x, w):
     """Write the scale of each integrated quantity into w.scale, 0 for a quantity whose error does not count.
 
-    A heavy link hardly changes its speed, but these small changes are its torque: the scale of a speed is the
-    part of it that the imbalances can impart to the inertia that moves with it (links.response), or its change
-    in the step if load or shaft move it more.
+    A heavy link hardly changes its speed, but these small changes are its torque. The scale of a speed is the
+    part of it that the imbalances can impart to the inertia that moves with it (links.response). It is the
+    change in the step if load or shaft move it more.
     """
     scale, change = w.scale, w.change
     links = fastest_link(x, change)

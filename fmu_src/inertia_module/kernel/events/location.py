@@ -1,8 +1,8 @@
 """Event location: where in the step in hand an event indicator first falls through zero.
 
-The dense output is sampled; the first interval in which the indicator falls is narrowed by the Illinois method
-(M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a contact mode
-is evaluated by the equations of motion, for the dense output is less accurate than the step.
+The dense output is sampled. The first interval in which the indicator falls is narrowed by the Illinois
+method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a
+contact mode is evaluated by the equations of motion, because the dense output is less accurate than the step.
 """
 
 from ..codes import NONE
@@ -23,7 +23,7 @@ PLAY_ROUNDING = 1e-12
 
 
 def guard_inside(d, x, w, which, sigma, by_equations):
-    """Return an indicator at the part sigma of the step, by the equations of motion or by its dense output."""
+    """Return an indicator at the part sigma of the step, by the equations or by its dense output."""
     if by_equations:
         return exact_guard(d, x, w, which, sigma)
     return guards.fitted_guard(x, w, which, sigma)

@@ -105,9 +105,9 @@ def try_steps(d, x, w, limit):
 
 
 def make_accepted_step(d, x, w, remaining, limit):
-    """Make a step of allowed error, to the end of the time remaining if the pair 5(4) can. Returns whether."""
-    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
-        if try_short_step(d, x, w, remaining):
-            return True
+    """Make a step of allowed error, by the pair 5(4) if it reaches the end. Returns whether there is one."""
+    is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
+    if is_short and try_short_step(d, x, w, remaining):
+        return True
     x.short_size *= SHORT_GROWTH
     return try_steps(d, x, w, limit)
