@@ -252,15 +252,25 @@ def derive(p, d):
     add_to_bounds(d)
     add_bodies(d)
     d.lightest = lightest_link2(d)
-    singular = not d.lightest > SINGULAR_RATIO
-    if 0.0 < d.housing_stiffness < MIN_STIFFNESS or 0.0 < d.freewheel_stiffness < MIN_STIFFNESS:
-        return codes.SOFT_FREEWHEEL
+    is_singular = not d.lightest > SINGULAR_RATIO
     if d.by_torque != 0.0:
         d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
         if d.fidelity == codes.KINEMATIC:
             return codes.PRESCRIBED
         if not d.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
             return codes.NO_INPUT_INERTIA
+    return check_together(d, is_singular)
+
+
+def check_together(d, is_singular):
+    """Return the status of parameters that are rejected in combination.
+
+    Args:
+        d: constants.
+        is_singular: whether the inertia behind link 2 vanishes at some angle.
+    """
+    if 0.0 < d.housing_stiffness < MIN_STIFFNESS or 0.0 < d.freewheel_stiffness < MIN_STIFFNESS:
+        return codes.SOFT_FREEWHEEL
     if d.fidelity == codes.KINEMATIC:
         return codes.NO_PLAY if d.plays != 0.0 else codes.OK
     if d.method == codes.TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
@@ -269,7 +279,7 @@ def derive(p, d):
         return codes.EVENTS_ONLY
     if d.fidelity == codes.AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return codes.NO_RECTIFIER
-    if singular:
+    if is_singular:
         return codes.SINGULAR
     return check_start(d)
 

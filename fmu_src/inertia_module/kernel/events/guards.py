@@ -1,9 +1,11 @@
-"""Guards: quantities that stay positive as long as freewheels and slip keep their states.
+"""Event indicators (guards): quantities that stay positive as long as freewheels and slip keep their states.
 
-Of a freewheel that overruns its speed, of one that is locked its torque with its drag; of one that turns back
-through its play what is left of it, and that it does not turn again. Of links that slip
-the slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes
-their torques, by the signs that the losses go by.
+- freewheel that overruns: its slip;
+- locked freewheel: its torque plus its drag;
+- freewheel within its engagement angle: the angle that remains, and its backward speed;
+- links 1 and 2 that slip: the slip times its sign;
+- links 1 and 2 that stick: the friction that remains;
+- meshes with losses: their torques times the signs that the losses depend on.
 """
 
 from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_rough
