@@ -22,7 +22,7 @@ COLOURS = (BLUE, GREEN, VERMILION, BLACK)
 # turns of the drive against a link 2 at rest: to settle, to look at; short steps see every peak
 SETTLED, TURNS, PARTS = 1000, 600, 40
 # kg m^2: next to it a pulse hardly changes the speed of the shaft
-HELD = 1e8
+HELD = 1e5
 SMALL = 0.01
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from inertia_module.common.files import content_hash, sources
-from inertia_module.contract.variables import BY_NAME, default_parameters
+from inertia_module.contract.variables import BY_NAME, LARGEST_TORQUE, default_parameters
 from inertia_module.harness.results import write_text
 from inertia_module.kernel import codes
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, RIGID
@@ -326,7 +326,9 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
         load, push = (draw.choice([0.0, 1.0, 1.0, -0.5]) * draw.decades(1e-3, 1.0) * torque for _ in range(2))
         slope = 0.0 if by_torque else draw.choice([0.0, 0.0, draw.between(-1.0, 1.0)]) * omega / duration
         drive = rounded(push) if by_torque else 0.0
-        segments.append(Segment(duration, rounded(omega1), rounded(load), rounded(slope), drive))
+        load = max(-LARGEST_TORQUE, min(rounded(load), LARGEST_TORQUE))
+        drive = max(-LARGEST_TORQUE, min(drive, LARGEST_TORQUE))
+        segments.append(Segment(duration, rounded(omega1), load, rounded(slope), drive))
         omega1 = draw.choice([omega1, omega1, omega1 + slope * duration, omega * draw.uniform(-1.0, 1.0)])
     scope |= {"torque": torque, "rate": rate, "body": body}
     parameters = motion.parameters | draws("friction", scope)

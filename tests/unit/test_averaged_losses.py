@@ -90,7 +90,7 @@ def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compil
 
 @pytest.mark.parametrize("change", [0.0, 0.5], ids=["constant", "ramps"])
 def test_work_of_link_1_is_within_its_tolerance_also_where_most_of_it_is_lost(compiled, change):
-    tolerances = [1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7]
+    tolerances = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7]
     values = {"mesh_efficiency": 0.9, "omega1": 100.0, "input_hold": 1}
     found = [averaged(compiled, values, tolerance=tolerance) for tolerance in tolerances]
     for n in range(10):
@@ -126,7 +126,7 @@ def test_journals_that_leave_no_pulse_take_the_output_up_to_link_1(compiled):
 
 def under_torque(kernel, values, fidelity, speed, torque):
     """The module 20 s after it has settled, its output held at a speed; mean speed of link 1."""
-    held = {"drive": 1, "fidelity": fidelity, "output_inertia": 1e9, "tolerance": 1e-7}
+    held = {"drive": 1, "fidelity": fidelity, "output_inertia": 1e5, "tolerance": 1e-7}
     start = {"omega1": 130.0, "omega_out_start": speed, "drive_torque": torque}
     module = advanced(started(kernel, values, held, start), 30.0)
     angle = input_angle(module)

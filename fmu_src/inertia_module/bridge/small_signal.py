@@ -470,7 +470,7 @@ def transient_inertia(
     averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
     point = {SPEED: omega1, LOAD: float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])}
     # that no torque moves, kg m^2
-    heavy = 1e7
+    heavy = 1e4
     prescribed = {"fidelity": float(codes.RIGID), "output_inertia": heavy, "tolerance": 1e-8}
     gains = []
     for excited in (SPEED, LOAD):

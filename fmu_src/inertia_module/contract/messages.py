@@ -57,6 +57,10 @@ MESSAGES: Mapping[int, str] = {
         " {housing_freewheel} and {output_freewheel}). Without both freewheels nothing rectifies the pulses"
         " and there is no mean torque."
     ),
+    codes.SOFT_FREEWHEEL: (
+        "housing_stiffness and freewheel_stiffness must each be 0 (rigid) or between 0.01 and 1e+08 N.m/rad"
+        " (got {housing_stiffness} and {freewheel_stiffness})"
+    ),
     codes.NO_PLAY: (
         "housing_engagement_angle and output_engagement_angle must be 0 with fidelity = kinematic (got"
         " {housing_engagement_angle} and {output_engagement_angle}). With prescribed motion no freewheel"

@@ -105,7 +105,8 @@ class SteadyMachine:
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)
         self._tries = TRIES if self._turns % period == 0 else 1
-        self._values["output_inertia"] = HELD * (2.0 * module["energy_stored"] + module["link2_inertia"])
+        heavy = HELD * (2.0 * module["energy_stored"] + module["link2_inertia"])
+        self._values["output_inertia"] = min(heavy, BY_NAME["output_inertia"].ends[1])
 
     def _started(self, omega1: float, omega_out: float, omega2: float = 0.0) -> Module:
         speeds = {"omega1": omega1, "omega2_start": omega2, "omega_out_start": omega_out}

@@ -10,10 +10,15 @@ import math
 from . import codes
 from .accumulate import TWO_PI, TWO_PI_LOW
 from .equations.losses import add_to_bounds, by_load
+from .links import slowest_rate
 
 # the leading 30 bits of 2 pi: a whole number below 2**23 times this is exact
 TWO_PI_LEADING = 6.283185303211212
 SINGULAR_RATIO = 1e-12
+# least stiffness of a freewheel that winds up, N m/rad
+MIN_STIFFNESS = 1e-2
+# own rate above which a shaft is rigid, rad/s: far above the pulses of any drive
+RIGID_RATE = 1e6
 # parts that touch do not overlap
 ROUNDING = 1e-12
 
@@ -90,6 +95,22 @@ def derive_planar(d):
     d.F_by_alpha1 = d.k * arm * arm + arm * (arm + centre)
 
 
+def derive_shaft(d):
+    """Decide whether the elastic shaft is followed or rigid.
+
+    It is rigid if the slowest of its own rates, the hub being locked, exceeds RIGID_RATE. Pulses of rate p
+    excite it to (p / RIGID_RATE)^2 of their energy. J3 and b3 then include the driven mass, and the twist is
+    the shaft torque over the stiffness (outputs.shaft_twist).
+    """
+    d.elastic = 1.0 if d.fidelity == codes.ELASTIC else 0.0
+    d.rigid_shaft = 0.0
+    if d.elastic != 0.0 and slowest_rate(d, 0.0) > RIGID_RATE:
+        d.elastic = 0.0
+        d.rigid_shaft = 1.0
+        d.J3 += (1.0 - d.balancer) * d.J4
+        d.b3 += d.driven_friction
+
+
 def derive_general(d):
     """Derive what freewheels, losses and weights add to the equations of motion (kernel.equations)."""
     d.mesh_loss = 1.0 - d.mesh_efficiency
@@ -103,8 +124,9 @@ def derive_general(d):
     d.housing_drag_viscous *= d.housing
     d.output_drag *= d.output
     d.output_drag_viscous *= d.output
-    d.housing_stiffness *= d.elastic * d.housing
-    d.freewheel_stiffness *= d.elastic * d.output
+    elastic = 1.0 if d.fidelity == codes.ELASTIC else 0.0
+    d.housing_stiffness *= elastic * d.housing
+    d.freewheel_stiffness *= elastic * d.output
     d.housing_engagement_angle *= d.housing
     d.output_engagement_angle *= d.output
     d.plays = 1.0 if d.housing_engagement_angle + d.output_engagement_angle > 0.0 else 0.0
@@ -210,18 +232,20 @@ def derive(p, d):
     d.J3 = d.output_inertia
     d.J16 = d.drive_inertia
     d.by_torque = 1.0 if d.drive == codes.DRIVE_TORQUE else 0.0
-    d.elastic = 1.0 if d.fidelity == codes.ELASTIC else 0.0
     d.J4 = d.driven_inertia
     d.b1 = d.input_friction
     d.bq = d.drive_friction
     d.b2 = d.link2_friction
     d.b3 = d.output_friction if d.fidelity != codes.KINEMATIC else 0.0
+    derive_shaft(d)
     d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
     d.housing = d.housing_freewheel
     d.output = d.output_freewheel
     derive_general(d)
-    # a tenth for each step, so that the error of the whole run is about the tolerance asked for
-    d.tolerance = max(0.1 * d.tolerance, 1e-14)
+    # the error of a run is then about the tolerance; behind a shaft errors of phase add up if nothing brings
+    # link 2 to rest
+    share = 0.01 if d.elastic != 0.0 and d.housing == 0.0 else 0.1
+    d.tolerance = max(share * d.tolerance, 1e-14)
     if d.max_step == 0.0:
         d.max_step = 1e300
     scale = d.mass * d.k
@@ -231,20 +255,32 @@ def derive(p, d):
     add_to_bounds(d)
     add_bodies(d)
     d.lightest = lightest_link2(d)
-    singular = not d.lightest > SINGULAR_RATIO
+    is_singular = not d.lightest > SINGULAR_RATIO
     if d.by_torque != 0.0:
         d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
         if d.fidelity == codes.KINEMATIC:
             return codes.PRESCRIBED
         if not d.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
             return codes.NO_INPUT_INERTIA
+    return check_together(d, is_singular)
+
+
+def check_together(d, is_singular):
+    """Return the status of parameters that are rejected in combination.
+
+    Args:
+        d: constants.
+        is_singular: whether the inertia behind link 2 vanishes at some angle.
+    """
+    if 0.0 < d.housing_stiffness < MIN_STIFFNESS or 0.0 < d.freewheel_stiffness < MIN_STIFFNESS:
+        return codes.SOFT_FREEWHEEL
     if d.fidelity == codes.KINEMATIC:
         return codes.NO_PLAY if d.plays != 0.0 else codes.OK
     if d.fidelity == codes.AVERAGED and d.windage > 0.0:
         return codes.NO_WINDAGE
     if d.fidelity == codes.AVERAGED and (d.housing == 0.0 or d.output == 0.0):
         return codes.NO_RECTIFIER
-    if singular:
+    if is_singular:
         return codes.SINGULAR
     return check_start(d)
 

@@ -3,7 +3,7 @@
 The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
 """
 
-from .accumulate import add, copy
+from .accumulate import copy
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
 from .equations.choice import GOES_ON, choose_next_states, choose_states, switch_states
 from .equations.motion import evaluate, recall, take_state
@@ -63,17 +63,10 @@ def switch_now(d, x):
     follow_torque(d, x)
 
 
-def run_events(d, x, w, h):
-    """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
-    if h > MAX_EVALUATIONS * d.max_step:
-        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
-    start1 = x.omega1
+def begin_events(d, x, w):
+    """Take the inputs of the step; choose the contact mode again if they have changed."""
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
-    time = 0.0
-    low = 0.0
-    travel = 0.0
-    stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         x.rates_cached = 0.0
         switch_states(d, x, GOES_ON)
@@ -82,9 +75,59 @@ def run_events(d, x, w, h):
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load
+
+
+def select_mode(d, x, w, can_stop):
+    """Select the contact mode after an event, or stop just before it changes.
+
+    Args:
+        d: constants.
+        x: state.
+        w: workspace.
+        can_stop: whether the communication step may end here.
+
+    Returns:
+        (whether the mode has changed, whether the communication step ends just before that).
+    """
+    x.rates_cached = 0.0
+    if w.stops != 0.0:
+        copy(w.kept.numbers, x.numbers)
+    has_changed = choose_next_states(d, x)
+    if not has_changed:
+        x.step_size *= 0.5  # the dense output is too coarse for the event indicators
+    is_switch = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
+    stops = w.stops != 0.0 and can_stop and has_changed and is_switch
+    if stops:
+        copy(x.numbers, w.kept.numbers)
+        x.switching = 1.0
+    return has_changed, stops
+
+
+def phase_passed(d, x, passed, speeds):
+    """Return the phase by which pinion shafts and elastic shaft have advanced, rad.
+
+    Args:
+        d: constants.
+        x: state at the end of the time.
+        passed: time, s.
+        speeds: sum of the speeds of links 1 and 2 at the beginning, rad/s.
+    """
+    phase = passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
+    return phase + passed * fastest_own_rate(d, x) if d.elastic != 0.0 else phase
+
+
+def run_events(d, x, w, h):
+    """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
+    if h > MAX_EVALUATIONS * d.max_step:
+        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
+    start1 = x.omega1
+    time = 0.0
+    travel = 0.0
+    stalls = 0
     event = False
+    begin_events(d, x, w)
     while time < h:
-        remaining = (h - time) - low
+        remaining = h - time
         speeds = abs(x.omega1) + abs(x.omega2)
         if x.output_state == GEARED:
             passed = advance_kinematic(d, x, w, remaining)
@@ -92,28 +135,16 @@ def run_events(d, x, w, h):
             passed, event = advance_general(d, x, w, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
-        if passed >= remaining:
-            time = h
-        else:
-            time, low = add(time, low, passed)
+        time = h if passed >= remaining else time + passed
         if d.by_torque == 0.0:
             x.omega1 = start1 + w.prescribed * time
-            x.omega1_low = 0.0
-        travel += passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
-        if d.elastic != 0.0:
-            travel += passed * fastest_own_rate(d, x)
+        travel += phase_passed(d, x, passed, speeds)
         if event:
-            x.rates_cached = 0.0
-            if w.stops != 0.0:
-                copy(w.kept.numbers, x.numbers)
-            changed = choose_next_states(d, x)
-            switched = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
-            if changed and switched and w.stops != 0.0 and time > SHORTEST * h:
-                copy(x.numbers, w.kept.numbers)
-                x.switching = 1.0
+            has_changed, stops = select_mode(d, x, w, time > SHORTEST * h)
+            if stops:
                 x.length = time
                 return OK
-            stalls = 0 if changed else stalls + 1
+            stalls = 0 if has_changed else stalls + 1
             allowed = SWITCHES_PER_PULSE * d.harmonic * travel
             switches = x.switches - w.before.switches
             if stalls > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed:

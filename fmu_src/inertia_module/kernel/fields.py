@@ -13,10 +13,10 @@ from .equations import losses
 # stages of the explicit pair, with those for the inside of a step; its interpolants
 STAGES = 16
 DENSE = 7
-# ... of the stiff step, and how many quantities it solves for
-SOLVED, MOVING = 8, 9
-# their guards, and the satellites that may have one each (equations.satellites.MANY)
-GUARDS, SATELLITES = 6, 50
+# averaged: stages of its stiff step
+SOLVED = 8
+# their guards, and satellites at most (contract/variables.py), which have one each
+GUARDS, SATELLITES = 6, 24
 # causes of losses
 CAUSES = len(losses.CAUSES)
 # knots of the averaged map at most, for one sign of omega1
@@ -44,28 +44,22 @@ SUMS = (
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 
-# a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
-# communication steps add up to the same motion as one long step
 STATE = (
     *MOTION,
     *SUMS,
-    *("q_low", "drive_turns", "theta1_low", "input_turns"),
-    *("omega1_low", "omega2_low", "omega3_low", "mode"),
+    *("drive_turns", "input_turns"),
+    "mode",
     *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
-    # ... rigid output: the size in each contact mode when it was left, the mode of step_size; averaged: sizes
-    # of gentle steps in each leg
-    *(("sizes", 4), "sized_mode"),
-    *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
-    *(("lost", CAUSES), ("lost_low", CAUSES)),
+    # averaged: sizes of gentle steps in each leg
+    ("sizes", 4),
+    *("energy_in", "energy_out", ("lost", CAUSES)),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
     "torque_ripple",
     *("switches", "housing_engagements", "output_engagements"),
-    *("evaluations", "output_angle", "output_angle_low", "output_turns"),
+    *("evaluations", "output_angle", "output_turns"),
     # the communication step in hand, or the last one: its length, the state it began with, moments of it
     *("length", "begin_q", "begin_omega2"),
     *("begin_theta1", "begin_input_turns", "begin_drive_turns", ("moments", MOMENT, MOMENTS)),
-    # elastic output: of twist, and of omega3 - omega4, which would cancel if omega4 were kept instead
-    *("twist_low", "relative_low"),
     # general: what freewheels and slip do
     *("housing_state", "output_state", "slip_sign", "flow_sign", "spin_signs"),
     # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
@@ -127,6 +121,8 @@ CONSTANTS = (
     # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
     *("bodies", "body_i", "body_b"),
     *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic"),
+    # whether the elastic shaft is so stiff that it is rigid
+    "rigid_shaft",
     *("b1", "bq", "b2", "b3", "viscous"),
     # whether it is fidelity averaged, with losses
     *("averaged", "lossy"),
@@ -149,16 +145,17 @@ WORKSPACE = (
     *("stops", "tolerance"),
     # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
     # length, angular momentum and kinetic energy at its beginning
-    *("pair", "prescribed", "load", "step", "momentum", "energy"),
+    *("pair", "prescribed", "load", "step", "momentum", "energy", "potential"),
     # averaged: speed that counts as zero beside those at the beginning of the communication step
     "at_rest",
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
-    # the stiff step: changes at its stages, derivatives of all rates, what moves in it, linear equations
-    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING), ("moves", MOVING), "moving"),
-    *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
+    # by events: scale of the error of each integrated quantity, 0 if it does not count (events.error)
+    ("scale", FOLLOWED),
+    # averaged: changes at the stages of the stiff step, derivatives of all rates
+    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, 2)),
     # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
     *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
     # ... and sums over it

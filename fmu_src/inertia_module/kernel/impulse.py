@@ -5,12 +5,12 @@ before, link 2 moves freely; after, with what it has met. As ideal contacts clos
 energy is lost; freewheels that have play do not.
 """
 
-from .accumulate import add, add_loss
+from .accumulate import add_loss
 from .codes import DRIVING, FREE, HELD, HELD_DRIVING
 from .equations.losses import FREEWHEEL, SHAFT
 from .equations.states import GEARED
 from .inertia import reduced_inertia
-from .links import inertia_of_link1, inertia_of_link2, is_stiff
+from .links import inertia_of_link1, inertia_of_link2
 
 
 def holds_link2(d, x):
@@ -61,7 +61,7 @@ def push_driven_mass(d, x, change3, stiff):
     balancing = d.balancer * d.J4 * change3
     lost = (d.J4 * change4 - balancing) * (x.relative + 0.5 * (change3 - change4))
     lost -= balancing * (omega4 + 0.5 * change4)
-    x.relative, x.relative_low = add(x.relative, x.relative_low, change3 - change4)
+    x.relative += change3 - change4
     add_loss(x, SHAFT, lost)
 
 
@@ -71,21 +71,21 @@ def jump_links(d, x, inertia, jump, change2):
     rate_change = d.k * (jump - change2)
     mesh = d.k * (b * jump + g * rate_change)
     drive = (d.J1 + i) * jump + b * rate_change + mesh
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, drive * (x.omega1 + 0.5 * jump))
+    x.energy_in += drive * (x.omega1 + 0.5 * jump)
     x.omega1 += jump
     x.omega2 += change2
     return drive, mesh
 
 
-def set_speeds(d, x, end2, end3, stiff):
+def set_speeds(d, x, end2, end3):
     """Set the speeds of link 2 and hub after an impulse."""
     x.omega2 = end2
-    x.omega2_low = 0.0
     if end3 != x.omega3:
         if d.elastic != 0.0:
-            push_driven_mass(d, x, end3 - x.omega3, stiff)
+            push_driven_mass(d, x, end3 - x.omega3, False)
+        elif d.rigid_shaft != 0.0:
+            add_loss(x, SHAFT, -0.5 * d.balancer * d.J4 * (end3 - x.omega3) * (end3 + x.omega3))
         x.omega3 = end3
-        x.omega3_low = 0.0
 
 
 def shaft_inertia(d, stiff):
@@ -93,11 +93,8 @@ def shaft_inertia(d, stiff):
     return d.J3 + (1.0 - d.balancer) * d.J4 if stiff else d.J3
 
 
-def jump_input(d, x, jump, stiff):
+def jump_input(d, x, jump):
     """Apply a jump of omega1, rad/s; where link 2 is geared its ratio may have changed, too.
-
-    Args:
-        stiff: whether an elastic output takes the jump with the driven mass.
 
     Returns:
         (P1, Pc): impulse of the input torque and on the output, N m s.
@@ -106,7 +103,7 @@ def jump_input(d, x, jump, stiff):
     omega2 = x.omega2
     target = x.omega1 + jump
     geared = x.output_state == GEARED
-    shaft = shaft_inertia(d, stiff)
+    shaft = d.J3
     fraction = 1.0
     if geared:
         end2 = end3 = d.kinematic_ratio * target
@@ -131,10 +128,10 @@ def jump_input(d, x, jump, stiff):
     output = shaft * (end3 - x.omega3)
     if geared:
         output = mesh - d.J2 * change
-        x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, output * (omega2 + 0.5 * change))
+        x.energy_out += output * (omega2 + 0.5 * change)
     else:
         x.housing_impulse += d.J2 * (end2 - omega2) + output - mesh
-    set_speeds(d, x, end2, end3, stiff)
+    set_speeds(d, x, end2, end3)
     return drive, output
 
 
@@ -145,8 +142,7 @@ def close_freewheels(d, x):
     lost, half the impulse times the slip before; the meshes take their part without loss.
     """
     i, _, b, _, g, _ = reduced_inertia(d, x.q)
-    stiff = d.elastic != 0.0 and is_stiff(d, x, x.omega1)
-    shaft = shaft_inertia(d, stiff)
+    shaft = d.J3
     carried = shaft if d.output == 0.0 else 0.0
     omega2, omega3 = x.omega2, x.omega3
     own = inertia_of_link2(d, i, b, g) + carried
@@ -164,4 +160,4 @@ def close_freewheels(d, x):
     x.input_impulse += drive
     x.output_impulse += output
     x.housing_impulse += housing
-    set_speeds(d, x, end2, end3, stiff)
+    set_speeds(d, x, end2, end3)

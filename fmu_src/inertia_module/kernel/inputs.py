@@ -4,11 +4,9 @@ from .codes import BAD_HOLD, BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
 from .fields import OF_MOTION, OF_SUMS
 
 # limits of inputs and of a communication step: rad/s, N m, s
-LARGEST_SPEED, LARGEST_TORQUE, LARGEST_STEP = 1e6, 1e12, 1e6
+LARGEST_SPEED, LARGEST_TORQUE, LARGEST_STEP = 1e5, 1e7, 1e6
 # shorter than any remainder that a host's time leaves by rounding; rates over it can be squared
 SMALLEST_STEP = 1e-30
-# a slower input counts as none: its square is no normal double
-SMALLEST_SPEED = 1e-150
 # largest magnitudes of the inputs, in their order: a speed, then torques
 LARGEST = (LARGEST_SPEED, LARGEST_TORQUE, LARGEST_TORQUE)
 
@@ -53,12 +51,6 @@ def check_hold(hold, x, speed, rate_given, h):
     return OK if reach <= LARGEST_SPEED * x.length else BAD_HOLD
 
 
-def input_speed(u):
-    """omega1, rad/s, or zero where it is too slow to be squared."""
-    omega1 = u.omega1
-    return omega1 if abs(omega1) >= SMALLEST_SPEED else 0.0
-
-
 def take_speed(hold, x, speed, rate_given, rate):
     """Slope of a given speed over the coming step: its rate if given, or that of the last step if so held.
 
@@ -83,9 +75,8 @@ def begin(d, u, x, h):
     """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
     jump = 0.0
     if d.drive == DRIVE_SPEED:
-        omega1 = input_speed(u)
-        jump = omega1 - x.omega1
-        x.alpha1 = take_speed(d.input_hold, x, omega1, u.omega1_rate_given, u.omega1_rate)
+        jump = u.omega1 - x.omega1
+        x.alpha1 = take_speed(d.input_hold, x, u.omega1, u.omega1_rate_given, u.omega1_rate)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h

@@ -64,12 +64,6 @@ def inertia_of_link2(d, i, b, g):
     return d.J2 + k * k * ((d.J1 + i) * g - b * b) / inertia_of_link1(d, i, b, g)
 
 
-def inertia_at_output(d, q):
-    """Effective inertia at the drive angle q, kg m^2."""
-    i, _, b, _, g, _ = reduced_inertia(d, q)
-    return inertia_of_link2(d, i, b, g)
-
-
 def momentum_of_links(d, i, b, omega1, omega2):
     """Angular momentum of links 1 and 2 and the imbalances, N m s."""
     return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
@@ -121,15 +115,3 @@ def slowest_rate(d, compliance):
     if half * half <= square:
         return math.sqrt(square)
     return square / (half + math.sqrt(half * half - square))
-
-
-def is_stiff(d, x, omega1):
-    """Tell whether the shaft is too stiff for its own motion to matter, omega1 jumping to this value.
-
-    An oscillation of the rate Omega that pulses excite holds about (pulse rate / Omega)^2 of the energy of a
-    pulse: one of less than the tolerance does not.
-    """
-    fastest = max(abs(x.omega1), abs(omega1), abs(x.omega3), abs(x.omega3 - x.relative))
-    pulse_rate = d.harmonic * d.k * fastest
-    rate = slowest_rate(d, 1.0 / (d.J3 + inertia_at_output(d, x.q)))
-    return d.tolerance * rate * rate > pulse_rate * pulse_rate

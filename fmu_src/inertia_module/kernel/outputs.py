@@ -5,7 +5,7 @@ A shell may leave the late ones until they are read.
 
 from .accumulate import TWO_PI, total
 from .averaged.run import averaged_energy, write_averaged
-from .codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
+from .codes import AVERAGED, KINEMATIC, RIGID
 from .engine import solve_now
 from .equations.motion import stored_besides
 from .links import kinetic_energy
@@ -25,10 +25,19 @@ def stored_energy(d, x):
     # prescribed motion ends at the output, before J3
     omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
     stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
-    if d.fidelity == ELASTIC:
+    if d.rigid_shaft != 0.0:
+        stored += 0.5 * d.balancer * d.J4 * omega3 * omega3
+    if d.elastic != 0.0:
         omega4 = x.omega3 - x.relative
         stored += 0.5 * d.J4 * omega4 * omega4 + 0.5 * d.shaft_stiffness * x.twist * x.twist
     return stored
+
+
+def shaft_twist(d, x):
+    """Return the twist of a shaft that is rigid: its torque over its stiffness, rad."""
+    solve_now(d, x)
+    torque = (1.0 - d.balancer) * d.J4 * d.machine.alpha3 + d.driven_friction * x.omega3 + x.load_torque
+    return torque / d.shaft_stiffness
 
 
 def write_torques(d, x, y):

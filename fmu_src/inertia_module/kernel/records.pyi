@@ -248,6 +248,7 @@ class Constants:
     output: float
     by_torque: float
     elastic: float
+    rigid_shaft: float
     b1: float
     bq: float
     b2: float
@@ -332,13 +333,8 @@ class State:
     housing_torque_peak: float
     housing_slip_peak: float
     output_slip_peak: float
-    q_low: float
     drive_turns: float
-    theta1_low: float
     input_turns: float
-    omega1_low: float
-    omega2_low: float
-    omega3_low: float
     mode: float
     alpha1: float
     held_input: float
@@ -347,13 +343,9 @@ class State:
     step_size: float
     short_size: float
     sizes: Doubles
-    sized_mode: float
     energy_in: float
-    energy_in_low: float
     energy_out: float
-    energy_out_low: float
     lost: Doubles
-    lost_low: Doubles
     energy_start: float
     energy_stored: float
     input_torque_mean: float
@@ -364,7 +356,6 @@ class State:
     output_engagements: float
     evaluations: float
     output_angle: float
-    output_angle_low: float
     output_turns: float
     length: float
     begin_q: float
@@ -373,8 +364,6 @@ class State:
     begin_input_turns: float
     begin_drive_turns: float
     moments: Records[Moment]
-    twist_low: float
-    relative_low: float
     housing_state: float
     output_state: float
     slip_sign: float
@@ -530,19 +519,16 @@ class Workspace:
     step: float
     momentum: float
     energy: float
+    potential: float
     at_rest: float
     rates: Records[Followed]
     change: Followed
     inside: Followed
     watched: Records[Watched]
     weights: Doubles
+    scale: Followed
     stages: Records[Followed]
     slopes: Records[Followed]
-    moves: Doubles
-    moving: float
-    matrix: Doubles
-    pivots: Doubles
-    right_side: Doubles
     drive: float
     begin_energy: float
     begin_omega2: float
@@ -597,11 +583,8 @@ class ShaftInputs:
 class ShaftState:
     numbers: Doubles
     twist: float
-    twist_low: float
     slip: float
-    slip_low: float
     omega4: float
-    omega4_low: float
     hub_slope: float
     held_input: float
     length: float
@@ -609,11 +592,8 @@ class ShaftState:
     shaft_torque_mean: float
     energy_start: float
     energy_in: float
-    energy_in_low: float
     energy_out: float
-    energy_out_low: float
     energy_lost: float
-    energy_lost_low: float
 
 class ShaftOutputs:
     numbers: Doubles

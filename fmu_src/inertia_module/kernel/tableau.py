@@ -10,12 +10,10 @@ STAGES = 16
 # last stages of both pairs; row of stage 0 of each, rows of their errors and of the interpolant
 END, SHORT_END = 12, 6
 LONG, SHORT = 0, 16
-# nodes of the parts at which the inside of a stiff step is looked at (events.rosenbrock), and how many
-THIRDS, PARTS = 23, 3
 FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
-# stages of LONG, SHORT and THIRDS at rising nodes, through three of which in a row extrema are interpolated
-IN_ORDER = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6, 0, 1, 2, 3)
-LONG_ORDER, SHORT_ORDER, THIRDS_ORDER, END_ORDER = 0, 6, 10, 14
+# stages of LONG and SHORT at rising nodes, through three of which in a row extrema are interpolated
+IN_ORDER = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6)
+LONG_ORDER, SHORT_ORDER, END_ORDER = 0, 6, 10
 # the stage after stage 0 that errors of the long pair begin with
 LATE = 5
 # the pair of order 3 of gentle steps: its rows, last stage, and row of errors
@@ -36,7 +34,6 @@ NODES = (
     0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0,
     0.1, 0.2, 0.7777777777777778,
     0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0,
-    0.0, 1 / 3, 2 / 3, 1.0,
 )
 ROWS = (
     (),
@@ -105,9 +102,7 @@ def order_of_stages(pair):
     """Return where the stages of a pair begin in IN_ORDER, and how many there are."""
     if pair == LONG:
         return LONG_ORDER, SHORT_ORDER - LONG_ORDER
-    if pair == SHORT:
-        return SHORT_ORDER, THIRDS_ORDER - SHORT_ORDER
-    return THIRDS_ORDER, END_ORDER - THIRDS_ORDER
+    return SHORT_ORDER, END_ORDER - SHORT_ORDER
 
 
 def extremum(t0, t1, t2, y0, y1, y2, end):
@@ -133,10 +128,8 @@ def extremum(t0, t1, t2, y0, y1, y2, end):
 
 
 def last_stage(pair):
-    """Number of the last stage of a pair; of a stiff step, of its parts."""
-    if pair == LONG:
-        return END
-    return SHORT_END if pair == SHORT else PARTS
+    """Return the number of the last stage of a pair."""
+    return END if pair == LONG else SHORT_END
 
 
 def weighed(row, count, values):

@@ -8,7 +8,6 @@ v is omega1, or under its torque that of E = J* v^2 / 2; in the course of a comm
 
 import math
 
-from ..accumulate import add
 from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..events.advance import commit
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
@@ -102,7 +101,6 @@ def meet_limits(d, side, x, leg, near, change):
         x.omega3 = end
     else:
         return
-    x.omega3_low = 0.0
 
 
 def run_averaged(d, x, w, h):
@@ -110,7 +108,6 @@ def run_averaged(d, x, w, h):
     w.prescribed, w.load = x.drive_torque, x.load_torque
     if d.by_torque != 0.0:
         x.omega1 = x.map_speed
-        x.omega1_low = 0.0
     start = x.omega1
     w.at_rest = AT_REST * (abs(start) + x.omega3)  # (both may come to rest at once)
     time = 0.0
@@ -134,9 +131,8 @@ def run_averaged(d, x, w, h):
         time = h if done else time + w.step
         if d.by_torque == 0.0:
             x.omega1 = 0.0 if cut and arrived else start + x.alpha1 * time
-            x.omega1_low = 0.0
         elif ends and side.direction * x.omega1 <= near:
-            x.omega1 = x.omega1_low = 0.0
+            x.omega1 = 0.0
         meet_limits(d, side, x, leg, near, w.change)
         if done:
             end_step(d, x)
@@ -166,10 +162,10 @@ def end_step(d, x):
     leg = choose_leg(d, side, x, v)
     show_mode(x, leg)
     rates.write_mean_rates(d, side, x, leg, v, x.omega3, d.mean)
-    x.omega2, x.omega2_low = d.mean.omega2, 0.0
+    x.omega2 = d.mean.omega2
     if d.by_torque != 0.0:
         x.map_speed = v
-        x.omega1, x.omega1_low = d.mean.theta1, 0.0
+        x.omega1 = d.mean.theta1
         x.alpha1, _ = mean_accelerations(d, side, x, leg, v)
 
 
@@ -256,7 +252,7 @@ def jump_averaged(d, x, jump):
     end = start + jump
     before, after = rates.side_at(d, start, jump), rates.side_at(d, end, -jump)
     gained = rates.energy_at(d, after, x, end) - rates.energy_at(d, before, x, start)
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, gained)
+    x.energy_in += gained
     x.omega1 = end
     if before.direction == after.direction:
         return part_of_jump(d, before, x, start, jump)

@@ -12,7 +12,6 @@ from ..accumulate import TWO_PI, clear, copy
 from ..equations.choice import choose_next_states, choose_states
 from ..equations.states import CLOSING
 from ..events.advance import advance_general
-from ..events.step_size import AFRESH
 from ..inertia import reduced_inertia
 from ..inputs import begin_sums
 from ..links import inertia_of_link1, kinetic_energy
@@ -241,8 +240,7 @@ def follow(d, x, w, length):
         if event:
             choose_next_states(d, x)
             # what was locked for long moves at once now: the size of its last steps, long ago, says nothing
-            x.sized_mode = x.mode
-            x.step_size = min(AFRESH * x.step_size, FIRST_PHASE / (d.harmonic * d.k))
+            x.step_size = min(0.5 * x.step_size, FIRST_PHASE / (d.harmonic * d.k))
         time += passed
         energy += w.change.turned3
         left = rest
@@ -287,7 +285,6 @@ def add_part(d, x, w, side, q, length, before):
     for _ in range(2 if before else 1):
         begin_sums(x)
         clear(x.lost)
-        clear(x.lost_low)
         start = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time, energy = follow(d, x, w, length)
         d.map_evaluations += x.step_evaluations

@@ -1,18 +1,16 @@
 """Internal steps of the averaged motion, in any leg: speed v of the input and omega3, with all sums.
 
-Gentle ones are of order 3, explicit. Others are by Rosenbrock's method of events.rosenbrock, with derivatives
+Gentle ones are of order 3, explicit. Others are by Rosenbrock's method, with derivatives
 by differences: a light shaft follows the mean torque at once, and a transient must cost no small steps.
 """
 
 from ..accumulate import clear, total
 from ..equations.losses import FREEWHEEL, VISCOUS
-from ..events.advance import SHORT_GROWTH
-from ..events.rosenbrock import GAMMA, STAGES, A, C
 from ..events.stages import LOST, OMEGA3, Q, weigh, weighed_four, weighed_rate
 from ..events.stages import OMEGA1 as V
-from ..events.step_size import SHORT_SAFETY, carried, first_size, next_factor
+from ..events.step_size import SHORT_GROWTH, SHORT_SAFETY, carried, first_size, next_factor
 from ..fields import CAUSES
-from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR, THIRDS
+from ..tableau import GENTLE, GENTLE_END, GENTLE_ERROR
 from .rates import (
     COASTING,
     LOCKED,
@@ -24,6 +22,7 @@ from .rates import (
     look_up,
     write_mean_rates,
 )
+from .rosenbrock import GAMMA, STAGES, THIRDS, A, C
 from .table import TORQUE
 
 # how many of fields.FOLLOWED a module with losses has

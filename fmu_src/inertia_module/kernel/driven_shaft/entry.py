@@ -9,16 +9,15 @@ omega4 by beta times the jump at once and leaves the twist; the torque of the sh
 holds no impulse. The slip delta' is kept besides omega4: each may be small where the other is not.
 """
 
-from ..accumulate import add, clear, copy
+from ..accumulate import clear, copy
 from ..codes import CHECK, NOT_FINITE, OK, OUTPUTS, RATES, START, TUNE
 from ..inputs import check_hold, check_inputs, check_step, mean_torque, take_speed
 from .motion import characteristic, end, integral, keep_step, square_integral, write_row
 
 # its records (see kernel.fields)
 STATE = (
-    *("twist", "twist_low", "slip", "slip_low", "omega4", "omega4_low"),
-    *("hub_slope", "held_input", "length", "load_torque", "shaft_torque_mean", "energy_start"),
-    *("energy_in", "energy_in_low", "energy_out", "energy_out_low", "energy_lost", "energy_lost_low"),
+    *("twist", "slip", "omega4", "hub_slope", "held_input", "length", "load_torque", "shaft_torque_mean"),
+    *("energy_start", "energy_in", "energy_out", "energy_lost"),
 )
 # all per inertia: the characteristic equation is lambda^2 + rate lambda + square = 0; what swing, slow and
 # fast are tells motion.characteristic. Then the step last taken, the responses to it and its Gramian
@@ -90,12 +89,12 @@ def begin(p, u, x, h):
     work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
     # the one of slip and speed that has kept fewer digits follows from the other
     if abs(x.omega4) + abs(push) < abs(x.slip) + abs(jump - push):
-        x.omega4, x.omega4_low = add(x.omega4, x.omega4_low, push)
-        x.slip, x.slip_low = add(u.hub_speed, -x.omega4_low, -x.omega4)
+        x.omega4 += push
+        x.slip = u.hub_speed - x.omega4
     else:
-        x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
-        x.omega4, x.omega4_low = add(u.hub_speed, -x.slip_low, -x.slip)
-    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
+        x.slip += jump - push
+        x.omega4 = u.hub_speed - x.slip
+    x.energy_lost -= work
     x.hub_slope = take_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate)
     x.length = h
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
@@ -129,13 +128,13 @@ def move(p, d, x, w, h):
     angle = integral(d, w.speed, 1)
     lost = p.shaft_damping * square_integral(d, w.slip) + p.driven_friction * square_integral(d, w.speed)
     lost -= p.balancer * p.driven_inertia * x.hub_slope * angle
-    x.twist, x.twist_low = end(d, w.twist, w.slip, x.twist_low)
-    x.slip, x.slip_low = end(d, w.slip, w.slip_rate, x.slip_low)
-    x.omega4, x.omega4_low = end(d, w.speed, w.speed_rate, x.omega4_low)
+    x.twist = end(d, w.twist, w.slip)
+    x.slip = end(d, w.slip, w.slip_rate)
+    x.omega4 = end(d, w.speed, w.speed_rate)
     work = (x.held_input + x.hub_slope * h) * momentum - x.hub_slope * moment
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, x.load_torque * angle)
-    x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, lost)
+    x.energy_in += work
+    x.energy_out += x.load_torque * angle
+    x.energy_lost += lost
     x.shaft_torque_mean = momentum / h
 
 

@@ -17,7 +17,7 @@ Loan, Computing integrals involving the matrix exponential, IEEE Trans. Automati
 
 import math
 
-from ..accumulate import add, clear
+from ..accumulate import clear
 from ..tableau import GAUSS_NODES as NODES
 from ..tableau import GAUSS_WEIGHTS as WEIGHTS
 
@@ -155,9 +155,9 @@ def square_integral(d, z):
     return total
 
 
-def end(d, z, rate, low):
-    """z1 at the end of the step kept, with its low part: small changes add up, else nothing old is left."""
+def end(d, z, rate):
+    """Return z1 at the end of the step kept, by the smaller of change and value: it is rounded less."""
     change = integral(d, rate, 1)
     if abs(change) < 0.5 * abs(z[0]):
-        return add(z[0], low, change)
-    return integral(d, z, 0), 0.0
+        return z[0] + change
+    return integral(d, z, 0)

@@ -82,10 +82,8 @@ def take_speeds(x):
     """Speeds of parts that move together, exactly equal."""
     if x.slip_sign == 0.0:
         x.omega2 = x.omega1
-        x.omega2_low = x.omega1_low
     if x.output_state == states.LOCKED:
         x.omega3 = x.omega2
-        x.omega3_low = x.omega2_low
 
 
 def with_play(state, play):

@@ -13,7 +13,7 @@ from ..fields import OF_MOTION, OF_NOW
 from ..inertia import reduced_inertia
 from ..layout import imbalance
 from .losses import outer_torques
-from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
+from .satellites import AS_THEY_ARE, inertia_at, spin_torques, weight_torques
 from .states import GEARED, IDEAL, LOCKED, LOSSY, OPEN, WOUND
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
@@ -78,7 +78,7 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
     geared = x.output_state == GEARED
     alpha2 = m.alpha2 if geared else 0.0
     flow = x.flow_sign if fixed else abs(sign)
-    signs = x.spin_signs if fixed and d.satellites <= MANY else AS_THEY_ARE
+    signs = x.spin_signs if fixed else AS_THEY_ARE
     # of one satellite the sum says all
     apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.satellites > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0

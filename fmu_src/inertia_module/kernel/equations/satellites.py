@@ -12,9 +12,7 @@ from ..sine import sine_cosine
 
 # angles in one turn at which it is looked at, for each of its highest harmonics; of more turns as many angles
 ANGLES = 64
-# satellites at most whose torques' signs are followed: bits of one number, set where negative
-MANY = 50
-# in place of that number: signs as the torques have them
+# signs as the torques have them, instead of the number with a bit for each negative torque
 AS_THEY_ARE = -1.0
 
 
@@ -77,8 +75,7 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
         sign = -1.0 if negative else 1.0
         found += bit if negative else 0.0
         bit *= 2.0
-        if n < MANY:
-            d.machine.spun_by[n] = share * sign * torque
+        d.machine.spun_by[n] = share * sign * torque
         rest += sign * own
         by_alpha1 += sign * with_alpha1
         by_rate2 += sign * with_rate2

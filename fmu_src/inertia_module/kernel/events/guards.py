@@ -1,14 +1,15 @@
-"""Guards: quantities that stay positive as long as freewheels and slip keep their states.
+"""Event indicators (guards): quantities that stay positive as long as freewheels and slip keep their states.
 
-Of a freewheel that overruns its speed, of one that is locked its torque with its drag; of one that turns back
-through its play what is left of it, and that it does not turn again. Of links that slip
-the slip by its sign, of links that stick together what is left of the friction that holds them. Of the meshes
-their torques, by the signs that the losses go by.
+- freewheel that overruns: its slip;
+- locked freewheel: its torque plus its drag;
+- freewheel within its engagement angle: the angle that remains, and its backward speed;
+- links 1 and 2 that slip: the slip times its sign;
+- links 1 and 2 that stick: the friction that remains;
+- meshes with losses: their torques times the signs that the losses depend on.
 """
 
-from ..equations.satellites import MANY
 from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_rough
-from ..tableau import NODES, PARTS, THIRDS, dense_change, dense_rate, last_stage
+from ..tableau import NODES, dense_change, dense_rate, last_stage
 
 HOUSING = 0
 OUTPUT = 1
@@ -18,8 +19,6 @@ HOUSING_BACK = 3
 OUTPUT_BACK = 4
 FLOW = 5
 SPIN = 6
-# share of the step over which the slope of a torque inside it is differenced
-APART = 1e-4
 # share of its range in the step that a guard stays above at all stages if it does between them
 CLEAR = 0.25
 
@@ -28,7 +27,7 @@ def how_many_guards(d):
     """How many guards there are: the torques of the meshes 17-6 are the last ones."""
     if d.losses == 0.0:
         return SLIP
-    if d.satellite_loss == 0.0 or d.satellites > MANY:
+    if d.satellite_loss == 0.0:
         return SPIN
     return SPIN + int(d.satellites)
 
@@ -69,11 +68,8 @@ def is_spring(x, which):
 
 
 def is_exact(x, which):
-    """Tell whether the guard is looked at by the equations inside a step, not by its fit.
-
-    The freewheel's torque and what is left of friction end a mode: the fit is off by what the step is.
-    """
-    return which < FLOW and not is_speed(x, which) and not is_spring(x, which)
+    """Return True if an indicator is a torque that ends a contact mode: it is evaluated by the equations."""
+    return which < FLOW and not is_speed(x, which)
 
 
 def value_and_rate(d, x, m, which):
@@ -139,44 +135,12 @@ def is_clear(x, w, which):
     return start >= 0.0 and least > CLEAR * (most - least)
 
 
-def fit_through(x, w, which):
-    """Fit the inside of the stiff step through its ends and thirds, a speed by the rates at the ends too."""
-    one = w.watched[which]
-    change = one.value[PARTS] - one.value[0]
-    first = 4.5 * (one.value[1] - one.value[0] - change / 3.0)
-    second = 4.5 * (one.value[2] - one.value[0] - change / 1.5)
-    one.dense[0] = change
-    one.dense[1] = 2.0 * first - second
-    one.dense[2] = 3.0 * (second - first)
-    one.dense[3] = one.dense[4] = one.dense[5] = one.dense[6] = 0.0
-    if is_speed(x, which):
-        begin, end = w.step * one.rate[0] - change, change - w.step * one.rate[PARTS]
-        one.dense[1] = begin
-        one.dense[2] = end - begin
-        one.dense[3] = 2.25 * (first + second - begin - end)
-
-
 def fitted_guard(x, w, which, sigma):
-    """A guard at the fraction sigma of the step and its rate per unit of sigma, from its fit.
+    """Return an indicator at the fraction sigma of the step by its dense output.
 
-    What the guard lacks of zero at the beginning is rounding, and left out, but that of a spring.
+    A value below zero at the beginning is rounding and is left out, except for a spring.
     """
-    one = w.watched[which]
-    start = one.value[0]
-    if w.pair == THIRDS:
-        shift = 0.0 if is_spring(x, which) else min(start, 0.0)
-        return start - shift + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
+    dense, start = w.watched[which].dense, w.watched[which].value[0]
     if is_speed(x, which):
-        return max(start, 0.0) + dense_change(one.dense, sigma), dense_rate(one.dense, sigma)
-    per_step = 1.0 / w.step
-    value = per_step * dense_rate(one.dense, sigma)
-    slope = per_step * (dense_rate(one.dense, sigma + APART) - dense_rate(one.dense, sigma - APART))
-    return value - (0.0 if is_spring(x, which) else min(start, 0.0)), 0.5 * slope / APART
-
-
-def fourth_bound_of_fit(x, w, which):
-    """Bound of the fourth derivative of the fit."""
-    dense = w.watched[which].dense
-    if is_speed(x, which) or w.pair == THIRDS:
-        return 24.0 * abs(dense[3]) + 72.0 * (abs(dense[4]) + abs(dense[5])) + 96.0 * abs(dense[6])
-    return (120.0 * abs(dense[4]) + 360.0 * abs(dense[5]) + 720.0 * abs(dense[6])) / w.step
+        return max(start, 0.0) + dense_change(dense, sigma)
+    return dense_rate(dense, sigma) / w.step - (0.0 if is_spring(x, which) else min(start, 0.0))

@@ -5,7 +5,6 @@ Their sums are those of a step whose stages are the nodes of a Gauss rule, as th
 
 import math
 
-from ..accumulate import add
 from ..equations.motion import evaluate
 from ..equations.states import GEARED, OPEN
 from ..loads import sample_load
@@ -36,7 +35,6 @@ def follow_ratio(x, omega1, omega2):
 def keep_ratio(d, x):
     """Give link 2 and the output the speed that is prescribed."""
     x.omega2 = x.omega3 = d.kinematic_ratio * x.omega1
-    x.omega2_low = x.omega3_low = 0.0
     follow_ratio(x, x.omega1, x.omega2)
 
 
@@ -117,7 +115,7 @@ def advance_kinematic(d, x, w, remaining):
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1
     w.load = 0.0  # the energy ends at the output
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, out)
+    x.energy_out += out
     sample_load(d, x, x.q, x.omega1, d.kinematic_ratio * x.omega1, x.alpha1, d.kinematic_ratio * x.alpha1)
     commit(d, x, w)
     return h

@@ -10,26 +10,16 @@ from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
 from ..links import energy_of_links
 from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
-from .guards import FLOW, SLIP, how_many_guards, value_and_rate
+from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
 
 # places in fields.FOLLOWED
-Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
-THETA1, WORK_IN, LOST = 8, 10, 11
-TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = range(LOST + CAUSES, LOST + CAUSES + 4)
-# what moves: with a rigid output, with a shaft, with wind-up or play; for weights the angle of link 1. The
-# place of twist in it
-MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
-RIGID_OUTPUT, WITH_SHAFT, WITH_TURNING = 4, 6, 8
-TWIST_MOVES = 4
+Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
+THETA1, LOST = 8, 11
+TWIST = LOST + CAUSES
+# how many quantities move with a rigid output: they come first
+RIGID_OUTPUT = 4
 # how many of them an ideal module of rigid output has
 FEWEST = 12
-
-
-def how_many_move(d):
-    """How many of MOTION there are."""
-    if d.elastic == 0.0:
-        return RIGID_OUTPUT
-    return WITH_TURNING if d.turning != 0.0 else WITH_SHAFT
 
 
 def solve_motion(d, x, w):
@@ -133,7 +123,7 @@ def weigh(stages, weights, begin, after, count, factor, sums, first, end):
 
 def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
     """Write weighed sums of what moves (see weigh)."""
-    weigh(stages, weights, begin, after, count, factor, sums, 0, TWIST_MOVES)
+    weigh(stages, weights, begin, after, count, factor, sums, 0, RIGID_OUTPUT)
     if d.elastic + d.losses != 0.0:
         weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
     if d.weight != 0.0:
@@ -226,6 +216,13 @@ def move(d, x, changes):
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
 
 
+def set_changes_inside(d, x, w, sigma):
+    """Write the changes of the motion over the part sigma of the step in hand into w.inside (order 7)."""
+    write_inside_weights(sigma, w.weights)
+    weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
+    prescribe_link1(d, x, w, w.inside, sigma * w.step)
+
+
 def exact_guard(d, x, w, which, sigma):
     """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
     values = w.watched[which].value
@@ -233,21 +230,18 @@ def exact_guard(d, x, w, which, sigma):
     if sigma == 1.0:
         value = values[END]
     elif sigma > 0.0:
-        write_inside_weights(sigma, w.weights)
-        weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
-        prescribe_link1(d, x, w, w.inside, sigma * w.step)
+        set_changes_inside(d, x, w, sigma)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
-    return value - min(values[0], 0.0)
+    return value - (0.0 if is_spring(x, which) else min(values[0], 0.0))
 
 
 def cut_step(d, x, w, sigma):
-    """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
+    """Cut the step in hand, its dense output known, to its part sigma; d.machine is then at its end."""
     write_inside_weights(sigma, w.weights)
     set_changes(d, x, w, sigma * w.step, LATE, STAGES)
     w.step *= sigma
-    if d.losses == 0.0:
-        solve_changed(d, x, w, w.change)
+    solve_changed(d, x, w, w.change)
 
 
 def keep_end(d, x, w):
