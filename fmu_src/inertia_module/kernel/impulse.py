@@ -8,22 +8,22 @@ ideal contacts close at zero relative speed no energy is lost; freewheels that h
 from .accumulate import add, add_loss
 from .codes import DRIVING, FREE, HELD, HELD_DRIVING
 from .equations.losses import FREEWHEEL, SHAFT
-from .equations.states import GEARED
+from .equations.states import RATIO_PRESCRIBED
 from .inertia import reduced_inertia
 from .links import inertia_of_link1, inertia_of_link2, is_stiff
 
 
-def holds_link2(d, x):
+def has_rigid_housing_contact(d, x):
     """Tell whether the housing freewheel takes an impulse: no spring, no play left."""
     return d.housing != 0.0 and d.housing_stiffness == 0.0 and x.play_housing == 0.0
 
 
-def meets_output(d, x):
+def has_rigid_output_contact(d, x):
     """Tell whether the output freewheel takes an impulse."""
     return d.freewheel_stiffness == 0.0 and x.play_output == 0.0
 
 
-def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed, rested):
+def solve_impact(d, inertia2, free2, inertia3, free3, stops, meets, pressed, rested):
     """Solve the complementarity problem on impulses, from the velocities without them.
 
     Args:
@@ -51,7 +51,7 @@ def settle(d, inertia2, free2, inertia3, free3, stops, meets, pressed, rested):
     return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 
 
-def push_driven_mass(d, x, change3, stiff):
+def jump_driven_mass(d, x, change3, stiff):
     """A jump of the hub's speed with an elastic output: the balancer passes beta of it on.
 
     A shaft that is too stiff for its motion to be followed takes the driven mass along: the jump is a
@@ -66,7 +66,7 @@ def push_driven_mass(d, x, change3, stiff):
     add_loss(x, SHAFT, lost)
 
 
-def jump_links(d, x, inertia, jump, change2):
+def apply_speed_step(d, x, inertia, jump, change2):
     """One linear part of a jump: omega1 by jump, omega2 by change2. Returns impulses of M1 and M2, N m s."""
     i, b, g = inertia
     rate_change = d.k * (jump - change2)
@@ -84,7 +84,7 @@ def set_speeds(d, x, end2, end3, stiff):
     x.omega2_low = 0.0
     if end3 != x.omega3:
         if d.elastic != 0.0:
-            push_driven_mass(d, x, end3 - x.omega3, stiff)
+            jump_driven_mass(d, x, end3 - x.omega3, stiff)
         x.omega3 = end3
         x.omega3_low = 0.0
 
@@ -106,7 +106,7 @@ def jump_input(d, x, jump, stiff):
     i, _, b, _, g, _ = reduced_inertia(d, x.q)
     omega2 = x.omega2
     target = x.omega1 + jump
-    geared = x.output_state == GEARED
+    geared = x.output_state == RATIO_PRESCRIBED
     shaft = shaft_inertia(d, stiff)
     fraction = 1.0
     if geared:
@@ -116,16 +116,16 @@ def jump_input(d, x, jump, stiff):
         carried = shaft if d.output == 0.0 else 0.0
         own = d.J2 + d.k * d.k * g + carried
         change = d.k * (b + d.k * g) * jump / own
-        stops, meets = holds_link2(d, x), meets_output(d, x)
+        stops, meets = has_rigid_housing_contact(d, x), has_rigid_output_contact(d, x)
         free2 = omega2 + change
-        end2, end3, _, mode = settle(d, own, free2, shaft - carried, x.omega3, stops, meets, 0.0, 0.0)
+        end2, end3, _, mode = solve_impact(d, own, free2, shaft - carried, x.omega3, stops, meets, 0.0, 0.0)
         if end2 != omega2 + change and change != 0.0:
             # the rest of the way link 2 goes with what it has met
             fraction = ((x.omega3 if mode == DRIVING else 0.0) - omega2) / change
     part = fraction * jump
-    drive, mesh = jump_links(d, x, (i, b, g), part, fraction * change)
+    drive, mesh = apply_speed_step(d, x, (i, b, g), part, fraction * change)
     if fraction < 1.0:
-        more, more_mesh = jump_links(d, x, (i, b, g), jump - part, end2 - x.omega2)
+        more, more_mesh = apply_speed_step(d, x, (i, b, g), jump - part, end2 - x.omega2)
         drive += more
         mesh += more_mesh
     x.omega1 = target
@@ -139,7 +139,7 @@ def jump_input(d, x, jump, stiff):
     return drive, output
 
 
-def close_freewheels(d, x):
+def apply_plastic_impact(d, x):
     """Plastic impact of freewheels that have turned back through their play: what slips back stops.
 
     Momentum is kept, link 1 answers where its torque is given. The kinetic energy of the relative motion is
@@ -151,15 +151,15 @@ def close_freewheels(d, x):
     carried = shaft if d.output == 0.0 else 0.0
     omega2, omega3 = x.omega2, x.omega3
     own = inertia_of_link2(d, i, b, g) + carried
-    stops, meets = holds_link2(d, x), meets_output(d, x)
-    end2, end3, output, _ = settle(d, own, omega2, shaft - carried, omega3, stops, meets, 0.0, 0.0)
+    stops, meets = has_rigid_housing_contact(d, x), has_rigid_output_contact(d, x)
+    end2, end3, output, _ = solve_impact(d, own, omega2, shaft - carried, omega3, stops, meets, 0.0, 0.0)
     if d.output == 0.0:
         output = shaft * (end3 - omega3)
     change = end2 - omega2
     jump = 0.0
     if d.by_torque != 0.0:
         jump = d.k * (b + d.k * g) * change / inertia_of_link1(d, i, b, g)
-    drive, mesh = jump_links(d, x, (i, b, g), jump, change)
+    drive, mesh = apply_speed_step(d, x, (i, b, g), jump, change)
     housing = d.J2 * change + output - mesh
     add_loss(x, FREEWHEEL, 0.5 * (output * (omega2 - omega3 + end2 - end3) - housing * (omega2 + end2)))
     x.input_impulse += drive

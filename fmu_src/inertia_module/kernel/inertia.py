@@ -1,6 +1,6 @@
 """Reduced inertia I, B, G of all imbalances and its exact derivatives in q (docs/mechanics.md)."""
 
-from .layout import imbalance_at
+from .layout import bevel_imbalance_position
 from .sine import sine_cosine, sines_cosines
 
 
@@ -42,7 +42,7 @@ def reduced_inertia(d, q):
     spin = d.spin
     g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
-    x, y, z, x1, y1, z1, _, y2, z2 = imbalance_at(d, sin_a, cos_a, sin_b, cos_b)
+    x, y, z, x1, y1, z1, _, y2, z2 = bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b)
     if d.satellites > 2.0:
         i = mass * (0.5 * (x * x + y * y) + z * z)
         i1 = mass * (x * x1 + y * y1 + 2.0 * z * z1)

@@ -8,7 +8,7 @@ import math
 from .sine import sine_cosine, sines_cosines
 
 
-def imbalance(d, q, turned):
+def imbalance_position(d, q, turned):
     """An imbalance of module 0 in the frame of link 1, at the drive angle q, rad.
 
     Args:
@@ -23,10 +23,10 @@ def imbalance(d, q, turned):
         z = d.radial * cosine
         return 0.0, y, d.axial - z, 0.0, z, y, 0.0, -y, z
     sin_a, sin_b, cos_a, cos_b = sines_cosines(q + d.phase_a + turned, d.s * q + d.phase_b)
-    return imbalance_at(d, sin_a, cos_a, sin_b, cos_b)
+    return bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b)
 
 
-def imbalance_at(d, sin_a, cos_a, sin_b, cos_b):
+def bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b):
     """An imbalance as above (bevel), by the sines and cosines of the angles A of its axis and B about it."""
     s = d.s
     radial = d.radial - d.radial_cos * cos_b
@@ -60,7 +60,7 @@ def to_fixed_frame(theta1, x, y, z):
     return x, y * cosine - z * sine, y * sine + z * cosine
 
 
-def acceleration(place, omega1, alpha1, rate_q, rate2_q):
+def imbalance_acceleration(place, omega1, alpha1, rate_q, rate2_q):
     """Absolute acceleration of an imbalance in the frame of link 1, m/s^2.
 
     r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r) with w along Ox; place: of imbalance().
@@ -76,7 +76,7 @@ def acceleration(place, omega1, alpha1, rate_q, rate2_q):
     )
 
 
-def imbalance_in_fixed_frame(d, q, theta1, omega1, alpha1, rate_q, rate2_q, turned):
+def imbalance_motion(d, q, theta1, omega1, alpha1, rate_q, rate2_q, turned):
     """Position, velocity and acceleration of an imbalance of module 0 in the fixed frame Oxyz.
 
     Args:
@@ -87,10 +87,10 @@ def imbalance_in_fixed_frame(d, q, theta1, omega1, alpha1, rate_q, rate2_q, turn
     """
     if d.planar != 0.0:
         theta1 += turned
-    place = imbalance(d, q, turned)
+    place = imbalance_position(d, q, turned)
     x, y, z, x1, y1, z1, _, _, _ = place
     px, py, pz = to_fixed_frame(theta1, x, y, z)
     vx, vy, vz = to_fixed_frame(theta1, x1 * rate_q, y1 * rate_q - omega1 * z, z1 * rate_q + omega1 * y)
-    ax, ay, az = acceleration(place, omega1, alpha1, rate_q, rate2_q)
+    ax, ay, az = imbalance_acceleration(place, omega1, alpha1, rate_q, rate2_q)
     ax, ay, az = to_fixed_frame(theta1, ax, ay, az)
     return px, py, pz, vx, vy, vz, ax, ay, az

@@ -11,16 +11,16 @@ import math
 HALF_PI_1 = 1.5707963267341256
 HALF_PI_2 = 6.077100506303966e-11
 HALF_PI_3 = 2.0222662487959506e-21
-QUADRANTS = 0.6366197723675814  # per rad
+QUADRANTS_PER_RAD = 0.6366197723675814  # per rad
 # adding and subtracting it rounds to a whole number, on any processor without a detour through integers
-ROUNDER = 6755399441055744.0
+ROUND_TO_INTEGER = 6755399441055744.0
 # beyond this the multiples of the parts are no longer exact: left to the library
-LARGEST_ANGLE = 1e6
+MAX_ANGLE = 1e6
 
 
-def reduced(x):
+def fast_sine_cosine(x):
     """(sin x, cos x) where |x| < LARGEST_ANGLE."""
-    quadrant = (x * QUADRANTS + ROUNDER) - ROUNDER
+    quadrant = (x * QUADRANTS_PER_RAD + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
     r = ((x - quadrant * HALF_PI_1) - quadrant * HALF_PI_2) - quadrant * HALF_PI_3
     z = r * r
     z2 = z * z
@@ -46,15 +46,15 @@ def reduced(x):
 
 def sine_cosine(x):
     """(sin x, cos x), x in rad."""
-    if not abs(x) < LARGEST_ANGLE:
+    if not abs(x) < MAX_ANGLE:
         return math.sin(x), math.cos(x)
-    return reduced(x)
+    return fast_sine_cosine(x)
 
 
 def sines_cosines(x, y):
     """(sin x, sin y, cos x, cos y): a processor works on both angles at once."""
-    if not (abs(x) < LARGEST_ANGLE and abs(y) < LARGEST_ANGLE):
+    if not (abs(x) < MAX_ANGLE and abs(y) < MAX_ANGLE):
         return math.sin(x), math.sin(y), math.cos(x), math.cos(y)
-    sin_x, cos_x = reduced(x)
-    sin_y, cos_y = reduced(y)
+    sin_x, cos_x = fast_sine_cosine(x)
+    sin_y, cos_y = fast_sine_cosine(y)
     return sin_x, sin_y, cos_x, cos_y

@@ -12,7 +12,7 @@ from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start,
 from .averaged.torque_map import build_map
 from .derive import derive
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
-from .equations.satellites import jams
+from .equations.satellites import is_self_locking
 from .events.kinematic import keep_ratio
 from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
@@ -40,7 +40,7 @@ INSTANT = 1e-8
 def check_parameters(p, d):
     """Derive the constants and check the parameters together. Returns a status."""
     status = derive(p, d)
-    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d) else status
+    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and is_self_locking(d) else status
 
 
 def check(p, d, u):

@@ -8,8 +8,8 @@ import math
 from ..accumulate import TWO_PI
 from ..links import friction_power
 from ..sine import sine_cosine
-from .satellites import weight_torques
-from .states import OPEN, WOUND
+from .satellites import gravity_potential
+from .states import ENGAGED_COMPLIANT, OVERRUNNING
 
 # what energy_lost_... of the table of variables is lost to: viscous friction of links, drives and output; the
 # elastic shaft; and of a machine with losses the meshes; journals of the satellites; freewheels; the air
@@ -17,24 +17,24 @@ CAUSES = ("viscous", "shaft", "mesh", "journal", "freewheel", "windage")
 VISCOUS, SHAFT, MESH, JOURNAL, FREEWHEEL, WINDAGE = range(len(CAUSES))
 
 
-def windage_in_all(d):
+def total_windage(d):
     """Coefficient of the air for all satellites together, kg m^2."""
     return d.windage * d.modules * d.satellites
 
 
-def by_load(d):
+def general_loss_coefficient(d):
     """Sum of the coefficients of losses that the general equations alone have: 0 without any."""
-    return d.mesh_loss + d.satellite_loss + d.journal_friction + d.weight + windage_in_all(d)
+    return d.mesh_loss + d.satellite_loss + d.journal_friction + d.weight + total_windage(d)
 
 
-def add_to_bounds(d):
+def add_loss_bounds(d):
     """Add what such losses add to the bounds of |F| by the squares of slip and speed (fields.CONSTANTS)."""
     reach = 1.0 + d.s
-    d.F_by_slip += 4.0 * d.k * windage_in_all(d) * reach * reach * reach
-    d.F_by_speed += 4.0 * d.k * windage_in_all(d) * reach
+    d.F_by_slip += 4.0 * d.k * total_windage(d) * reach * reach * reach
+    d.F_by_speed += 4.0 * d.k * total_windage(d) * reach
 
 
-def outer_torques(d, x, m, place):
+def applied_torques(d, x, m, place):
     """Write the torques of weights and air against link 1 and q into m, N m, and the power of the air, W.
 
     Args:
@@ -42,7 +42,7 @@ def outer_torques(d, x, m, place):
     """
     m.weight1 = m.weight_q = 0.0
     if d.weight != 0.0:
-        _, m.weight1, m.weight_q = weight_torques(d, place, m.theta1)
+        _, m.weight1, m.weight_q = gravity_potential(d, place, m.theta1)
     m.lost[WINDAGE] = 0.0
     if d.windage != 0.0:
         slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
@@ -58,7 +58,7 @@ def windage_torques(d, q, omega1, rate_q):
     axis (docs/mechanics.md, "Losses"); in the planar layout it is omega1 + q' about the central axis.
     """
     number = 1.0 if d.planar != 0.0 else d.satellites
-    share = windage_in_all(d) / number
+    share = total_windage(d) / number
     along = across = 1.0
     by_theta1 = by_q = power = 0.0
     for n in range(int(number)):
@@ -76,22 +76,22 @@ def windage_torques(d, q, omega1, rate_q):
     return by_theta1, by_q, power
 
 
-def power_of_freewheels(d, x, m):
+def freewheel_power(d, x, m):
     """Power that drag and damping of both freewheels take, W, never below 0."""
     slip = m.omega3 - m.omega2
     lost = 0.0
-    if x.housing_state == OPEN:
+    if x.housing_state == OVERRUNNING:
         lost = -m.housing * m.omega2
-    elif x.housing_state == WOUND:
+    elif x.housing_state == ENGAGED_COMPLIANT:
         lost = d.housing_damping * m.omega2 * m.omega2
-    if x.output_state == OPEN:
+    if x.output_state == OVERRUNNING:
         lost -= m.output * slip
-    elif x.output_state == WOUND:
+    elif x.output_state == ENGAGED_COMPLIANT:
         lost += d.freewheel_damping * slip * slip
     return lost
 
 
-def write_powers_lost(d, x, m, rates, lossy):
+def write_loss_powers(d, x, m, rates, lossy):
     """Write the powers that the causes of losses take of the motion in m, after evaluate, into rates, W."""
     if d.elastic != 0.0:
         omega4 = m.omega3 - m.relative
@@ -106,5 +106,5 @@ def write_powers_lost(d, x, m, rates, lossy):
         turned = x.slip_sign * d.k * slip
         rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * turned
         rates.lost[JOURNAL] = m.journals * turned
-        rates.lost[FREEWHEEL] = power_of_freewheels(d, x, m)
+        rates.lost[FREEWHEEL] = freewheel_power(d, x, m)
         rates.lost[WINDAGE] = m.lost[WINDAGE]

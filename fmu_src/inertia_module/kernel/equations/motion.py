@@ -11,16 +11,22 @@ and V_theta the torques of weights and air; f = 1/eta or
 
 from ..fields import OF_MOTION, OF_NOW
 from ..inertia import reduced_inertia
-from ..layout import imbalance
-from .losses import outer_torques
-from .satellites import AS_THEY_ARE, MANY, inertia_at, spin_torques, weight_torques
-from .states import GEARED, IDEAL, LOCKED, LOSSY, OPEN, WOUND
+from ..layout import imbalance_position
+from .losses import applied_torques
+from .satellites import (
+    MAX_TRACKED_SATELLITES,
+    RESOLVE_SIGNS,
+    gravity_potential,
+    satellite_friction,
+    single_satellite_inertia,
+)
+from .states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY, OVERRUNNING, RATIO_PRESCRIBED
 
 # patterns of signs tried: each step of this Newton's method leaves it only for one closer to the solution
-PATTERNS = 50
+MAX_SIGN_ITERATIONS = 50
 
 
-def take_state(d, x):
+def load_state(d, x):
     """The present motion into d.machine: both records begin with it (fields.MOTION)."""
     for n in range(OF_MOTION):
         d.machine.numbers[n] = x.numbers[n]
@@ -28,7 +34,7 @@ def take_state(d, x):
         d.machine.play_housing, d.machine.play_output = x.play_housing, x.play_output
 
 
-def recall(target, source):
+def copy_accelerations(target, source):
     """Copy accelerations and torques of an instant, which both records end with (fields.NOW)."""
     first_target, first_source = len(target.numbers) - OF_NOW, len(source.numbers) - OF_NOW
     for n in range(OF_NOW):
@@ -41,17 +47,17 @@ def freewheel_torques(d, x, m, lossy):
     m.output = 0.0
     if not lossy:
         return
-    if x.housing_state == WOUND:
+    if x.housing_state == ENGAGED_COMPLIANT:
         m.housing = d.housing_stiffness * m.wound_housing - d.housing_damping * m.omega2
-    elif x.housing_state == OPEN and d.housing != 0.0:
+    elif x.housing_state == OVERRUNNING and d.housing != 0.0:
         m.housing = -d.housing_drag - d.housing_drag_viscous * m.omega2
-    if x.output_state == WOUND:
+    if x.output_state == ENGAGED_COMPLIANT:
         m.output = d.freewheel_stiffness * m.wound_output + d.freewheel_damping * (m.omega2 - m.omega3)
-    elif x.output_state == OPEN:
+    elif x.output_state == OVERRUNNING:
         m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
 
 
-def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy):
+def solve_slipping(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy):
     """Accelerations of links that slip and the torques between them, into m.
 
     The sign of tau gives f, that of tau6 the way its loss acts; both are followed as what the freewheels do,
@@ -75,18 +81,18 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         rest1 += m.weight1
         rest += m.weight_q
     alpha1 = prescribed if d.by_torque == 0.0 else 0.0
-    geared = x.output_state == GEARED
+    geared = x.output_state == RATIO_PRESCRIBED
     alpha2 = m.alpha2 if geared else 0.0
     flow = x.flow_sign if fixed else abs(sign)
-    signs = x.spin_signs if fixed and d.satellites <= MANY else AS_THEY_ARE
+    signs = x.spin_signs if fixed and d.satellites <= MAX_TRACKED_SATELLITES else RESOLVE_SIGNS
     # of one satellite the sum says all
-    apart = lossy and d.satellite_loss != 0.0 and (signs == AS_THEY_ARE or d.satellites > 1.0)
+    apart = lossy and d.satellite_loss != 0.0 and (signs == RESOLVE_SIGNS or d.satellites > 1.0)
     journals = mesh = by_alpha1 = by_rate2 = 0.0
     if lossy and d.journal_friction + d.satellite_loss > 0.0:
-        journals, mesh, by_alpha1, by_rate2 = spin_torques(
+        journals, mesh, by_alpha1, by_rate2 = satellite_friction(
             d, m.q, place, m.omega1, rate_q, alpha1, k * (alpha1 - alpha2), signs
         )
-    for _ in range(PATTERNS if lossy else 1):
+    for _ in range(MAX_SIGN_ITERATIONS if lossy else 1):
         passed = k / (1.0 - flow * d.mesh_loss) if lossy else k
         by_q = g
         coupling = b
@@ -130,7 +136,7 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
             mesh_before = mesh
             by_alpha1_before = by_alpha1
             by_rate2_before = by_rate2
-            journals, mesh, by_alpha1, by_rate2 = spin_torques(
+            journals, mesh, by_alpha1, by_rate2 = satellite_friction(
                 d, m.q, place, m.omega1, rate_q, alpha1, rate2_q, signs
             )
             is_same = mesh == mesh_before and by_alpha1 == by_alpha1_before and by_rate2 == by_rate2_before
@@ -146,7 +152,7 @@ def accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fi
         m.margin = sign * (m.omega1 - m.omega2)
 
 
-def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
+def solve_sticking(d, x, m, prescribed, inertia, place, carried, resisting):
     """Accelerate links that stick together, and find the margin of the friction that holds them, N m."""
     i, i1, b, _, _, _ = inertia
     omega1 = m.omega1
@@ -159,7 +165,7 @@ def stick_links(d, x, m, prescribed, inertia, place, carried, resisting):
     elif d.by_torque != 0.0:
         alpha = (prescribed - rest1 - resisting) / (d.J1 + i + own2)
     ideal = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
-    journals, mesh, by_alpha1, _ = spin_torques(d, m.q, place, omega1, 0.0, alpha, 0.0, AS_THEY_ARE)
+    journals, mesh, by_alpha1, _ = satellite_friction(d, m.q, place, omega1, 0.0, alpha, 0.0, RESOLVE_SIGNS)
     m.mesh = own2 * alpha + resisting
     if held:
         # at rest: what the drive torque leaves, or with the speed given what friction need not hold
@@ -190,25 +196,25 @@ def evaluate(d, x, prescribed, load, fixed):
     """
     # one source, compiled twice: what lossy rules out is not there
     if d.losses != 0.0:
-        equations(d, x, prescribed, load, fixed, LOSSY)
+        equations_of_motion(d, x, prescribed, load, fixed, LOSSY)
     else:
-        equations(d, x, prescribed, load, fixed, IDEAL)
+        equations_of_motion(d, x, prescribed, load, fixed, IDEAL)
 
 
-def equations(d, x, prescribed, load, fixed, lossy):
+def equations_of_motion(d, x, prescribed, load, fixed, lossy):
     """Solve the equations of motion for evaluate, with or without losses by load, drag, weights, wind-up."""
     m = d.machine
     place = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     satellites_loaded = lossy and d.journal_friction + d.satellite_loss + d.weight > 0.0
     if satellites_loaded:
-        place = imbalance(d, m.q, 0.0)
+        place = imbalance_position(d, m.q, 0.0)
     if satellites_loaded and d.satellites == 1.0 and d.planar + d.bodies == 0.0:
-        inertia = inertia_at(d, place)
+        inertia = single_satellite_inertia(d, place)
     else:
         inertia = reduced_inertia(d, m.q)
     m.i, _, m.b, _, m.g, _ = inertia
     if lossy:
-        outer_torques(d, x, m, place)
+        applied_torques(d, x, m, place)
     freewheel_torques(d, x, m, lossy)
     shaft = load
     if d.elastic != 0.0:
@@ -217,14 +223,14 @@ def equations(d, x, prescribed, load, fixed, lossy):
     locked = x.output_state == LOCKED
     carried = d.J3 if locked else 0.0
     resisting = d.b2 * m.omega2 - m.housing + (against3 if locked else m.output)
-    if lossy and x.slip_sign == 0.0 and x.output_state != GEARED:
-        stick_links(d, x, m, prescribed, inertia, place, carried, resisting)
+    if lossy and x.slip_sign == 0.0 and x.output_state != RATIO_PRESCRIBED:
+        solve_sticking(d, x, m, prescribed, inertia, place, carried, resisting)
     else:
-        accelerate_links(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy)
+        solve_slipping(d, x, m, prescribed, inertia, place, carried, resisting, fixed, lossy)
     if locked:
         m.output = against3 + d.J3 * m.alpha2
         m.alpha3 = m.alpha2
-    elif x.output_state == GEARED:
+    elif x.output_state == RATIO_PRESCRIBED:
         m.output = m.mesh - resisting - d.J2 * m.alpha2
         m.alpha3 = m.alpha2
     else:
@@ -237,8 +243,8 @@ def equations(d, x, prescribed, load, fixed, lossy):
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
 
 
-def stored_besides(d, x):
+def potential_energy(d, x):
     """Potential energy of the imbalances and of wound up freewheels, J."""
-    potential, _, _ = weight_torques(d, imbalance(d, x.q, 0.0), x.theta1)
+    potential, _, _ = gravity_potential(d, imbalance_position(d, x.q, 0.0), x.theta1)
     housing = 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing
     return potential + housing + 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output

@@ -7,18 +7,18 @@ import math
 
 from ..accumulate import TWO_PI
 from ..inertia import reduced_inertia
-from ..layout import acceleration, imbalance
+from ..layout import imbalance_acceleration, imbalance_position
 from ..sine import sine_cosine
 
 # angles in one turn at which it is looked at, for each of its highest harmonics; of more turns as many angles
-ANGLES = 64
+ANGLES_PER_CYCLE = 64
 # satellites at most whose torques' signs are followed: bits of one number, set where negative
-MANY = 50
+MAX_TRACKED_SATELLITES = 50
 # in place of that number: signs as the torques have them
-AS_THEY_ARE = -1.0
+RESOLVE_SIGNS = -1.0
 
 
-def inertia_at(d, place):
+def single_satellite_inertia(d, place):
     """Part of inertia.reduced_inertia for motion.evaluate, of one bevel imbalance whose place is known."""
     _, y, z, x1, y1, z1, x2, y2, z2 = place
     mass = d.mass
@@ -32,7 +32,7 @@ def inertia_at(d, place):
     )
 
 
-def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
+def satellite_friction(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
 
     Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
@@ -58,9 +58,9 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     mass = d.mass / number
     share = mass * d.satellite_loss
     for n in range(int(number)):
-        place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
+        place = imbalance_position(d, q, TWO_PI * n / number) if n > 0 else first
         px, y, z, x1, y1, z1, _, _, _ = place
-        ax, ay, az = acceleration(place, omega1, 0.0, rate_q, 0.0)
+        ax, ay, az = imbalance_acceleration(place, omega1, 0.0, rate_q, 0.0)
         journals += math.sqrt(ax * ax + ay * ay + az * az)
         # s dr/dB = r' - dr/dA
         spin_x = x1 + y
@@ -70,14 +70,14 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
         with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
         torque = own + with_alpha1 * alpha1 + with_rate2 * rate2_q
         negative = torque < 0.0
-        if signs != AS_THEY_ARE:
+        if signs != RESOLVE_SIGNS:
             half = math.floor(0.5 * told)
             negative = told != 2.0 * half
             told = half
         sign = -1.0 if negative else 1.0
         found += bit if negative else 0.0
         bit *= 2.0
-        if n < MANY:
+        if n < MAX_TRACKED_SATELLITES:
             d.machine.spun_by[n] = share * sign * torque
         rest += sign * own
         by_alpha1 += sign * with_alpha1
@@ -86,7 +86,7 @@ def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     return d.journal_friction * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
 
 
-def with_sign_changed(signs, n):
+def toggle_bit(signs, n):
     """Change the sign of satellite n in the number that holds all."""
     # not 2.0**n, which compiled would ask for one more function of the C library
     bit = 1.0
@@ -95,7 +95,7 @@ def with_sign_changed(signs, n):
     return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
 
 
-def weight_torques(d, place, theta1):
+def gravity_potential(d, place, theta1):
     """Potential energy of the imbalances and its derivatives in theta1 and q: J, N m (gravity along -Oz).
 
     Args:
@@ -115,7 +115,7 @@ def weight_torques(d, place, theta1):
     )
 
 
-def jams(d):
+def is_self_locking(d):
     """Tell whether the equations have no single solution at some angle, for some signs of the loads.
 
     With the speed given only the loss of the mesh 17-6 can do it, by the angle B of the satellite alone.
@@ -123,11 +123,13 @@ def jams(d):
     if d.satellite_loss == 0.0 and (d.by_torque == 0.0 or d.mesh_loss == 0.0):
         return False
     if d.by_torque == 0.0:
-        return jams_within(d, TWO_PI / d.s, 2.0 * ANGLES)
-    return jams_within(d, d.period, ANGLES * d.harmonic * min(d.period_turns, ANGLES))
+        return is_self_locking_within(d, TWO_PI / d.s, 2.0 * ANGLES_PER_CYCLE)
+    return is_self_locking_within(
+        d, d.period, ANGLES_PER_CYCLE * d.harmonic * min(d.period_turns, ANGLES_PER_CYCLE)
+    )
 
 
-def jams_within(d, length, count):
+def is_self_locking_within(d, length, count):
     """Tell whether they jam at one of so many angles of the drive, spread evenly over a length, rad."""
     for n in range(int(count)):
         q = length * n / count
@@ -135,18 +137,18 @@ def jams_within(d, length, count):
         by_alpha1 = by_rate2 = 0.0
         if d.satellite_loss != 0.0:
             # at large accelerations: what they add to the loads of all satellites
-            place = imbalance(d, q, 0.0)
-            _, _, by_alpha1, by_rate2 = spin_torques(d, q, place, 0.0, 0.0, 0.0, 1e150, AS_THEY_ARE)
+            place = imbalance_position(d, q, 0.0)
+            _, _, by_alpha1, by_rate2 = satellite_friction(d, q, place, 0.0, 0.0, 0.0, 1e150, RESOLVE_SIGNS)
         for signs in range(4):
             flow = -1.0 if signs < 2 else 1.0
             way = -1.0 if signs % 2 == 0 else 1.0
             passed = d.k / (1.0 - flow * d.mesh_loss)
-            if jams_at(d, i, b + way * by_alpha1, g + way * by_rate2, b, passed):
+            if is_self_locking_at(d, i, b + way * by_alpha1, g + way * by_rate2, b, passed):
                 return True
     return False
 
 
-def jams_at(d, i, b_q, g, b, passed):
+def is_self_locking_at(d, i, b_q, g, b, passed):
     """Tell whether they jam at one angle and for some signs: see motion.accelerate_links."""
     k = d.k
     own2 = d.J2 + (0.0 if d.output != 0.0 else d.J3)

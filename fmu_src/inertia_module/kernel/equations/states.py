@@ -7,18 +7,18 @@ from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
 IDEAL, LOSSY = 0, 1
 
 # of a freewheel: overrunning; locked, rigid; locked, winding up
-OPEN = 0.0
+OVERRUNNING = 0.0
 LOCKED = 1.0
-WOUND = 2.0
+ENGAGED_COMPLIANT = 2.0
 # ... turning back through its play: it has overrun, and carries nothing until the play is used up
-CLOSING = -1.0
+IN_BACKLASH = -1.0
 # fidelity kinematic: the output keeps link 2 at its prescribed ratio to link 1, and no freewheel takes part
-GEARED = 3.0
+RATIO_PRESCRIBED = 3.0
 
 
 def is_open(state):
     """Tell whether a freewheel carries nothing in this state."""
-    return state <= OPEN
+    return state <= OVERRUNNING
 
 
 def contact_mode(x):
@@ -28,12 +28,12 @@ def contact_mode(x):
     return FREE if is_open(x.output_state) else DRIVING
 
 
-def holds(mode):
+def is_housing_engaged(mode):
     """Tell whether the housing freewheel is engaged in this contact mode."""
     return mode == HELD or mode == HELD_DRIVING
 
 
-def drives(mode):
+def is_output_engaged(mode):
     """Tell whether the output freewheel is engaged in this contact mode."""
     return mode == DRIVING or mode == HELD_DRIVING
 
@@ -49,11 +49,15 @@ def count_switch(x, before, mode, housing, output):
         output: likewise of the output freewheel.
     """
     x.switches += 1.0 if mode != before else 0.0
-    x.housing_engagements += 1.0 if housing and holds(mode) and not holds(before) else 0.0
-    x.output_engagements += 1.0 if output and drives(mode) and not drives(before) else 0.0
+    x.housing_engagements += (
+        1.0 if housing and is_housing_engaged(mode) and not is_housing_engaged(before) else 0.0
+    )
+    x.output_engagements += (
+        1.0 if output and is_output_engaged(mode) and not is_output_engaged(before) else 0.0
+    )
 
 
-def carries(state, drag, angle, torque):
+def engages_at_once(state, drag, angle, torque):
     """Return True if a freewheel that closes with its contact mode carries then.
 
     One with an engagement angle carries when its play is used up (events.advance.engage), and its drag alone
@@ -62,60 +66,60 @@ def carries(state, drag, angle, torque):
     return angle == 0.0 and not (state == LOCKED and drag > 0.0 and torque <= 0.0)
 
 
-def is_wound(x):
+def has_engaged_spring(x):
     """Tell whether a freewheel is locked by its spring."""
-    return x.housing_state == WOUND or x.output_state == WOUND
+    return x.housing_state == ENGAGED_COMPLIANT or x.output_state == ENGAGED_COMPLIANT
 
 
-def is_rough(d):
+def has_friction(d):
     """Tell whether something resists the slip of links 1 and 2 at any speed, so that they can stick."""
     return d.mesh_loss + d.satellite_loss + d.journal_friction > 0.0
 
 
-def may_be_housing(d, x):
+def is_housing_admissible(d, x):
     """Tell whether the housing freewheel may be in its state with these speeds."""
     if d.housing == 0.0:
-        return x.housing_state == OPEN
+        return x.housing_state == OVERRUNNING
     if x.play_housing > 0.0:
-        return may_be_in_play(x.omega2, d.housing_drag, x.housing_state)
-    return may_be(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
+        return is_admissible_in_backlash(x.omega2, d.housing_drag, x.housing_state)
+    return is_admissible(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
 
 
-def may_be_output(d, x):
+def is_output_admissible(d, x):
     """Tell whether the output freewheel may be in its state; without one link 2 is locked to the output."""
     if d.output == 0.0:
         return x.output_state == LOCKED
     if x.play_output > 0.0:
-        return may_be_in_play(x.omega3 - x.omega2, d.output_drag, x.output_state)
-    return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
+        return is_admissible_in_backlash(x.omega3 - x.omega2, d.output_drag, x.output_state)
+    return is_admissible(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
 
 
-def may_be_in_play(speed, drag, state):
+def is_admissible_in_backlash(speed, drag, state):
     """Tell whether a freewheel with play left may be in this state: locked it is by its drag alone."""
     if state == LOCKED:
         return speed == 0.0 and drag > 0.0
-    return speed >= 0.0 if state == OPEN else speed <= 0.0
+    return speed >= 0.0 if state == OVERRUNNING else speed <= 0.0
 
 
-def may_be(speed, stiffness, wound, state):
+def is_admissible(speed, stiffness, wound, state):
     """Tell whether a freewheel of this speed and wind-up, without play, may be in this state."""
     if stiffness != 0.0 and (wound != 0.0 or speed < 0.0):
-        return state == WOUND
-    if state == OPEN:
+        return state == ENGAGED_COMPLIANT
+    if state == OVERRUNNING:
         return True
     if speed > 0.0:
         return False
-    return (stiffness != 0.0) == (state == WOUND)
+    return (stiffness != 0.0) == (state == ENGAGED_COMPLIANT)
 
 
-def may_slip(d, x):
+def is_slip_admissible(d, x):
     """Tell whether the slip may have its sign, 0 for links that stick together."""
-    if not is_rough(d):
+    if not has_friction(d):
         return x.slip_sign > 0.0
     slip = x.omega1 - x.omega2
     return slip == 0.0 or x.slip_sign * slip > 0.0
 
 
-def are_allowed(d, x):
+def is_mode_admissible(d, x):
     """Tell whether freewheels and slip may be in their states with these speeds and wind-up."""
-    return may_be_housing(d, x) and may_be_output(d, x) and may_slip(d, x)
+    return is_housing_admissible(d, x) and is_output_admissible(d, x) and is_slip_admissible(d, x)

@@ -2,13 +2,20 @@
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import NONE
-from ..equations.choice import take_speeds
+from ..equations.choice import enforce_equal_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
-from ..equations.motion import evaluate, recall, take_state
-from ..equations.satellites import with_sign_changed
-from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_wound
+from ..equations.motion import copy_accelerations, evaluate, load_state
+from ..equations.satellites import toggle_bit
+from ..equations.states import (
+    ENGAGED_COMPLIANT,
+    IN_BACKLASH,
+    LOCKED,
+    OVERRUNNING,
+    has_engaged_spring,
+    is_open,
+)
 from ..fields import CAUSES
-from ..impulse import close_freewheels, holds_link2
+from ..impulse import apply_plastic_impact, has_rigid_housing_contact
 from ..links import energy_of_links, momentum_of_links
 from ..loads import INSIDE_PHASE, sample_load, see_load
 from ..tableau import IN_ORDER, LONG, NODES, PARTS, SHORT, THIRDS, extremum, last_stage, order_of_stages
@@ -59,15 +66,15 @@ def left_of_play(state, play, turned, engagement_angle):
     """
     if not is_open(state):
         return play
-    return max(NO_PLAY if state == CLOSING else 0.0, min(play - turned, engagement_angle))
+    return max(NO_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
 
 
 def turn_back(d, x, change):
     """Take over by how much freewheels have turned back: into their springs, or out of their play."""
     housing, output = x.housing_state, x.output_state
-    if housing == WOUND:
+    if housing == ENGAGED_COMPLIANT:
         x.wound_housing += change.wound_housing
-    if output == WOUND:
+    if output == ENGAGED_COMPLIANT:
         x.wound_output += change.wound_output
     x.play_housing = left_of_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
     x.play_output = left_of_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
@@ -112,9 +119,9 @@ def see_torques(x, output, housing):
 
 def see_slips(x, housing, output):
     """Take slips of the freewheels that overrun into their peaks."""
-    if x.housing_state == OPEN:
+    if x.housing_state == OVERRUNNING:
         x.housing_slip_peak = max(x.housing_slip_peak, housing)
-    if x.output_state == OPEN:
+    if x.output_state == OVERRUNNING:
         x.output_slip_peak = max(x.output_slip_peak, output)
 
 
@@ -177,7 +184,7 @@ def meet(d, x, which):
             x.omega3 = 0.0
             x.omega3_low = 0.0
     elif which == guards.OUTPUT or which == guards.OUTPUT_BACK:
-        if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
+        if x.housing_state == LOCKED or (has_rigid_housing_contact(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
             x.omega3_low = 0.0
         x.omega2 = x.omega3
@@ -193,15 +200,15 @@ def meet(d, x, which):
 
 def meet_limits(d, x):
     """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
-    if d.housing != 0.0 and x.housing_state == OPEN and x.omega2 < 0.0:
+    if d.housing != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
         meet(d, x, guards.HOUSING)
-    if d.output != 0.0 and x.output_state == OPEN and x.omega3 < x.omega2:
+    if d.output != 0.0 and x.output_state == OVERRUNNING and x.omega3 < x.omega2:
         meet(d, x, guards.OUTPUT)
 
 
 def has_fallen(d, x, w, which):
     """Tell whether a guard has, by the state at the end of the step in hand."""
-    take_state(d, x)
+    load_state(d, x)
     solve_motion(d, x, w)
     value, _ = guards.value_and_rate(d, x, d.machine, which)
     return value <= NO_PLAY
@@ -209,10 +216,10 @@ def has_fallen(d, x, w, which):
 
 def unwind(d, x, which):
     """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
-    if which == guards.HOUSING and x.housing_state == WOUND:
+    if which == guards.HOUSING and x.housing_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0
-    if which == guards.OUTPUT and x.output_state == WOUND:
+    if which == guards.OUTPUT and x.output_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output)
         x.wound_output = 0.0
 
@@ -242,10 +249,10 @@ def see_stage(d, x, rates, q):
 def begin_step(d, x, w):
     """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
-    take_speeds(x)
-    take_state(d, x)
+    enforce_equal_speeds(x)
+    load_state(d, x)
     if x.rates_cached != 0.0:
-        recall(m, x.now)
+        copy_accelerations(m, x.now)
     else:
         solve_motion(d, x, w)
     if x.rates_cached != 0.0 and d.losses != 0.0:
@@ -263,10 +270,10 @@ def take_over(d, x, w, sigma):
     kept = 1.0
     if sigma < 0.0:
         see_inside(d, x, w, 1.0)
-        recall(d.machine, x.now)
+        copy_accelerations(d.machine, x.now)
     elif w.pair == THIRDS:
         kept = sigma  # it ends there
-    elif is_wound(x):
+    elif has_engaged_spring(x):
         make_step(d, x, w, LONG, sigma * w.step)
     else:
         see_inside(d, x, w, sigma)
@@ -295,7 +302,7 @@ def engage(d, x, which):
         x.output_engagements += 1.0
         rigid = d.freewheel_stiffness == 0.0
     if rigid:
-        close_freewheels(d, x)
+        apply_plastic_impact(d, x)
 
 
 def pass_event(d, x, which):
@@ -305,7 +312,7 @@ def pass_event(d, x, which):
     if which == guards.FLOW:
         x.flow_sign = -x.flow_sign
     elif which > guards.FLOW:
-        x.spin_signs = with_sign_changed(x.spin_signs, which - guards.SPIN)
+        x.spin_signs = toggle_bit(x.spin_signs, which - guards.SPIN)
     elif which != NONE:
         if d.elastic != 0.0:  # shaft or springs may swing otherwise now
             x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
@@ -340,10 +347,10 @@ def advance_general(d, x, w, remaining):
     if w.pair == THIRDS:
         sigma, which = end_at_event(d, x, w, fastest)
     else:
-        recall(x.now, d.machine)
+        copy_accelerations(x.now, d.machine)
         if w.pair == LONG:
             sigma, which = first_event(d, x, w, fastest, NONE)
-    wound = is_wound(x) and w.pair != THIRDS
+    wound = has_engaged_spring(x) and w.pair != THIRDS
     take_over(d, x, w, sigma)
     meet_limits(d, x)
     if wound and which != NONE and not has_fallen(d, x, w, which):

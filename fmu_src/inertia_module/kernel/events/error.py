@@ -3,7 +3,7 @@
 import math
 
 from ..equations.losses import JOURNAL, MESH
-from ..equations.states import LOCKED, OPEN, WOUND, is_open, is_wound
+from ..equations.states import ENGAGED_COMPLIANT, LOCKED, OVERRUNNING, has_engaged_spring, is_open
 from ..links import response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LATE, LONG, SHORT, SHORT_END, THIRD, THIRDS
 from . import stages
@@ -57,13 +57,13 @@ def speed_behind(d, x, w, fastest):
     if is_open(x.output_state):
         spring = d.housing_stiffness / max(d.J2 + d.F_by_alpha1, 1e-300)
         return max(fastest, TWIST_SHARE * math.sqrt(spring) * abs(x.wound_housing))
-    return max(fastest, fastest_behind(d, x, w)) if is_wound(x) else fastest
+    return max(fastest, fastest_behind(d, x, w)) if has_engaged_spring(x) else fastest
 
 
 def speed_of_torque(d, x, w, fastest):
     """Speed at which what damps a wound up freewheel is as large as the torques, rad/s."""
-    housing = d.housing_damping if x.housing_state == WOUND else 0.0
-    damping = max(housing, d.freewheel_damping if x.output_state == WOUND else 0.0)
+    housing = d.housing_damping if x.housing_state == ENGAGED_COMPLIANT else 0.0
+    damping = max(housing, d.freewheel_damping if x.output_state == ENGAGED_COMPLIANT else 0.0)
     if damping == 0.0:
         return 1e300
     pulses = 0.5 * (d.k * d.k * d.F_by_slip + d.F_by_speed) * fastest * fastest
@@ -167,7 +167,7 @@ def step_error(d, x, w, fastest):
     if not max(fastest, behind) < 1e300:
         return 1e300
     tolerance = max(w.tolerance * math.sqrt(min(d.lightest / CUSP, 1.0)), min(w.tolerance, ROUNDING))
-    flies = x.housing_state == x.output_state == OPEN and x.omega3 > FLYING * fastest
+    flies = x.housing_state == x.output_state == OVERRUNNING and x.omega3 > FLYING * fastest
     if (flies or d.housing == 0.0) and d.elastic != 0.0 and d.losses == 0.0 and w.pair != THIRDS:
         tolerance *= SWINGING
     sum5 = 0.0

@@ -12,8 +12,8 @@ depends, change and error are weighed sums of f + J U over the stages.
 
 from ..accumulate import clear
 from ..equations.losses import FREEWHEEL, SHAFT
-from ..equations.motion import take_state
-from ..equations.states import LOCKED, WOUND, is_open
+from ..equations.motion import load_state
+from ..equations.states import ENGAGED_COMPLIANT, LOCKED, is_open
 from ..tableau import PARTS, THIRDS
 from .stages import MOTION, keep_rates, prescribe_link1, solve_changed, solve_motion, weigh, weigh_motion
 
@@ -77,7 +77,7 @@ def differentiate_by(d, x, w, n, apart):
     w.moves[int(w.moving)] = n
     w.moving += 1.0
     m = d.machine
-    take_state(d, x)
+    load_state(d, x)
     before = m.numbers[PLACES[n]]
     m.numbers[PLACES[n]] = before + apart
     apart = m.numbers[PLACES[n]] - before
@@ -93,9 +93,9 @@ def differentiate_by(d, x, w, n, apart):
     by = w.slopes[n]
     lost = d.shaft_damping * by.twist * by.twist + d.driven_friction * by.turned3 * by.turned3
     by.lost[SHAFT] -= apart * (lost + d.balancer * d.J4 * by.omega3 * by.twist)
-    if x.housing_state == WOUND:
+    if x.housing_state == ENGAGED_COMPLIANT:
         by.lost[FREEWHEEL] -= apart * d.housing_damping * by.wound_housing * by.wound_housing
-    if x.output_state == WOUND:
+    if x.output_state == ENGAGED_COMPLIANT:
         by.lost[FREEWHEEL] -= apart * d.freewheel_damping * by.wound_output * by.wound_output
 
 
@@ -125,11 +125,11 @@ def differentiate(d, x, w):
     swing = max(speed, APART * abs(x.relative))
     slow = min(swing, torque / d.shaft_damping) if d.shaft_damping > 0.0 else swing
     differentiate_by(d, x, w, MOVE_RELATIVE, slow)
-    if x.housing_state == WOUND:
+    if x.housing_state == ENGAGED_COMPLIANT:
         differentiate_by(d, x, w, MOVE_HOUSING, torque / d.housing_stiffness)
     elif is_open(x.housing_state) and d.housing_engagement_angle > 0.0:
         differentiate_by(d, x, w, MOVE_HOUSING, APART)
-    if x.output_state == WOUND:
+    if x.output_state == ENGAGED_COMPLIANT:
         differentiate_by(d, x, w, MOVE_OUTPUT, torque / d.freewheel_stiffness)
     elif is_open(x.output_state) and d.output_engagement_angle > 0.0:
         differentiate_by(d, x, w, MOVE_OUTPUT, APART)

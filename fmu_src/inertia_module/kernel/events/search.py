@@ -9,8 +9,8 @@ beginning of a step never counts: what holds there was settled when the mode was
 import math
 
 from ..codes import NONE
-from ..equations.choice import torques_at
-from ..equations.motion import recall
+from ..equations.choice import torque_magnitude
+from ..equations.motion import copy_accelerations
 from ..links import response
 from ..tableau import END, PARTS, STAGES, THIRDS, fit
 from . import guards
@@ -138,7 +138,7 @@ def guard_tolerance(d, x, w, which, fastest):
         imparted = response(d, d.J2) * fastest if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(imparted, fastest_output)
     # (a freewheel feels no load behind a shaft, but the shaft)
-    torques = torques_at(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
+    torques = torque_magnitude(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
     zero = TORQUE_ROUNDING * torques
     if guards.is_spring(x, which):
         # known to the tolerance: as far as it moves neither side by more over the step
@@ -217,7 +217,7 @@ def end_at_event(d, x, w, fastest):
     cleared = NONE
     for part in range(1, PARTS + 1):
         look_inside(d, x, w, part)
-    recall(x.now, d.machine)
+    copy_accelerations(x.now, d.machine)
     for _ in range(2):
         sigma, which = first_event(d, x, w, fastest, cleared)
         if sigma < 0.0:

@@ -3,7 +3,7 @@
 import math
 
 from ..codes import HELD
-from ..equations.states import is_wound
+from ..equations.states import has_engaged_spring
 from ..links import fastest_own_rate, shaft_frequency
 from ..tableau import LONG, SHORT
 from .error import CUSP, fastest_speed, step_error
@@ -141,7 +141,7 @@ def try_steps(d, x, w, limit):
         h = LET_GO_PHASE / own
     differentiated = False
     for attempt in range(REJECTIONS):
-        swings = SWUNG < h * own < NEARLY_STIFF and not is_wound(x)
+        swings = SWUNG < h * own < NEARLY_STIFF and not has_engaged_spring(x)
         order, safety = 8.0, SHORT_SAFETY if swings else SAFETY
         if h * own > STIFF:
             order, safety = 5.0, SHORT_SAFETY

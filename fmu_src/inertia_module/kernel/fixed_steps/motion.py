@@ -10,10 +10,10 @@ import math
 
 from ..accumulate import copy
 from ..equations.losses import MESH, SHAFT, VISCOUS
-from ..equations.motion import stored_besides
-from ..equations.satellites import AS_THEY_ARE, spin_torques, weight_torques
-from ..impulse import push_driven_mass
-from ..layout import imbalance
+from ..equations.motion import potential_energy
+from ..equations.satellites import RESOLVE_SIGNS, gravity_potential, satellite_friction
+from ..impulse import jump_driven_mass
+from ..layout import imbalance_position
 from ..links import (
     friction_power,
     inertia_of_link1,
@@ -210,8 +210,15 @@ def find_friction(d, x, w, h):
         rate2_q = k * ((w.end1 - w.end2) - (x.omega1 - x.omega2)) / h
         q = x.q + 0.5 * k * w.new_slip_angle
         mean1 = x.omega1 + 0.5 * h * alpha1
-        journals, spun, by_alpha1, by_rate2 = spin_torques(
-            d, q, imbalance(d, q, 0.0), mean1, k * w.new_slip_angle / h, alpha1, rate2_q, AS_THEY_ARE
+        journals, spun, by_alpha1, by_rate2 = satellite_friction(
+            d,
+            q,
+            imbalance_position(d, q, 0.0),
+            mean1,
+            k * w.new_slip_angle / h,
+            alpha1,
+            rate2_q,
+            RESOLVE_SIGNS,
         )
         spun = k * (journals + spun + by_alpha1 * alpha1 + by_rate2 * rate2_q)
     mesh = mesh_impulse(d, x, w, h) / h
@@ -240,9 +247,9 @@ def weigh(d, x, w):
     """
     half = 0.5 * w.far_angle1
     theta1 = x.theta1 + half
-    here, by_theta1, by_q = weight_torques(d, imbalance(d, x.q, 0.0), theta1)
+    here, by_theta1, by_q = gravity_potential(d, imbalance_position(d, x.q, 0.0), theta1)
     angle = d.k * w.far_angle
-    there, far_by_theta1, _ = weight_torques(d, imbalance(d, x.q + angle, 0.0), theta1)
+    there, far_by_theta1, _ = gravity_potential(d, imbalance_position(d, x.q + angle, 0.0), theta1)
     w.weight1 = 0.5 * (by_theta1 + far_by_theta1)
     if half != 0.0:
         w.weight1 *= math.sin(half) / half
@@ -257,7 +264,7 @@ def end_fall(d, x, w):
     That happens only with the torque of link 1 given, for its angle is not known beforehand. Where that is
     much of what moves the step ends where it began, at rest.
     """
-    gained = stored_besides(d, x) - stored_besides(d, w.fallen) - w.weighed
+    gained = potential_energy(d, x) - potential_energy(d, w.fallen) - w.weighed
     if gained <= 0.0:
         return
     omega4 = x.omega3 - x.relative
@@ -356,10 +363,10 @@ def end_hub(d, x, w, end3):
         x.omega3 = w.seen3
         x.relative = w.seen3 - w.omega4
         x.relative_low = 0.0
-        push_driven_mass(d, x, w.end3 - w.seen3, False)
+        jump_driven_mass(d, x, w.end3 - w.seen3, False)
         x.omega3 = w.end3
         if w.stiff != 0.0:
             x.relative = 0.0
             x.relative_low = 0.0
-        push_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
+        jump_driven_mass(d, x, end3 - w.end3, w.stiff != 0.0)
     x.omega3 = end3

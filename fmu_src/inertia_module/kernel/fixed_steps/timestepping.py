@@ -9,11 +9,11 @@ import math
 
 from ..accumulate import clear, copy
 from ..codes import OK, TOO_MUCH_WORK
-from ..equations.choice import choose_states
+from ..equations.choice import select_mode
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH
-from ..equations.states import OPEN, count_switch, drives, holds, is_rough
+from ..equations.states import OVERRUNNING, count_switch, has_friction, is_housing_engaged, is_output_engaged
 from ..events.advance import commit
-from ..impulse import settle, shaft_inertia
+from ..impulse import shaft_inertia, solve_impact
 from ..inertia import reduced_inertia
 from ..links import inertia_of_link1, inertia_of_link2
 from ..loads import sample_load
@@ -107,7 +107,7 @@ def follow(d, x, w, held, joined, prescribed, h):
     push = contact + holding
     # it is the impulse over the whole step that must not pull, but for the drag
     rested = max(push - motion.mesh_impulse(d, x, w, h), 0.0) if held else 0.0
-    w.settled2, w.settled3, output, w.mode = settle(
+    w.settled2, w.settled3, output, w.mode = solve_impact(
         d, inertia2, w.end2, inertia3, w.end3, stops, meets, max(push, 0.0), rested
     )
     w.change.output = output + contact
@@ -122,7 +122,7 @@ def follow_closed(d, x, w, prescribed, h):
     if joined and not always and push <= 0.0:
         follow(d, x, w, False, False, prescribed, h)
     stays = x.omega2 == 0.0 and x.play_housing == 0.0
-    if d.housing != 0.0 and stays and holds(w.mode):
+    if d.housing != 0.0 and stays and is_housing_engaged(w.mode):
         joined = always or (x.omega3 == 0.0 and x.play_output == 0.0)
         push = follow(d, x, w, True, joined, prescribed, h)
         if joined and not always and push < 0.0:
@@ -140,7 +140,7 @@ def follow_contacts(d, x, w, prescribed, h):
 
 def passes(d):
     """How often a step is followed to know its loads."""
-    return LOADED if is_rough(d) or d.weight != 0.0 else 0
+    return LOADED if has_friction(d) or d.weight != 0.0 else 0
 
 
 def follow_loaded(d, x, w, prescribed, h, foresee):
@@ -163,10 +163,10 @@ def follow_loaded(d, x, w, prescribed, h, foresee):
 
 def share_until_closed(d, x, w):
     """Share of the step after which a freewheel without play closes (1: none), and if it is the housing's."""
-    meets = d.output_engagement_angle == 0.0 and drives(w.mode)
+    meets = d.output_engagement_angle == 0.0 and is_output_engaged(w.mode)
     if meets and x.omega3 > x.omega2 and w.end2 > w.end3:
         return (x.omega3 - x.omega2) / (x.omega3 - x.omega2 + w.end2 - w.end3), False
-    stops = d.housing_engagement_angle == 0.0 and holds(w.mode)
+    stops = d.housing_engagement_angle == 0.0 and is_housing_engaged(w.mode)
     if stops and x.omega2 > 0.0 and w.end2 < 0.0:
         return x.omega2 / (x.omega2 - w.end2), True
     return 1.0, False
@@ -179,7 +179,7 @@ def close_within(d, x, w, prescribed, h, share, housing):
     """
     share = max(share, SHORTEST)
     rests = x.omega2 == 0.0 and w.end2 == 0.0
-    joined = housing and drives(w.mode) and x.omega3 == x.omega2 and x.play_output == 0.0
+    joined = housing and is_output_engaged(w.mode) and x.omega3 == x.omega2 and x.play_output == 0.0
     target = 0.0 if housing or rests else x.omega3 + share * (w.end3 - x.omega3)
     slip = x.omega1 + share * (w.end1 - x.omega1) - target
     turned = 0.5 * share * h * (x.omega1 - x.omega2 + slip)
@@ -222,7 +222,7 @@ def finish(d, x, w, h):
         if end3 == end2:
             end3 = w.end1
         end2 = w.end1
-    held, driving = holds(w.mode), drives(w.mode)
+    held, driving = is_housing_engaged(w.mode), is_output_engaged(w.mode)
     impact = (held and x.play_housing > 0.0) or (driving and x.play_output > 0.0)
     if impact:
         inertia2 = inertia_of_link2(d, w.end.i, w.end.b, w.end.g)
@@ -317,7 +317,7 @@ def run_timestepping(d, x, w, h):
     w.load, w.prescribed = x.load_torque, x.drive_torque
     clear(w.change.numbers)
     # what takes over the changes of a step is told by these whether play is left to turn back
-    x.housing_state = x.output_state = OPEN
+    x.housing_state = x.output_state = OVERRUNNING
     number = 0.0
     while number < count:
         number += 1.0
@@ -328,5 +328,5 @@ def run_timestepping(d, x, w, h):
         one_step(d, x, w, prescribed, part)
         sample_load(d, x, x.q, x.omega1, x.omega2, (x.omega1 - omega1) / part, (x.omega2 - omega2) / part)
     # what the torques now follow from
-    choose_states(d, x, 0.0)
+    select_mode(d, x, 0.0)
     return OK
