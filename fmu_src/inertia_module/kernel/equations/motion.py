@@ -24,7 +24,7 @@ from .satellites import (
 )
 from .states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY, OVERRUNNING, RATIO_PRESCRIBED
 
-MAX_SIGN_ITERATIONS = 50  # sign patterns of the mesh torques; each one is closer to the solution
+MAX_SIGN_ITERATIONS = 50  # Sign patterns of the mesh torques; each one is closer to the solution
 
 
 def load_state(d, x):
@@ -39,8 +39,8 @@ def copy_accelerations(target, source):
     """Copy accelerations, torques and reduced inertia. Both records end with the fields of fields.NOW.
 
     Args:
-        target: record that is written.
-        source: record that is read.
+        target: Record that is written.
+        source: Record that is read.
     """
     first_target, first_source = len(target.numbers) - OF_NOW, len(source.numbers) - OF_NOW
     for n in range(OF_NOW):
@@ -53,9 +53,9 @@ def freewheel_torques(d, x, m, lossy):
     The torque of a freewheel that is locked follows from the accelerations; it is 0 here.
 
     Args:
-        d: constants.
-        x: state; the states of the freewheels are read.
-        m: motion (fields.MACHINE).
+        d: Constants.
+        x: State; the states of the freewheels are read.
+        m: Motion (fields.MACHINE).
         lossy: LOSSY or IDEAL, a compile-time constant.
     """
     m.housing = 0.0
@@ -81,16 +81,16 @@ def solve_links(d, x, m, prescribed, inertia1, inertia2, b, b_s, g_s, f_k, r1, r
     An acceleration that is prescribed, or is 0 because the housing freewheel is locked, removes its row.
 
     Args:
-        d: constants.
-        x: state; the states of the freewheels are read.
-        m: motion; alpha2 is read if the speed ratio is prescribed.
-        prescribed: acceleration of link 1, rad/s^2, or its torque M1, N m, if ``d.by_torque``.
+        d: Constants.
+        x: State; the states of the freewheels are read.
+        m: Motion; alpha2 is read if the speed ratio is prescribed.
+        prescribed: Acceleration of link 1, rad/s^2, or its torque M1, N m, if ``d.by_torque``.
         inertia1: J1 + I, kg m^2.
         inertia2: J2 with everything locked to link 2, kg m^2.
         b: B, kg m^2.
         b_s: B with the friction of the meshes 17-6, kg m^2.
         g_s: G with the friction of the meshes 17-6, kg m^2.
-        f_k: torque on link 2 over tau: the ratio k with the loss factor f of the mesh 2-16.
+        f_k: Torque on link 2 over tau: the ratio k with the loss factor f of the mesh 2-16.
         r1: R1, terms of M1 without accelerations, N m.
         r: R, terms of tau without accelerations, N m.
         r2: R2, torque against link 2, N m.
@@ -109,7 +109,7 @@ def solve_links(d, x, m, prescribed, inertia1, inertia2, b, b_s, g_s, f_k, r1, r
         if x.output_state == RATIO_PRESCRIBED:
             alpha2 = m.alpha2
         elif x.housing_state != LOCKED:
-            # the division does not depend on the forces, so a processor starts it early
+            # The division does not depend on the forces, so a processor starts it early
             alpha2 = 1.0 / m22 * (force2 - m21 * alpha1)
     else:
         m11 = inertia1 + k * b - m21
@@ -128,24 +128,24 @@ def solve_links(d, x, m, prescribed, inertia1, inertia2, b, b_s, g_s, f_k, r1, r
 def solve_mesh_signs(d, x, m, prescribed, position, inertia1, inertia2, b, g, r1, r, r2, keep_signs):
     """Solve for the accelerations of links that slip, with load-dependent losses.
 
-    The losses depend on the signs of the mesh torques tau and tau6 of each satellite, and the system is linear
-    for each pattern of signs. With ``keep_signs`` the pattern is the one in ``x``: inside an integration step a
-    change of sign is an event. Otherwise each iteration takes the signs of the last solution. This is Newton's
-    method for a piecewise linear system.
+    The losses depend on the signs of the mesh torques: tau, and tau6 of each satellite. The system is linear
+    for each pattern of signs. With ``keep_signs`` the pattern is the one in ``x``, because inside an
+    integration step a change of sign is an event. Otherwise each iteration takes the signs of the last
+    solution. This is Newton's method for a piecewise linear system.
 
     Args:
-        d: constants.
-        x: state; contact mode and signs are read.
-        m: motion; alpha1, alpha2, torques, friction and signs are written.
-        prescribed: acceleration of link 1, rad/s^2, or its torque, N m, if ``d.by_torque``.
-        position: of imbalance 0 (layout.imbalance_position).
+        d: Constants.
+        x: State; contact mode and signs are read.
+        m: Motion; alpha1, alpha2, torques, friction and signs are written.
+        prescribed: Acceleration of link 1, rad/s^2, or its torque, N m, if ``d.by_torque``.
+        position: Of imbalance 0 (layout.imbalance_position).
         inertia1: J1 + I, kg m^2.
         inertia2: J2 with everything locked to link 2, kg m^2.
         b: B, kg m^2.
         g: G, kg m^2.
-        r1: terms of M1 without accelerations, N m.
-        r: terms of tau without accelerations and friction, N m.
-        r2: torque against link 2, N m.
+        r1: Terms of M1 without accelerations, N m.
+        r: Terms of tau without accelerations and friction, N m.
+        r2: Torque against link 2, N m.
         keep_signs: True to use the signs in ``x``.
     """
     k = d.k
@@ -156,7 +156,7 @@ def solve_mesh_signs(d, x, m, prescribed, position, inertia1, inertia2, b, g, r1
     rate2_q = k * (alpha1 - alpha2)
     flow = x.flow_sign if keep_signs else abs(sigma)
     signs = x.spin_signs if keep_signs and d.satellites <= MAX_TRACKED_SATELLITES else RESOLVE_SIGNS
-    # the torque of a single satellite whose sign is fixed is the sum over all satellites
+    # The torque of a single satellite whose sign is fixed is the sum over all satellites
     has_sum = d.satellite_loss != 0.0 and (signs == RESOLVE_SIGNS or d.satellites > 1.0)
     bearings = mesh = by_alpha1 = by_rate2 = 0.0
     if d.journal_friction + d.satellite_loss > 0.0:
@@ -199,14 +199,14 @@ def solve_slipping(d, x, m, prescribed, inertia, position, inertia2, r2, keep_si
     """Write the accelerations of links 1 and 2 while they slip, and the torques between them, into ``m``.
 
     Args:
-        d: constants.
-        x: state; contact mode and signs are read.
-        m: motion; accelerations and torques are written. alpha2 is read if the speed ratio is prescribed.
-        prescribed: acceleration of link 1, rad/s^2, or its torque, N m, if ``d.by_torque``.
+        d: Constants.
+        x: State; contact mode and signs are read.
+        m: Motion; accelerations and torques are written. alpha2 is read if the speed ratio is prescribed.
+        prescribed: Acceleration of link 1, rad/s^2, or its torque, N m, if ``d.by_torque``.
         inertia: (I, I', B, B', G, G') at ``m.q``, kg m^2 and kg m^2/rad.
-        position: of imbalance 0 (layout.imbalance_position).
+        position: Of imbalance 0 (layout.imbalance_position).
         inertia2: J2 with everything locked to link 2, kg m^2.
-        r2: torque against link 2, N m.
+        r2: Torque against link 2, N m.
         keep_signs: True to use the signs of the mesh torques in ``x``.
         lossy: LOSSY or IDEAL, a compile-time constant.
     """
@@ -237,14 +237,14 @@ def solve_sticking(d, x, m, prescribed, inertia, position, inertia2, r2):
     ``m.margin`` is the right side minus the left side, N m.
 
     Args:
-        d: constants.
-        x: state; the states of the freewheels are read.
-        m: motion; accelerations and torques are written.
-        prescribed: acceleration of link 1, rad/s^2, or its torque, N m, if ``d.by_torque``.
+        d: Constants.
+        x: State; the states of the freewheels are read.
+        m: Motion; accelerations and torques are written.
+        prescribed: Acceleration of link 1, rad/s^2, or its torque, N m, if ``d.by_torque``.
         inertia: (I, I', B, B', G, G') at ``m.q``, kg m^2 and kg m^2/rad.
-        position: of imbalance 0 (layout.imbalance_position).
+        position: Of imbalance 0 (layout.imbalance_position).
         inertia2: J2 with everything locked to link 2, kg m^2.
-        r2: torque against link 2, N m.
+        r2: Torque against link 2, N m.
     """
     i, i1, b, _, _, _ = inertia
     omega1 = m.omega1
@@ -261,8 +261,8 @@ def solve_sticking(d, x, m, prescribed, inertia, position, inertia2, r2):
     )
     m.mesh = inertia2 * alpha + r2
     if is_held:
-        # at rest the torque between the links is not unique: the drive torque determines it, or with the speed
-        # prescribed it is the torque that needs least friction
+        # At rest the drive torque determines the mesh torque; with the speed prescribed it is not unique,
+        # and the value that needs least friction is taken
         m.mesh = min(d.k * ideal_tau, r2 + d.housing_drag)
         if m.play_housing > 0.0:
             m.mesh = max(m.mesh, r2)
@@ -277,7 +277,7 @@ def solve_sticking(d, x, m, prescribed, inertia, position, inertia2, r2):
     friction_tau = m.mesh / d.k - ideal_tau
     m.margin = bearings + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(friction_tau)
     if is_held and d.by_torque == 0.0 and prescribed != 0.0:
-        m.margin = -(d.J2 + d.F_by_alpha1) * abs(prescribed)  # link 1 accelerates whatever the friction
+        m.margin = -(d.J2 + d.F_by_alpha1) * abs(prescribed)  # Link 1 accelerates whatever the friction
 
 
 def evaluate(d, x, prescribed, load, keep_signs):
@@ -286,13 +286,13 @@ def evaluate(d, x, prescribed, load, keep_signs):
     Results are accelerations, torques, powers of windage, and the quantities of the event indicators.
 
     Args:
-        d: constants; ``d.machine`` is read and written.
-        x: state; contact mode and signs are read.
-        prescribed: acceleration or torque of link 1 (links.prescribed_at_input), rad/s^2 or N m.
-        load: load torque, N m.
+        d: Constants; ``d.machine`` is read and written.
+        x: State; contact mode and signs are read.
+        prescribed: Acceleration or torque of link 1 (links.prescribed_at_input), rad/s^2 or N m.
+        load: Load torque, N m.
         keep_signs: True to use the signs of the mesh torques in ``x`` (solve_mesh_signs).
     """
-    # one source, compiled twice: the ideal copy contains no loss terms
+    # One source, compiled twice: the ideal copy contains no loss terms
     if d.losses != 0.0:
         equations_of_motion(d, x, prescribed, load, keep_signs, LOSSY)
     else:
@@ -303,10 +303,10 @@ def equations_of_motion(d, x, prescribed, load, keep_signs, lossy):
     """Solve the equations of motion with or without losses, drag, gravity and wind-up (see evaluate).
 
     Args:
-        d: constants; ``d.machine`` is read and written.
-        x: state; contact mode and signs are read.
-        prescribed: acceleration or torque of link 1, rad/s^2 or N m.
-        load: load torque, N m.
+        d: Constants; ``d.machine`` is read and written.
+        x: State; contact mode and signs are read.
+        prescribed: Acceleration or torque of link 1, rad/s^2 or N m.
+        load: Load torque, N m.
         keep_signs: True to use the signs of the mesh torques in ``x``.
         lossy: LOSSY or IDEAL, a compile-time constant.
     """
