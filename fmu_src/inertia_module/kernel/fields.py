@@ -8,15 +8,15 @@ name with a list of fields (a record within) and maybe a number (so many).
 Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
 """
 
-from .equations import losses
+from .equations import losses, satellites
 
 # stages of the explicit pair, with those for the inside of a step; its interpolants
 STAGES = 16
 DENSE = 7
 # ... of the stiff step, and how many quantities it solves for
 SOLVED, MOVING = 8, 9
-# their guards, and the satellites that may have one each (equations.satellites.MANY)
-GUARDS, SATELLITES = 6, 50
+# Their guards, and the satellites that have one each
+GUARDS, SATELLITES = 6, satellites.MAX_TRACKED_SATELLITES
 # causes of losses
 CAUSES = len(losses.CAUSES)
 # knots of the averaged map at most, for one sign of omega1
