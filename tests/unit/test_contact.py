@@ -6,12 +6,15 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import SCENES, started
+from scenes import DRIVEN, SCENES, started
 
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations import states
 from inertia_module.kernel.equations.choice import N_MODES, complementarity_violation, select_mode, set_mode
-from inertia_module.kernel.impulse import solve_impact
+from inertia_module.kernel.equations.losses import FREEWHEEL
+from inertia_module.kernel.impulse import apply_plastic_impact, jump_input, solve_impact
+from inertia_module.kernel.inertia import reduced_inertia
+from inertia_module.kernel.links import kinetic_energy, momentum_of_links
 
 OUTPUT_FREEWHEEL = SimpleNamespace(output=1.0)
 NO_OUTPUT_FREEWHEEL = SimpleNamespace(output=0.0)
@@ -65,6 +68,82 @@ def test_impact_without_output_freewheel_keeps_link_2_and_output_together(free2,
     omega2, omega3, _, _ = solve_impact(NO_OUTPUT_FREEWHEEL, J2, free2, J3, free3, False, True, 0.0, 0.0)
     assert omega2 == omega3
     assert (J2 + J3) * omega2 == pytest.approx(J2 * free2 + J3 * free3, abs=1e-14)
+
+
+def energy(d, x):
+    return kinetic_energy(d, x.q, x.omega1, x.omega2, x.omega3)
+
+
+def test_plastic_impact_loses_the_energy_of_the_relative_motion():
+    module = started("plain", TWO_INERTIAS, omega1=20.0)
+    d, x = module.derived, module.state
+    x.omega2, x.omega3 = 8.0, 1.0
+    apply_plastic_impact(d, x)
+    assert (x.omega2, x.omega3) == pytest.approx((4.0, 4.0), rel=1e-14)
+    assert x.lost[FREEWHEEL] == pytest.approx(0.5 * J2 * J3 / (J2 + J3) * 7.0**2, rel=1e-14)
+    assert x.output_impulse == pytest.approx(J3 * 3.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("omega2", [5.0, -5.0], ids=["output", "housing"])
+def test_plastic_impact_changes_the_speed_of_a_driven_link_1(layout, omega2):
+    """The impulse of the input torque is 0. Momentum is conserved, the energy of the relative motion is lost."""
+    module = started("plain", DRIVEN[layout])
+    d, x = module.derived, module.state
+
+    def momentum():
+        i, _, b, _, _, _ = reduced_inertia(d, x.q)
+        return momentum_of_links(d, i, b, x.omega1, x.omega2, 0.0) + d.J3 * x.omega3
+
+    for q in (0.3, 1.2, 4.0):
+        x.q, x.omega1, x.omega2, x.omega3 = q, 50.0, omega2, 1.0
+        x.lost[FREEWHEEL] = x.input_impulse = x.housing_impulse = 0.0
+        energy_before, momentum_before = energy(d, x), momentum()
+        apply_plastic_impact(d, x)
+        assert x.omega2 == (0.0 if omega2 < 0.0 else x.omega3)
+        assert x.omega1 != 50.0
+        assert x.input_impulse == pytest.approx(0.0, abs=1e-13 * abs(momentum_before))
+        assert momentum() - momentum_before == pytest.approx(x.housing_impulse, abs=1e-12)
+        assert energy_before - energy(d, x) == pytest.approx(x.lost[FREEWHEEL], rel=1e-9)
+        assert x.lost[FREEWHEEL] > 0.0
+
+
+@pytest.mark.parametrize("layout", SCENES)
+@pytest.mark.parametrize("ratio", [None, 0.4], ids=["freewheels", "prescribed ratio"])
+def test_jump_of_the_input_loses_no_energy(layout, ratio):
+    prescribed = {} if ratio is None else {"fidelity": 0, "kinematic_ratio": ratio}
+    module = started("plain", SCENES[layout], prescribed)
+    d, x = module.derived, module.state
+    chance = random.Random(layout)
+    for _ in range(40):
+        x.q, x.omega1 = chance.uniform(0.0, 60.0), chance.uniform(-100.0, 100.0)
+        if ratio is None:
+            x.omega2 = chance.choice([0.0, chance.uniform(0.0, 30.0)])
+            x.omega3 = x.omega2 + chance.choice([0.0, chance.uniform(0.0, 30.0)])
+        else:
+            x.omega2 = x.omega3 = 0.3 * x.omega1
+        stored = energy(d, x) - (0.5 * d.J3 * x.omega3**2 if ratio else 0.0)
+        x.energy_in = x.energy_in_low = x.energy_out = x.energy_out_low = 0.0
+        jump = chance.uniform(-50.0, 50.0)
+        omega1 = x.omega1 + jump
+        jump_input(d, x, jump, False)
+        gain = energy(d, x) - (0.5 * d.J3 * x.omega3**2 if ratio else 0.0) - stored
+        scale = abs(stored) + abs(x.energy_in)
+        assert x.omega1 == omega1
+        assert x.energy_in + x.energy_in_low - x.energy_out - x.energy_out_low == pytest.approx(
+            gain, abs=1e-12 * scale
+        )
+
+
+@pytest.mark.parametrize("wheel", ["housing", "output"])
+def test_freewheel_inside_its_engagement_angle_has_no_impact(wheel):
+    module = started("plain", TWO_INERTIAS, {f"{wheel}_engagement_angle": 0.05}, omega1=20.0)
+    d, x = module.derived, module.state
+    setattr(x, f"play_{wheel}", 0.05)
+    x.omega2, x.omega3 = (-2.0, 3.0) if wheel == "housing" else (8.0, 1.0)
+    speeds = x.omega2, x.omega3
+    apply_plastic_impact(d, x)
+    assert (x.omega2, x.omega3) == speeds
 
 
 def select(load, omega2, omega3, **values):
