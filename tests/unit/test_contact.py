@@ -87,7 +87,7 @@ def test_plastic_impact_loses_the_energy_of_the_relative_motion():
 @pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("omega2", [5.0, -5.0], ids=["output", "housing"])
 def test_plastic_impact_changes_the_speed_of_a_driven_link_1(layout, omega2):
-    """The impulse of the input torque is 0. Momentum is conserved, the energy of the relative motion is lost."""
+    """The impulse of the input torque is 0. Momentum is conserved; the energy of the slip is lost."""
     module = started("plain", DRIVEN[layout])
     d, x = module.derived, module.state
 
