@@ -143,7 +143,7 @@ def test_jamming_is_looked_for_in_few_turns_of_many_teeth(monkeypatch, drive, lo
         assert len(looks) < 1e5
         return False
 
-    monkeypatch.setattr(satellites, "jams_at", look)
+    monkeypatch.setattr(satellites, "is_self_locking_at", look)
     teeth = {"z2": 999, "z16": 1000, "z17": 997, "z6": 991}
     started("plain", teeth, {loss: 0.97}, drive=drive, input_inertia=0.01)
     assert bool(looks) == (drive == 1 or loss == "satellite_mesh_efficiency")
@@ -152,13 +152,15 @@ def test_jamming_is_looked_for_in_few_turns_of_many_teeth(monkeypatch, drive, lo
 @pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])
 @pytest.mark.parametrize("z6", [13, 41], ids=["all turns", "some turns"])
 def test_meshes_jam_as_at_all_angles_of_the_period(drive, z6, monkeypatch):
-    monkeypatch.setattr(satellites, "ANGLES", 32)
+    monkeypatch.setattr(satellites, "ANGLES_PER_CYCLE", 32)
     scene = {"a": 1.4, "b": 0.7, "z17": 31, "z6": z6, "satellite_mesh_efficiency": 0.3}
     d = started("plain", scene, drive=drive, input_inertia=10.0, link2_inertia=10.0).derived
     found = []
     for exponent in range(-12, 3):
         d.J1 = d.J2 = 10.0 ** (0.5 * exponent)
-        whole = satellites.jams_within(d, d.period, satellites.ANGLES * d.harmonic * d.period_turns)
-        found.append(satellites.jams(d))
+        whole = satellites.is_self_locking_within(
+            d, d.period, satellites.ANGLES_PER_CYCLE * d.harmonic * d.period_turns
+        )
+        found.append(satellites.is_self_locking(d))
         assert found[-1] == whole
     assert {True, False} == set(found)

@@ -14,8 +14,8 @@ from scenes import ENGINE, FRICTION, LAYOUTS, SCENES, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
-from inertia_module.kernel.equations.choice import choose_states
-from inertia_module.kernel.equations.states import LOCKED, OPEN
+from inertia_module.kernel.equations.choice import select_mode
+from inertia_module.kernel.equations.states import LOCKED, OVERRUNNING
 from inertia_module.kernel.events.advance import begin_step
 from inertia_module.kernel.events.guards import fitted_guard
 from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
@@ -68,8 +68,8 @@ def in_mode(values, mode, chance):
 @pytest.mark.parametrize("mode", MODES)
 def test_guards_in_an_explicit_step(values, chance, mode):
     d, x, w, step = in_mode(values, mode, chance)
-    x.housing_state = LOCKED if mode in (HELD, HELD_DRIVING) else OPEN
-    x.output_state = LOCKED if mode in (DRIVING, HELD_DRIVING) else OPEN
+    x.housing_state = LOCKED if mode in (HELD, HELD_DRIVING) else OVERRUNNING
+    x.output_state = LOCKED if mode in (DRIVING, HELD_DRIVING) else OVERRUNNING
     x.slip_sign, x.rates_cached = 1.0, 0.0
     begin_step(d, x, w)
     make_step(d, x, w, LONG, step)
@@ -91,5 +91,5 @@ def test_of_equals_the_mode_is_chosen_that_goes_on(chance, sign):
     x.alpha1 = x.load_torque = 0.0
     still = {"omega1": x.omega1, "omega2": 0.0}
     rate = difference(lambda t: solve_at(module, True, False, q=d.k * x.omega1 * t, **still).mesh)
-    choose_states(d, x, 0.0)
+    select_mode(d, x, 0.0)
     assert x.mode == (DRIVING if rate > 0.0 else HELD_DRIVING)

@@ -37,11 +37,14 @@ from .python_source import Scope
 INLINED = frozenset(
     f"{kernel.__name__}.{name}"
     for name in (
-        *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
-        *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
-        *("equations.choice.violation", "equations.choice.try_combination", "averaged.rates.look_up_input"),
-        *("equations.losses.outer_torques", "equations.losses.write_powers_lost"),
-        *("inertia.reduced_inertia", "layout.imbalance_at", "sine.sine_cosine", "sine.sines_cosines"),
+        *("equations.motion.equations_of_motion", "equations.motion.solve_slipping"),
+        *("equations.motion.solve_mesh_signs", "equations.motion.solve_links"),
+        *("equations.choice.mode_violation", "equations.choice.set_mode"),
+        *("equations.losses.applied_torques", "equations.losses.write_loss_powers"),
+        *("inertia.reduced_inertia", "layout.bevel_imbalance_position"),
+        *("sine.sine_cosine", "sine.sines_cosines", "averaged.rates.look_up_input"),
+        *("events.stages.stages_of", "events.stages.rates_of"),
+        *("events.stages.weighed_four", "events.stages.weigh"),
     )
 )
 RECORDS = ("parameters", "constants", "inputs", "state", "outputs", "workspace")

@@ -66,7 +66,7 @@ def _draw(
 
 def _draw_imbalance(axes: Axes, d: Any, view: tuple[int, int], q: Array, turned: float) -> None:
     """Draw an imbalance of a satellite turned from satellite 0, and its path over drive angles q, rad."""
-    places = [layout.imbalance(d, angle, turned)[:3] for angle in q]  # type: ignore[no-untyped-call]
+    places = [layout.imbalance_position(d, angle, turned)[:3] for angle in q]  # type: ignore[no-untyped-call]
     if d.planar:
         places = [layout.to_fixed_frame(turned, *place) for place in places]  # type: ignore[no-untyped-call]
     seen = _draw(axes, np.array(places), view, VERMILION, "", filled=False)

@@ -9,7 +9,7 @@ import math
 
 from . import codes
 from .accumulate import TWO_PI, TWO_PI_LOW
-from .equations.losses import add_to_bounds, by_load
+from .equations.losses import add_loss_bounds, general_loss_coefficient
 from .links import slowest_rate
 
 # the leading 30 bits of 2 pi: a whole number below 2**23 times this is exact
@@ -136,12 +136,12 @@ def derive_general(d):
     if d.freewheel_stiffness == 0.0:
         d.freewheel_damping = 0.0
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
-    d.losses = 1.0 if by_load(d) + drag + d.turning > 0.0 else 0.0
+    d.losses = 1.0 if general_loss_coefficient(d) + drag + d.turning > 0.0 else 0.0
     d.averaged = 1.0 if d.fidelity == codes.AVERAGED else 0.0
     d.lossy = 0.0
     if d.averaged != 0.0:
         # its own equations; the weights' mean over turns of link 1 is nothing
-        d.lossy = 1.0 if d.viscous + by_load(d) - d.weight + drag + d.plays > 0.0 else 0.0
+        d.lossy = 1.0 if d.viscous + general_loss_coefficient(d) - d.weight + drag + d.plays > 0.0 else 0.0
         d.weight = 0.0
 
 
@@ -252,7 +252,7 @@ def derive(p, d):
     d.F_by_slip *= scale
     d.F_by_speed *= scale
     d.F_by_alpha1 = scale * d.F_by_alpha1 + d.k * (1.0 + d.k) * d.J16
-    add_to_bounds(d)
+    add_loss_bounds(d)
     add_bodies(d)
     d.lightest = lightest_link2(d)
     is_singular = not d.lightest > SINGULAR_RATIO

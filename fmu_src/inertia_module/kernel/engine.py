@@ -5,9 +5,9 @@ The contact mode is chosen, a solver follows it to the next event or to the end 
 
 from .accumulate import copy
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
-from .equations.choice import GOES_ON, choose_next_states, choose_states, switch_states
-from .equations.motion import evaluate, recall, take_state
-from .equations.states import GEARED
+from .equations.choice import CONTINUATION_BIAS, select_mode, select_mode_after_event, switch_mode
+from .equations.motion import copy_accelerations, evaluate, load_state
+from .equations.states import RATIO_PRESCRIBED
 from .events.advance import advance_general
 from .events.kinematic import advance_kinematic, keep_ratio, prescribe
 from .links import fastest_own_rate, prescribed_at_input
@@ -24,12 +24,12 @@ STALLS_ALLOWED = 100
 
 def solve_now(d, x):
     """Accelerations and torques in the present mode, into d.machine."""
-    if x.output_state == GEARED:
+    if x.output_state == RATIO_PRESCRIBED:
         prescribe(d, x, 0.0)
         return
-    take_state(d, x)
+    load_state(d, x)
     if x.rates_cached != 0.0:
-        recall(d.machine, x.now)
+        copy_accelerations(d.machine, x.now)
     else:
         evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
 
@@ -47,7 +47,7 @@ def follow_parameters(d, x):
         keep_ratio(d, x)
         x.mode = DRIVING
     elif d.fidelity != AVERAGED:
-        choose_states(d, x, 0.0)
+        select_mode(d, x, 0.0)
         follow_torque(d, x)
 
 
@@ -56,7 +56,7 @@ def switch_now(d, x):
     if x.switching == 0.0:
         return
     x.step_evaluations = 0.0
-    choose_next_states(d, x)
+    select_mode_after_event(d, x)
     x.evaluations += x.step_evaluations
     x.switching = 0.0
     x.torques_continue = 1.0
@@ -69,7 +69,7 @@ def begin_events(d, x, w):
     w.load = x.load_torque
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         x.rates_cached = 0.0
-        switch_states(d, x, GOES_ON)
+        switch_mode(d, x, CONTINUATION_BIAS)
     if d.losses != 0.0:
         x.rates_cached = 0.0  # losses and guards are not kept from one communication step to the next
     x.torques_continue = 0.0
@@ -77,7 +77,7 @@ def begin_events(d, x, w):
     x.load_prescribed = w.load
 
 
-def select_mode(d, x, w, can_stop):
+def switch_or_stop(d, x, w, can_stop):
     """Select the contact mode after an event, or stop just before it changes.
 
     Args:
@@ -92,7 +92,7 @@ def select_mode(d, x, w, can_stop):
     x.rates_cached = 0.0
     if w.stops != 0.0:
         copy(w.kept.numbers, x.numbers)
-    has_changed = choose_next_states(d, x)
+    has_changed = select_mode_after_event(d, x)
     if not has_changed:
         x.step_size *= 0.5  # the dense output is too coarse for the event indicators
     is_switch = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
@@ -129,7 +129,7 @@ def run_events(d, x, w, h):
     while time < h:
         remaining = h - time
         speeds = abs(x.omega1) + abs(x.omega2)
-        if x.output_state == GEARED:
+        if x.output_state == RATIO_PRESCRIBED:
             passed = advance_kinematic(d, x, w, remaining)
         else:
             passed, event = advance_general(d, x, w, remaining)
@@ -140,7 +140,7 @@ def run_events(d, x, w, h):
             x.omega1 = start1 + w.prescribed * time
         travel += phase_passed(d, x, passed, speeds)
         if event:
-            has_changed, stops = select_mode(d, x, w, time > SHORTEST * h)
+            has_changed, stops = switch_or_stop(d, x, w, time > SHORTEST * h)
             if stops:
                 x.length = time
                 return OK

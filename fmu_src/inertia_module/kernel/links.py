@@ -7,7 +7,7 @@ It is behind the output freewheel (docs/mechanics.md):
 
 import math
 
-from .equations.states import LOCKED, WOUND
+from .equations.states import ENGAGED_COMPLIANT, LOCKED
 from .inertia import reduced_inertia
 
 
@@ -99,9 +99,9 @@ def fastest_own_rate(d, x):
         hub = 0.0
     rate = max(shaft_frequency(d, hub), d.shaft_damping * (hub + 1.0 / d.J4))
     rate = max(rate, d.driven_friction / d.J4, d.b3 / d.J3, (d.b2 + d.k * d.k * d.bq) / link2)
-    if x.housing_state == WOUND:
+    if x.housing_state == ENGAGED_COMPLIANT:
         rate = max(rate, math.sqrt(d.housing_stiffness / link2), d.housing_damping / link2)
-    if x.output_state == WOUND:
+    if x.output_state == ENGAGED_COMPLIANT:
         mobility = 1.0 / link2 + 1.0 / d.J3
         rate = max(rate, math.sqrt(d.freewheel_stiffness * mobility), d.freewheel_damping * mobility)
     return rate

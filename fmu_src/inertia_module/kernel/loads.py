@@ -8,7 +8,7 @@ nothing for it. Of a long one, with its many pulses, only a share is seen from s
 import math
 
 from .accumulate import TWO_PI
-from .layout import acceleration, imbalance, imbalance_in_fixed_frame, to_fixed_frame
+from .layout import imbalance_acceleration, imbalance_motion, imbalance_position, to_fixed_frame
 
 # phase of the highest harmonic in an internal step from which on its inside is seen, rad
 INSIDE_PHASE = 1.0
@@ -21,8 +21,8 @@ def square_at(d, moment):
     """|a|^2 of imbalance 0 at a moment (fields.MOMENT), (m/s^2)^2."""
     rate_q = d.k * (moment.omega1 - moment.omega2)
     rate2_q = d.k * (moment.alpha1 - moment.alpha2)
-    place = imbalance(d, moment.q, 0.0)
-    ax, ay, az = acceleration(place, moment.omega1, moment.alpha1, rate_q, rate2_q)
+    place = imbalance_position(d, moment.q, 0.0)
+    ax, ay, az = imbalance_acceleration(place, moment.omega1, moment.alpha1, rate_q, rate2_q)
     return ax * ax + ay * ay + az * az
 
 
@@ -36,8 +36,8 @@ def largest_square(d, x):
 
 def see_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """Include the moment before an event in the largest |a|^2 at once; no later moment replaces it."""
-    ax, ay, az = acceleration(
-        imbalance(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
+    ax, ay, az = imbalance_acceleration(
+        imbalance_position(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
     )
     x.largest_square = max(x.largest_square, ax * ax + ay * ay + az * az)
 
@@ -101,7 +101,7 @@ def write_loads(d, x, y, alpha2):
     fx, fy, fz = 0.0, 0.0, 0.0
     gears = d.modules * d.satellites / number
     for n in range(int(number)):
-        px, py, pz, vx, vy, vz, ax, ay, az = imbalance_in_fixed_frame(
+        px, py, pz, vx, vy, vz, ax, ay, az = imbalance_motion(
             d, x.q, x.theta1, x.omega1, x.alpha1, rate_q, rate2_q, TWO_PI * n / number
         )
         fx -= mass * ax

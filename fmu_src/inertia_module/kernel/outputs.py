@@ -7,7 +7,7 @@ from .accumulate import TWO_PI, total
 from .averaged.run import averaged_energy, write_averaged
 from .codes import AVERAGED, KINEMATIC, RIGID
 from .engine import solve_now
-from .equations.motion import stored_besides
+from .equations.motion import potential_energy
 from .links import kinetic_energy
 from .loads import write_loads
 
@@ -21,7 +21,7 @@ def stored_energy(d, x):
     """Kinetic energy of the mechanism and the energy of an elastic output, J."""
     if d.fidelity == AVERAGED:
         return averaged_energy(d, x)
-    besides = stored_besides(d, x) if d.losses != 0.0 else 0.0
+    besides = potential_energy(d, x) if d.losses != 0.0 else 0.0
     # prescribed motion ends at the output, before J3
     omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
     stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)

@@ -12,7 +12,7 @@ from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start,
 from .averaged.torque_map import build_map
 from .derive import derive
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
-from .equations.satellites import jams
+from .equations.satellites import is_self_locking
 from .events.kinematic import keep_ratio
 from .impulse import jump_input
 from .inputs import begin, check_hold, check_inputs, check_step
@@ -41,7 +41,7 @@ SAME_SPEED = 1e-14
 def check_parameters(p, d):
     """Derive the constants and check the parameters together. Returns a status."""
     status = derive(p, d)
-    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d) else status
+    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and is_self_locking(d) else status
 
 
 def check(p, d, u):

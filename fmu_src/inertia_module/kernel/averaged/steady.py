@@ -9,8 +9,8 @@ are those of an input speed, scaled: b / |v| and drag / v^2.
 import math
 
 from ..accumulate import TWO_PI, clear, copy
-from ..equations.choice import choose_next_states, choose_states
-from ..equations.states import CLOSING
+from ..equations.choice import select_mode, select_mode_after_event
+from ..equations.states import IN_BACKLASH
 from ..events.advance import advance_general
 from ..inertia import reduced_inertia
 from ..inputs import begin_sums
@@ -231,14 +231,14 @@ def follow(d, x, w, length):
         # in its play link 2 may be as fast as link 1 or faster for a while: the drive rests, or turns back;
         # or they stick together until link 2 meets the output or the housing
         still = AT_REST * (abs(x.omega1) + abs(x.omega2))
-        stays = event or slip < -still or min(x.housing_state, x.output_state) == CLOSING
+        stays = event or slip < -still or min(x.housing_state, x.output_state) == IN_BACKLASH
         waits = d.plays != 0.0 and idle < MOST_IDLE and stays
         if not slip > still and not waits:
             return -1.0, 0.0
         idle = idle + 1 if rest > least else 0
         least = min(least, rest)
         if event:
-            choose_next_states(d, x)
+            select_mode_after_event(d, x)
             # what was locked for long moves at once now: the size of its last steps, long ago, says nothing
             x.step_size = min(0.5 * x.step_size, FIRST_PHASE / (d.harmonic * d.k))
         time += passed
@@ -280,7 +280,7 @@ def add_part(d, x, w, side, q, length, before):
         x.omega1 = speed_of_energy(d, x, side.direction, 0.5 * w.begin_energy * d.map_inertia)
         x.drive_torque = w.drive
     w.prescribed = x.drive_torque
-    choose_states(d, x, 0.0)
+    select_mode(d, x, 0.0)
     time = energy = start = 0.0
     for _ in range(2 if before else 1):
         begin_sums(x)

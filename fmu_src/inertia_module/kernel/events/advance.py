@@ -2,14 +2,14 @@
 
 from ..accumulate import add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import NONE
-from ..equations.choice import take_speeds
+from ..equations.choice import enforce_equal_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
-from ..equations.motion import recall, take_state
-from ..equations.satellites import weight_torques, with_sign_changed
-from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open
+from ..equations.motion import copy_accelerations, load_state
+from ..equations.satellites import gravity_potential, toggle_bit
+from ..equations.states import ENGAGED_COMPLIANT, IN_BACKLASH, LOCKED, OVERRUNNING, is_open
 from ..fields import CAUSES
-from ..impulse import close_freewheels, holds_link2
-from ..layout import imbalance
+from ..impulse import apply_plastic_impact, has_rigid_housing_contact
+from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
 from ..loads import INSIDE_PHASE, sample_load, see_load
 from ..tableau import IN_ORDER, LONG, NODES, SHORT, extremum, last_stage, order_of_stages
@@ -61,15 +61,15 @@ def left_of_play(state, play, turned, engagement_angle):
     """
     if not is_open(state):
         return play
-    return max(NO_PLAY if state == CLOSING else 0.0, min(play - turned, engagement_angle))
+    return max(NO_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
 
 
 def turn_back(d, x, change):
     """Take over by how much freewheels have turned back: into their springs, or out of their play."""
     housing, output = x.housing_state, x.output_state
-    if housing == WOUND:
+    if housing == ENGAGED_COMPLIANT:
         x.wound_housing += change.wound_housing
-    if output == WOUND:
+    if output == ENGAGED_COMPLIANT:
         x.wound_output += change.wound_output
     x.play_housing = left_of_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
     x.play_output = left_of_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
@@ -120,9 +120,9 @@ def see_torques(x, output, housing):
 
 def see_slips(x, housing, output):
     """Take slips of the freewheels that overrun into their peaks."""
-    if x.housing_state == OPEN:
+    if x.housing_state == OVERRUNNING:
         x.housing_slip_peak = max(x.housing_slip_peak, housing)
-    if x.output_state == OPEN:
+    if x.output_state == OVERRUNNING:
         x.output_slip_peak = max(x.output_slip_peak, output)
 
 
@@ -182,7 +182,7 @@ def meet(d, x, which):
         if x.output_state == LOCKED:
             x.omega3 = 0.0
     elif which == guards.OUTPUT or which == guards.OUTPUT_BACK:
-        if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
+        if x.housing_state == LOCKED or (has_rigid_housing_contact(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
         x.omega2 = x.omega3
     elif x.housing_state == LOCKED:
@@ -194,18 +194,18 @@ def meet(d, x, which):
 
 def meet_limits(d, x):
     """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
-    if d.housing != 0.0 and x.housing_state == OPEN and x.omega2 < 0.0:
+    if d.housing != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
         meet(d, x, guards.HOUSING)
-    if d.output != 0.0 and x.output_state == OPEN and x.omega3 < x.omega2:
+    if d.output != 0.0 and x.output_state == OVERRUNNING and x.omega3 < x.omega2:
         meet(d, x, guards.OUTPUT)
 
 
 def unwind(d, x, which):
     """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
-    if which == guards.HOUSING and x.housing_state == WOUND:
+    if which == guards.HOUSING and x.housing_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0
-    if which == guards.OUTPUT and x.output_state == WOUND:
+    if which == guards.OUTPUT and x.output_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output)
         x.wound_output = 0.0
 
@@ -225,10 +225,10 @@ def see_inside(d, x, w, sigma):
 def begin_step(d, x, w):
     """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
-    take_speeds(x)
-    take_state(d, x)
+    enforce_equal_speeds(x)
+    load_state(d, x)
     if x.rates_cached != 0.0:
-        recall(m, x.now)
+        copy_accelerations(m, x.now)
     else:
         solve_motion(d, x, w)
     if x.rates_cached != 0.0 and d.losses != 0.0:
@@ -240,7 +240,7 @@ def begin_step(d, x, w):
     w.energy = energy_of_links(d, m.i, m.b, m.g, x.omega1, x.omega2)
     w.potential = 0.0
     if d.weight != 0.0:
-        w.potential, _, _ = weight_torques(d, imbalance(d, x.q, 0.0), x.theta1)
+        w.potential, _, _ = gravity_potential(d, imbalance_position(d, x.q, 0.0), x.theta1)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
 
 
@@ -278,17 +278,19 @@ def energy_made(d, x, w):
         output += 0.5 * d.shaft_stiffness * change.twist * (2.0 * x.twist + change.twist)
         moved += 0.5 * d.shaft_stiffness * x.twist * x.twist
     springs = 0.0
-    if x.housing_state == WOUND:
+    if x.housing_state == ENGAGED_COMPLIANT:
         wound = change.wound_housing * (2.0 * x.wound_housing + change.wound_housing)
         springs += 0.5 * d.housing_stiffness * wound
-    if x.output_state == WOUND:
+    if x.output_state == ENGAGED_COMPLIANT:
         wound = change.wound_output * (2.0 * x.wound_output + change.wound_output)
         springs += 0.5 * d.freewheel_stiffness * wound
     work_in = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
     work_out = w.load * change.turned3
     weights = 0.0
     if d.weight != 0.0:
-        weights, _, _ = weight_torques(d, imbalance(d, x.q + change.q, 0.0), x.theta1 + change.theta1)
+        weights, _, _ = gravity_potential(
+            d, imbalance_position(d, x.q + change.q, 0.0), x.theta1 + change.theta1
+        )
         weights -= w.potential
     lost = energy_lost(d, x, change)
     made = (links - w.energy) + output + springs + weights + lost + work_out - work_in
@@ -302,7 +304,7 @@ def energy_made(d, x, w):
 def end_step(d, x, w, sigma):
     """Bring the step in hand, or its part up to an event, to its end: changes, and d.machine there."""
     if sigma < 0.0:
-        recall(d.machine, x.now)
+        copy_accelerations(d.machine, x.now)
     else:
         cut_step(d, x, w, sigma)
     if d.losses == 0.0:
@@ -334,7 +336,7 @@ def engage(d, x, which):
         x.output_engagements += 1.0
         rigid = d.freewheel_stiffness == 0.0
     if rigid:
-        close_freewheels(d, x)
+        apply_plastic_impact(d, x)
 
 
 def pass_event(d, x, which):
@@ -344,7 +346,7 @@ def pass_event(d, x, which):
     if which == guards.FLOW:
         x.flow_sign = -x.flow_sign
     elif which > guards.FLOW:
-        x.spin_signs = with_sign_changed(x.spin_signs, which - guards.SPIN)
+        x.spin_signs = toggle_bit(x.spin_signs, which - guards.SPIN)
     elif which != NONE:
         limit_size_after_switch(d, x)
         if guards.is_speed(x, which):
@@ -370,7 +372,7 @@ def advance_general(d, x, w, remaining):
     for _ in range(MAX_REPEATS):
         if not make_accepted_step(d, x, w, remaining, limit):
             return -1.0, False
-        recall(x.now, d.machine)
+        copy_accelerations(x.now, d.machine)
         sigma, which = -1.0, NONE
         if w.pair == LONG:
             sigma, which = first_event(d, x, w)

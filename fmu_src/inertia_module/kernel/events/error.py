@@ -8,7 +8,7 @@ output, angle of shaft and springs, and impulse (times speed: work).
 import math
 
 from ..equations.losses import JOURNAL, MESH
-from ..equations.states import LOCKED, is_wound
+from ..equations.states import LOCKED, has_engaged_spring
 from ..links import response, shaft_frequency
 from ..tableau import END, FIFTH, FOURTH, LATE, LONG, SHORT_END, THIRD
 from .stages import weighed_rate
@@ -42,7 +42,7 @@ def write_scales(d, x, w):
     scale, change = w.scale, w.change
     links = fastest_link(x, change)
     output = max(links, fastest_output(d, x, change))
-    if is_wound(x):
+    if has_engaged_spring(x):
         links = output
     scale.q = 1.0
     scale.omega1 = response(d, d.J1) * links if d.by_torque != 0.0 else 0.0

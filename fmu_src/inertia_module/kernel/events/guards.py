@@ -8,7 +8,7 @@
 - meshes with losses: their torques times the signs that the losses depend on.
 """
 
-from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_rough
+from ..equations.states import ENGAGED_COMPLIANT, IN_BACKLASH, LOCKED, OVERRUNNING, has_friction, is_open
 from ..tableau import NODES, dense_change, dense_rate, last_stage
 
 HOUSING = 0
@@ -35,13 +35,13 @@ def how_many_guards(d):
 def is_watched(d, x, which):
     """Tell whether this guard can end what is."""
     if which == SLIP:
-        return is_rough(d)
+        return has_friction(d)
     if which >= FLOW:
         return x.slip_sign != 0.0 and (which > FLOW or d.mesh_loss != 0.0)
     if which == HOUSING_BACK:
-        return x.housing_state == CLOSING or (x.housing_state == LOCKED and x.play_housing > 0.0)
+        return x.housing_state == IN_BACKLASH or (x.housing_state == LOCKED and x.play_housing > 0.0)
     if which == OUTPUT_BACK:
-        return x.output_state == CLOSING or (x.output_state == LOCKED and x.play_output > 0.0)
+        return x.output_state == IN_BACKLASH or (x.output_state == LOCKED and x.play_output > 0.0)
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
@@ -52,7 +52,7 @@ def state_of(x, which):
 
 def is_play(x, which):
     """Tell whether the guard is the play that is left of a freewheel."""
-    return which < SLIP and state_of(x, which) == CLOSING
+    return which < SLIP and state_of(x, which) == IN_BACKLASH
 
 
 def is_speed(x, which):
@@ -64,7 +64,7 @@ def is_speed(x, which):
 
 def is_spring(x, which):
     """Tell whether the guard is the torque of a freewheel's spring."""
-    return which < SLIP and state_of(x, which) == WOUND
+    return which < SLIP and state_of(x, which) == ENGAGED_COMPLIANT
 
 
 def is_exact(x, which):
@@ -81,22 +81,22 @@ def value_and_rate(d, x, m, which):
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
     if which == HOUSING:
-        if x.housing_state == OPEN:
+        if x.housing_state == OVERRUNNING:
             return m.omega2, m.alpha2
-        if x.housing_state == CLOSING:
+        if x.housing_state == IN_BACKLASH:
             return m.play_housing, m.omega2
         return m.housing + d.housing_drag, m.housing + d.housing_drag
     if which == OUTPUT:
-        if x.output_state == OPEN:
+        if x.output_state == OVERRUNNING:
             return m.omega3 - m.omega2, m.alpha3 - m.alpha2
-        if x.output_state == CLOSING:
+        if x.output_state == IN_BACKLASH:
             return m.play_output, m.omega3 - m.omega2
         return m.output + d.output_drag, m.output + d.output_drag
     if which == HOUSING_BACK:
-        if x.housing_state == CLOSING:
+        if x.housing_state == IN_BACKLASH:
             return -m.omega2, -m.alpha2
         return -m.housing, -m.housing
-    if x.output_state == CLOSING:
+    if x.output_state == IN_BACKLASH:
         return m.omega2 - m.omega3, m.alpha2 - m.alpha3
     return -m.output, -m.output
 

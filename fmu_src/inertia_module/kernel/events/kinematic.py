@@ -6,7 +6,7 @@ Their sums are those of a step whose stages are the nodes of a Gauss rule, as th
 import math
 
 from ..equations.motion import evaluate
-from ..equations.states import GEARED, OPEN
+from ..equations.states import OVERRUNNING, RATIO_PRESCRIBED
 from ..loads import sample_load
 from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
 from .advance import commit
@@ -27,8 +27,8 @@ ROUNDING = 1e-12
 
 def follow_ratio(x, omega1, omega2):
     """Let freewheels and friction do what they do at these prescribed speeds."""
-    x.housing_state = OPEN if omega2 > 0.0 else GEARED
-    x.output_state = GEARED
+    x.housing_state = OVERRUNNING if omega2 > 0.0 else RATIO_PRESCRIBED
+    x.output_state = RATIO_PRESCRIBED
     x.slip_sign = math.copysign(1.0, omega1 - omega2) if omega1 != omega2 else 0.0
 
 

@@ -6,7 +6,7 @@ contact mode is evaluated by the equations of motion, because the dense output i
 """
 
 from ..codes import NONE
-from ..equations.choice import torques_at
+from ..equations.choice import torque_magnitude
 from ..links import response
 from ..tableau import END, STAGES, fit
 from . import guards
@@ -143,7 +143,7 @@ def guard_tolerance(d, x, w, which):
         imparted = response(d, d.J2) * links if d.F_by_alpha1 > 0.0 else 0.0
         return VELOCITY_ROUNDING * max(imparted, fastest_output)
     # (the load acts on a freewheel only through the shaft)
-    torques = torques_at(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
+    torques = torque_magnitude(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
     zero = TORQUE_ROUNDING * torques
     if guards.is_spring(x, which):
         # a wound spring is known to the tolerance

@@ -4,9 +4,9 @@ w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integral
 """
 
 from ..accumulate import copy
-from ..equations.losses import write_powers_lost
-from ..equations.motion import equations, evaluate
-from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
+from ..equations.losses import write_loss_powers
+from ..equations.motion import equations_of_motion, evaluate
+from ..equations.states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY
 from ..fields import CAUSES
 from ..links import energy_of_links
 from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
@@ -61,11 +61,11 @@ def rates_of(d, x, w, n, lossy):
     rates.housing = m.housing
     rates.output = m.output
     rates.square = m.output * m.output
-    write_powers_lost(d, x, m, rates, lossy)
+    write_loss_powers(d, x, m, rates, lossy)
     if lossy:
-        turns = x.housing_state == WOUND or d.housing_engagement_angle > 0.0
+        turns = x.housing_state == ENGAGED_COMPLIANT or d.housing_engagement_angle > 0.0
         rates.wound_housing = -m.omega2 if turns else 0.0
-        turns = x.output_state == WOUND or d.output_engagement_angle > 0.0
+        turns = x.output_state == ENGAGED_COMPLIANT or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
     # (of a number known to the compiler it makes one after the other, without questions)
     for which in range(FLOW if lossy else SLIP):
@@ -163,7 +163,7 @@ def stages_of(d, x, w, first, last, lossy):
             m.relative = x.relative + h * relative
             if lossy and d.turning != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        equations(d, x, w.prescribed, w.load, True, lossy)
+        equations_of_motion(d, x, w.prescribed, w.load, True, lossy)
         rates_of(d, x, w, n, lossy)
         x.step_evaluations += 1.0
 
