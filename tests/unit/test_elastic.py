@@ -11,7 +11,7 @@ from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.events import advance, rosenbrock, stages
 from inertia_module.kernel.links import slowest_rate
-from inertia_module.kernel.tableau import LONG
+from inertia_module.kernel.tableau import DOP853_ROW
 
 # damping over the critical one
 DAMPINGS = {"undamped": 0.0, "underdamped": 0.1, "critical": 1.0, "overdamped": 10.0}
@@ -134,7 +134,7 @@ def exact_step(scene, h):
     for _ in range(16):
         x.rates_cached = 0.0
         advance.begin_step(d, x, w)
-        stages.make_step(d, x, w, LONG, h / 16)
+        stages.make_step(d, x, w, DOP853_ROW, h / 16)
         total += [getattr(w.change, name) for name in MOTION]
         for name in ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative"):
             setattr(x, name, getattr(x, name) + getattr(w.change, name))

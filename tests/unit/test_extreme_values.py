@@ -10,7 +10,7 @@ from refused import assert_refused
 from scenes import DRIVEN, FREEWHEELS, TABLE, advanced, parameters, started
 
 from inertia_module.kernel import engine
-from inertia_module.kernel.inputs import SMALLEST_SPEED
+from inertia_module.kernel.inputs import MIN_SPEED
 
 INERTIAS = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9]
 TORQUES = st.one_of(st.sampled_from([0.0, 15.0, -15.0]), st.floats(-100.0, 100.0))
@@ -111,7 +111,7 @@ def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
 @given(exponent=st.floats(-323.0, -150.1), sign=st.sampled_from([1.0, -1.0]), load=st.floats(-10.0, 10.0))
 def test_input_too_slow_to_be_squared_counts_as_none(compiled, scene, fidelity, exponent, sign, load):
     omega1 = sign * 10.0**exponent
-    assert abs(omega1) < SMALLEST_SPEED
+    assert abs(omega1) < MIN_SPEED
     states = []
     for speed in (omega1, 0.0):
         module = started(compiled, scene, fidelity=fidelity, omega1=speed, load_torque=load)

@@ -21,7 +21,7 @@ from inertia_module.kernel.events.guards import fitted_guard, is_exact
 from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.links import inertia_at_output, prescribed_at_input
-from inertia_module.kernel.tableau import END, LONG, STAGES, fit
+from inertia_module.kernel.tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGES, fit_dense_output
 from studies.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
@@ -88,10 +88,10 @@ def test_guards_in_an_explicit_step(values, chance, mode):
     x.output_state = LOCKED if mode in (DRIVING, HELD_DRIVING) else OPEN
     x.slip_sign, x.rates_cached = 1.0, 0.0
     begin_step(d, x, w)
-    make_step(d, x, w, LONG, step)
-    evaluate_stages(d, x, w, END + 1, STAGES - 1)
+    make_step(d, x, w, DOP853_ROW, step)
+    evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
     for which in range(2):
-        fit(w.step, w.watched[which].rate, w.watched[which].dense)
+        fit_dense_output(w.step, w.watched[which].rate, w.watched[which].dense)
         w.watched[which].value[0] = max(w.watched[which].value[0], 0.0)  # what lacks of zero is left out
         # the slope of a torque is a difference
         assert_guard_rates(d, x, w, which, rel=1e-4, share=1e-6)

@@ -7,7 +7,7 @@ DRIVING = 2
 HELD_DRIVING = 3
 
 # none of the guards (events.guards)
-NONE = -1
+NO_EVENT = -1
 
 # fidelities and methods
 KINEMATIC = 0
@@ -31,17 +31,17 @@ CHECK = 2
 STEP_ONLY = 3
 OUTPUTS = 4
 # STEP with little noise in its results, for differences of them
-STEP_PRECISELY = 5
+STEP_FOR_DIFFERENCING = 5
 # rates of the outputs in place of the outputs; u and x are left with no meaning
-RATES = 6
+OUTPUT_DERIVATIVES = 6
 # the sum of the warnings that hold; nothing is changed
 WARN = 7
 # parameters have changed between steps: derives d anew and forgets what x knows of the last step
-TUNE = 8
-# STEP_ONLY that ends early, just before the first switch of a freewheel within it; SWITCH carries that out,
+UPDATE_PARAMETERS = 8
+# STEP_ONLY that ends early, just before the first switch of a freewheel within it; HANDLE_EVENT switches it,
 # as the next step else does
-STEP_TO_SWITCH = 9
-SWITCH = 10
+STEP_UNTIL_EVENT = 9
+HANDLE_EVENT = 10
 
 # warnings
 PLANAR_OVERLAP = 1
@@ -56,13 +56,13 @@ SINGULAR = 3
 BAD_START_HOUSING = 4
 BAD_START_OUTPUT = 5
 BAD_START_RIGID = 6
-NO_RECTIFIER = 7
-NO_INPUT_INERTIA = 8
-PRESCRIBED = 9
-WIND_UP_STEPPED = 18
-NO_PLAY = 27
-EVENTS_ONLY = 26
-JAMMED = 19
+FREEWHEELS_REQUIRED = 7
+INPUT_INERTIA_TOO_SMALL = 8
+TORQUE_DRIVE_UNSUPPORTED = 9
+COMPLIANCE_UNSUPPORTED = 18
+BACKLASH_UNSUPPORTED = 27
+EVENT_METHOD_REQUIRED = 26
+SELF_LOCKING = 19
 BAD_STEP = 12
 BAD_HOLD = 13
 TOO_MANY_SWITCHES = 20
@@ -70,7 +70,7 @@ TOO_MUCH_WORK = 21
 STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
-NOT_STEADY = 25
+NO_CYCLIC_STEADY_STATE = 25
 # ... of the first input and of its rate; those of the others follow
 BAD_INPUT = 30
 BAD_RATE = 40

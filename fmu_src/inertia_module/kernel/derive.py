@@ -234,17 +234,17 @@ def derive(p, d):
     if d.by_torque != 0.0:
         d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
         if d.fidelity == codes.KINEMATIC:
-            return codes.PRESCRIBED
+            return codes.TORQUE_DRIVE_UNSUPPORTED
         if not d.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
-            return codes.NO_INPUT_INERTIA
+            return codes.INPUT_INERTIA_TOO_SMALL
     if d.fidelity == codes.KINEMATIC:
-        return codes.NO_PLAY if d.plays != 0.0 else codes.OK
+        return codes.BACKLASH_UNSUPPORTED if d.plays != 0.0 else codes.OK
     if d.method == codes.TIMESTEPPING and d.housing_stiffness + d.freewheel_stiffness > 0.0:
-        return codes.WIND_UP_STEPPED
+        return codes.COMPLIANCE_UNSUPPORTED
     if (d.method == codes.TIMESTEPPING or d.fidelity == codes.AVERAGED) and d.windage > 0.0:
-        return codes.EVENTS_ONLY
+        return codes.EVENT_METHOD_REQUIRED
     if d.fidelity == codes.AVERAGED and (d.housing == 0.0 or d.output == 0.0):
-        return codes.NO_RECTIFIER
+        return codes.FREEWHEELS_REQUIRED
     if singular:
         return codes.SINGULAR
     return check_start(d)

@@ -1,7 +1,18 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .accumulate import copy
-from .codes import CHECK, OK, OUTPUTS, RATES, RIGID, START, STEP_TO_SWITCH, SWITCH, TUNE, WARN
+from .codes import (
+    CHECK,
+    HANDLE_EVENT,
+    OK,
+    OUTPUT_DERIVATIVES,
+    OUTPUTS,
+    RIGID,
+    START,
+    STEP_UNTIL_EVENT,
+    UPDATE_PARAMETERS,
+    WARN,
+)
 from .derive import warnings
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
@@ -10,10 +21,10 @@ from .step import advance, check, start, tune
 
 # rates of the outputs, from two short steps onwards from the present state, inputs going on as they do:
 # a short step over the time in which the fastest of the motion turns by a radian
-SHARE = 1e-4
+DIFFERENCING_PHASE = 1e-4
 # how often the short steps are cut down where a freewheel switches within them, and to what share
-CUTS = 3
-CUT = 0.01
+N_DIFFERENCING_TRIALS = 3
+DIFFERENCING_RETRY_FACTOR = 0.01
 
 
 def fastest_rate(d, x):
@@ -24,7 +35,7 @@ def fastest_rate(d, x):
     return rate if rate > 1.0 else 1.0
 
 
-def go_on(u, x):
+def extrapolate_inputs(u, x):
     """Inputs that go on from the end of the last step: no jump of the speed, the same slope and torques."""
     u.omega1 = x.omega1
     u.omega1_rate = x.alpha1
@@ -35,7 +46,7 @@ def go_on(u, x):
     u.drive_torque_rate_given = 0.0
 
 
-def write_rates(d, u, x, y, w):
+def write_output_rates(d, u, x, y, w):
     """Put the rate of each output in its place in y, one-sided towards later times, per second.
 
     A mean or peak holds for its step: its rate is 0. u and x are left as they become in between.
@@ -46,19 +57,19 @@ def write_rates(d, u, x, y, w):
         follow_parameters(d, x)  # which may have changed since the last step
     write_outputs(x, y)
     write_late_outputs(d, x, y)
-    h = SHARE / fastest_rate(d, x)
+    h = DIFFERENCING_PHASE / fastest_rate(d, x)
     copy(w.kept.numbers, x.numbers)
     copy(w.outputs_0.numbers, y.numbers)
-    for cut in range(CUTS):
+    for cut in range(N_DIFFERENCING_TRIALS):
         if cut > 0:
             copy(x.numbers, w.kept.numbers)
-            h *= CUT
-        go_on(u, x)
-        status = advance(d, u, x, y, w, h, RATES)
+            h *= DIFFERENCING_RETRY_FACTOR
+        extrapolate_inputs(u, x)
+        status = advance(d, u, x, y, w, h, OUTPUT_DERIVATIVES)
         copy(w.outputs_1.numbers, y.numbers)
         if status == OK:
-            go_on(u, x)
-            status = advance(d, u, x, y, w, h, RATES)
+            extrapolate_inputs(u, x)
+            status = advance(d, u, x, y, w, h, OUTPUT_DERIVATIVES)
         if status != OK:
             return status
         if x.switches == w.kept.switches:
@@ -79,22 +90,22 @@ def write_rates(d, u, x, y, w):
 
 def call(operation, p, d, u, x, y, w, h):
     """Carry out one of the operations START, STEP ... of :mod:`.codes`. Returns a status."""
-    w.stops = 1.0 if operation == STEP_TO_SWITCH and p.fidelity >= RIGID else 0.0
+    w.stops = 1.0 if operation == STEP_UNTIL_EVENT and p.fidelity >= RIGID else 0.0
     if operation == START:
         return start(p, d, u, x, y, w)
     if operation == CHECK:
         return check(p, d, u)
     if operation == WARN:
         return warnings(p)
-    if operation == TUNE:
+    if operation == UPDATE_PARAMETERS:
         return tune(p, d, x, w)
     if operation == OUTPUTS:
         write_late_outputs(d, x, y)
         return OK
-    if operation == SWITCH:
+    if operation == HANDLE_EVENT:
         switch_now(d, x)
         write_outputs(x, y)
         return OK
-    if operation == RATES:
-        return write_rates(d, u, x, y, w)
+    if operation == OUTPUT_DERIVATIVES:
+        return write_output_rates(d, u, x, y, w)
     return advance(d, u, x, y, w, h, operation)

@@ -11,13 +11,13 @@ from .accumulate import TWO_PI
 from .layout import acceleration, imbalance, imbalance_in_fixed_frame, to_fixed_frame
 
 # phase of the highest harmonic in an internal step from which on its inside is seen, rad
-INSIDE_PHASE = 1.0
-# moments that are all seen, and the share 1 / EVERY of those that follow
-MANY = 64.0
-EVERY = 5.0
+MIDSTEP_SAMPLE_PHASE = 1.0
+# moments that are all seen, and the share 1 / SAMPLE_DECIMATION of those that follow
+MAX_FULL_SAMPLES = 64.0
+SAMPLE_DECIMATION = 5.0
 
 
-def square_at(d, moment):
+def squared_acceleration(d, moment):
     """|a|^2 of imbalance 0 at a moment (fields.MOMENT), (m/s^2)^2."""
     rate_q = d.k * (moment.omega1 - moment.omega2)
     rate2_q = d.k * (moment.alpha1 - moment.alpha2)
@@ -26,15 +26,15 @@ def square_at(d, moment):
     return ax * ax + ay * ay + az * az
 
 
-def largest_square(d, x):
+def max_squared_acceleration(d, x):
     """Largest |a|^2 of imbalance 0 in the moments seen in the step, (m/s^2)^2."""
     largest = x.largest_square
     for n in range(int(min(x.seen, len(x.moments)))):
-        largest = max(largest, square_at(d, x.moments[n]))
+        largest = max(largest, squared_acceleration(d, x.moments[n]))
     return largest
 
 
-def see_load(d, x, q, omega1, omega2, alpha1, alpha2):
+def include_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """Include the moment before an event in the largest |a|^2 at once; no later moment replaces it."""
     ax, ay, az = acceleration(
         imbalance(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
@@ -45,14 +45,14 @@ def see_load(d, x, q, omega1, omega2, alpha1, alpha2):
 def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """See a moment: drive angle, speeds and accelerations of links 1 and 2. It takes the place of another."""
     number = x.seen
-    if number >= MANY:
-        number /= EVERY
+    if number >= MAX_FULL_SAMPLES:
+        number /= SAMPLE_DECIMATION
     x.seen += 1.0
     if number != math.floor(number):
         return
     moment = x.moments[int(number) % len(x.moments)]
     if number >= len(x.moments):
-        x.largest_square = max(x.largest_square, square_at(d, moment))
+        x.largest_square = max(x.largest_square, squared_acceleration(d, moment))
     moment.q = q
     moment.omega1 = omega1
     moment.omega2 = omega2
@@ -60,7 +60,7 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     moment.alpha2 = alpha2
 
 
-def momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
+def gear_momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
     """Rate of the angular momentum of one gear's rotation in the frame of link 1, N m (bevel).
 
     L = Jt v + h e with v = omega1 x + q' z of the drive, h = Jt s q' + (Ja - Jt) (w e) and e' = v x e; e is
@@ -112,7 +112,7 @@ def write_loads(d, x, y, alpha2):
         mz -= mass * (px * ay - py * ax)
         if d.bodies != 0.0:
             azimuth = x.q + d.phase_a + TWO_PI * n / number
-            lx, ly, lz = momentum_rate(d, x.omega1, x.alpha1, rate_q, rate2_q, azimuth)
+            lx, ly, lz = gear_momentum_rate(d, x.omega1, x.alpha1, rate_q, rate2_q, azimuth)
             lx, ly, lz = to_fixed_frame(x.theta1, lx, ly, lz)
             mx -= gears * lx
             my -= gears * ly
@@ -130,7 +130,7 @@ def write_loads(d, x, y, alpha2):
             y.imbalance_acceleration_y = ay
             y.imbalance_acceleration_z = az
             y.satellite_force = d.imbalance_mass * y.imbalance_acceleration
-            y.satellite_force_peak = d.imbalance_mass * math.sqrt(max(square, largest_square(d, x)))
+            y.satellite_force_peak = d.imbalance_mass * math.sqrt(max(square, max_squared_acceleration(d, x)))
     one = d.modules == 1.0
     y.shaking_force_x = fx
     y.shaking_force_y = fy if one else 0.0

@@ -12,7 +12,7 @@ from .links import kinetic_energy
 from .loads import write_loads
 
 
-def is_audited(d):
+def has_energy_check(d):
     """Tell whether steps are: fixed ones make no energy and may lose it, averaged ones look at themselves."""
     return d.fidelity >= RIGID and d.method == EVENT
 
@@ -92,7 +92,7 @@ def write_late_outputs(d, x, y):
     y.housing_torque_peak = x.housing_torque_peak
     y.housing_slip_peak = d.housing * x.housing_slip_peak
     y.output_slip_peak = d.output * x.output_slip_peak
-    stored = x.energy_stored if is_audited(d) else stored_energy(d, x)
+    stored = x.energy_stored if has_energy_check(d) else stored_energy(d, x)
     passed = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored
     y.energy_residual = passed - (stored - x.energy_start)

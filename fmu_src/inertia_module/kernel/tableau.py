@@ -6,22 +6,22 @@ stages before stage n; its last stage is the end of the step, so that this row i
 three stages more, for the inside of the step, and four rows for the interpolant's coefficients, of order 7.
 """
 
-STAGES = 16
+N_STAGES = 16
 # last stages of both pairs; row of stage 0 of each, rows of their errors and of the interpolant
-END, SHORT_END = 12, 6
-LONG, SHORT = 0, 16
+DOP853_LAST_STAGE, DOPRI5_LAST_STAGE = 12, 6
+DOP853_ROW, DOPRI5_ROW = 0, 16
 # nodes of the parts at which the inside of a stiff step is looked at (events.rosenbrock), and how many
 THIRDS, PARTS = 23, 3
-FIFTH, THIRD, FOURTH, DENSE = 23, 24, 25, 26
-# stages of LONG, SHORT and THIRDS at rising nodes, through three of which in a row extrema are interpolated
-IN_ORDER = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6, 0, 1, 2, 3)
+DOP853_E5_ROW, DOP853_E3_ROW, DOPRI5_E_ROW, DOP853_D_ROW = 23, 24, 25, 26
+# stages of each method at rising nodes, through three of which in a row extrema are interpolated
+STAGES_BY_TIME = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6, 0, 1, 2, 3)
 LONG_ORDER, SHORT_ORDER, THIRDS_ORDER, END_ORDER = 0, 6, 10, 14
 # the stage after stage 0 that errors of the long pair begin with
-LATE = 5
+FIRST_ERROR_STAGE = 5
 # the pair of order 3 of gentle steps: its rows, last stage, and row of errors
 GENTLE, GENTLE_END, GENTLE_ERROR = 30, 3, 34
 # the five-point Gauss rule on [0, 1], for what is known at any instant
-GAUSS = 5
+N_GAUSS_NODES = 5
 GAUSS_NODES = (
     *(0.04691007703066802, 0.23076534494715845, 0.5, 1.0 - 0.23076534494715845, 1.0 - 0.04691007703066802),
 )
@@ -97,20 +97,22 @@ ROWS = (
 )
 # fmt: on
 # all rows one after the other, each as long as there are stages; the stage each weighs first after stage 0
-WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (STAGES - len(row))))
-AFTER = tuple(next((n for n, weight in enumerate(row) if n > 0 and weight != 0.0), 1) for row in ROWS)
+WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (N_STAGES - len(row))))
+FIRST_NONZERO_STAGE = tuple(
+    next((n for n, weight in enumerate(row) if n > 0 and weight != 0.0), 1) for row in ROWS
+)
 
 
-def order_of_stages(pair):
-    """Return where the stages of a pair begin in IN_ORDER, and how many there are."""
-    if pair == LONG:
+def stage_order_range(pair):
+    """Return where the stages of a pair begin in STAGES_BY_TIME, and how many there are."""
+    if pair == DOP853_ROW:
         return LONG_ORDER, SHORT_ORDER - LONG_ORDER
-    if pair == SHORT:
+    if pair == DOPRI5_ROW:
         return SHORT_ORDER, THIRDS_ORDER - SHORT_ORDER
     return THIRDS_ORDER, END_ORDER - THIRDS_ORDER
 
 
-def extremum(t0, t1, t2, y0, y1, y2, end):
+def parabola_extremum(t0, t1, t2, y0, y1, y2, end):
     """Return the extremum of the parabola through three points, or y1.
 
     Args:
@@ -134,27 +136,27 @@ def extremum(t0, t1, t2, y0, y1, y2, end):
 
 def last_stage(pair):
     """Number of the last stage of a pair; of a stiff step, of its parts."""
-    if pair == LONG:
-        return END
-    return SHORT_END if pair == SHORT else PARTS
+    if pair == DOP853_ROW:
+        return DOP853_LAST_STAGE
+    return DOPRI5_LAST_STAGE if pair == DOPRI5_ROW else PARTS
 
 
-def weighed(row, count, values):
+def weighted_sum(row, count, values):
     """Sum of so many values at the stages with the weights of a row."""
     total = 0.0
     for n in range(count):
-        total += WEIGHTS[STAGES * row + n] * values[n]
+        total += WEIGHTS[N_STAGES * row + n] * values[n]
     return total
 
 
-def fit(h, rates, dense):
+def fit_dense_output(h, rates, dense):
     """Coefficients of the interpolant of a quantity with these rates at all stages, into dense."""
-    change = h * weighed(END, END, rates)
+    change = h * weighted_sum(DOP853_LAST_STAGE, DOP853_LAST_STAGE, rates)
     dense[0] = change
     dense[1] = h * rates[0] - change
-    dense[2] = 2.0 * change - h * (rates[0] + rates[END])
+    dense[2] = 2.0 * change - h * (rates[0] + rates[DOP853_LAST_STAGE])
     for n in range(4):
-        dense[3 + n] = h * weighed(DENSE + n, STAGES, rates)
+        dense[3 + n] = h * weighted_sum(DOP853_D_ROW + n, N_STAGES, rates)
 
 
 def dense_change(dense, sigma):
@@ -184,7 +186,7 @@ def dense_rate(dense, sigma):
     return slope * sigma + dense[0] + y * rest
 
 
-def write_inside_weights(sigma, weights):
+def write_dense_weights(sigma, weights):
     """Write the weights of the rates at the stages in dense_change at the fraction sigma into weights."""
     rest = 1.0 - sigma
     whole = sigma * (1.0 - rest + 2.0 * sigma * rest)
@@ -192,9 +194,14 @@ def write_inside_weights(sigma, weights):
     fourth = sigma * third
     fifth = fourth * rest
     sixth = fifth * sigma
-    for n in range(STAGES):
-        weight = whole * WEIGHTS[STAGES * END + n] + third * WEIGHTS[STAGES * DENSE + n]
-        weight += fourth * WEIGHTS[STAGES * (DENSE + 1) + n] + fifth * WEIGHTS[STAGES * (DENSE + 2) + n]
-        weights[n] = weight + sixth * WEIGHTS[STAGES * (DENSE + 3) + n]
+    for n in range(N_STAGES):
+        weight = (
+            whole * WEIGHTS[N_STAGES * DOP853_LAST_STAGE + n] + third * WEIGHTS[N_STAGES * DOP853_D_ROW + n]
+        )
+        weight += (
+            fourth * WEIGHTS[N_STAGES * (DOP853_D_ROW + 1) + n]
+            + fifth * WEIGHTS[N_STAGES * (DOP853_D_ROW + 2) + n]
+        )
+        weights[n] = weight + sixth * WEIGHTS[N_STAGES * (DOP853_D_ROW + 3) + n]
     weights[0] += sigma * rest * rest
-    weights[END] -= sigma * sigma * rest
+    weights[DOP853_LAST_STAGE] -= sigma * sigma * rest

@@ -14,7 +14,7 @@ from ..equations.states import CLOSING
 from ..events.advance import advance_general
 from ..events.step_size import AFRESH
 from ..inertia import reduced_inertia
-from ..inputs import begin_sums
+from ..inputs import reset_sums
 from ..links import inertia_of_link1, kinetic_energy
 
 # inertia that holds the output speed, over that of the mechanism
@@ -285,7 +285,7 @@ def add_part(d, x, w, side, q, length, before):
     choose_states(d, x, 0.0)
     time = energy = start = 0.0
     for _ in range(2 if before else 1):
-        begin_sums(x)
+        reset_sums(x)
         clear(x.lost)
         clear(x.lost_low)
         start = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)

@@ -10,9 +10,9 @@ holds no impulse. The slip delta' is kept besides omega4: each may be small wher
 """
 
 from ..accumulate import add, clear, copy
-from ..codes import CHECK, NOT_FINITE, OK, OUTPUTS, RATES, START, TUNE
-from ..inputs import check_hold, check_inputs, check_step, mean_torque, take_speed
-from .motion import characteristic, end, integral, keep_step, square_integral, write_row
+from ..codes import CHECK, NOT_FINITE, OK, OUTPUT_DERIVATIVES, OUTPUTS, START, UPDATE_PARAMETERS
+from ..inputs import check_hold, check_inputs, check_step, mean_torque, update_held_speed
+from .motion import cache_step, characteristic_rates, end_value, integral, square_integral, write_row
 
 # its records (see kernel.fields)
 STATE = (
@@ -37,13 +37,13 @@ def driven_acceleration(p, x):
     return own, own + p.balancer * x.hub_slope
 
 
-def stored_energy(p, x):
+def shaft_energy(p, x):
     """Kinetic energy of the driven mass and energy of the spring, J."""
     kinetic = p.driven_inertia * x.omega4 * x.omega4
     return 0.5 * (kinetic + p.shaft_stiffness * x.twist * x.twist)
 
 
-def write_outputs(p, x, y):
+def write_shaft_outputs(p, x, y):
     """All outputs and locals from the state."""
     y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
     y.shaft_torque_mean = x.shaft_torque_mean
@@ -52,23 +52,23 @@ def write_outputs(p, x, y):
     y.twist = x.twist
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
-    y.energy_stored = stored_energy(p, x)
+    y.energy_stored = shaft_energy(p, x)
     y.energy_lost = x.energy_lost
     passed = (x.energy_in - x.energy_out) - x.energy_lost
     y.energy_residual = passed - (y.energy_stored - x.energy_start)
 
 
-def derive(p, d):
+def derive_shaft(p, d):
     """Fill d from p; no parameters within their ranges are refused together."""
     d.rate = (p.shaft_damping + p.driven_friction) / p.driven_inertia
     d.square = p.shaft_stiffness / p.driven_inertia
-    d.swing, d.slow, d.fast = characteristic(d.rate, d.square)
+    d.swing, d.slow, d.fast = characteristic_rates(d.rate, d.square)
     d.step = 0.0
 
 
-def start(p, d, u, x, y):
+def start_shaft(p, d, u, x, y):
     """Derive d from p; set x and y at the end of initialisation. Returns OK or the status of bad inputs."""
-    derive(p, d)
+    derive_shaft(p, d)
     status = check_inputs(u)
     if status != OK:
         return status
@@ -78,12 +78,12 @@ def start(p, d, u, x, y):
     x.slip = u.hub_speed - x.omega4
     x.held_input = u.hub_speed
     x.load_torque = u.load_torque
-    x.energy_start = stored_energy(p, x)
-    write_outputs(p, x, y)
+    x.energy_start = shaft_energy(p, x)
+    write_shaft_outputs(p, x, y)
     return OK
 
 
-def begin(p, u, x, h):
+def begin_shaft_step(p, u, x, h):
     """Take the inputs of the coming step; a jump of the hub's speed pushes the driven mass."""
     jump = (u.hub_speed - x.held_input) - x.hub_slope * x.length
     push = p.balancer * jump
@@ -96,12 +96,12 @@ def begin(p, u, x, h):
         x.slip, x.slip_low = add(x.slip, x.slip_low, jump - push)
         x.omega4, x.omega4_low = add(u.hub_speed, -x.slip_low, -x.slip)
     x.energy_lost, x.energy_lost_low = add(x.energy_lost, x.energy_lost_low, -work)
-    x.hub_slope = take_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate)
+    x.hub_slope = update_held_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate)
     x.length = h
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
 
 
-def describe(p, d, x, w):
+def write_motions(p, d, x, w):
     """Write z1 to z4 of the motions over the coming step, and of the rates of two (:mod:`.motion`)."""
     slope = x.hub_slope
     own, acceleration = driven_acceleration(p, x)
@@ -119,19 +119,19 @@ def describe(p, d, x, w):
     write_row(w.speed_rate, 0, acceleration, damping * slope + d.square * x.slip, d.square * slope, 0.0)
 
 
-def move(p, d, x, w, h):
+def move_shaft(p, d, x, w, h):
     """Advance over the step, inputs taken: exact motion, mean torque and energies, which may not balance."""
-    describe(p, d, x, w)
-    keep_step(d, w, h)
+    write_motions(p, d, x, w)
+    cache_step(d, w, h)
     # integral of the shaft torque, and of that integral
     momentum = p.shaft_stiffness * integral(d, w.twist, 1) + p.shaft_damping * integral(d, w.slip, 1)
     moment = p.shaft_stiffness * integral(d, w.twist, 2) + p.shaft_damping * integral(d, w.slip, 2)
     angle = integral(d, w.speed, 1)
     lost = p.shaft_damping * square_integral(d, w.slip) + p.driven_friction * square_integral(d, w.speed)
     lost -= p.balancer * p.driven_inertia * x.hub_slope * angle
-    x.twist, x.twist_low = end(d, w.twist, w.slip, x.twist_low)
-    x.slip, x.slip_low = end(d, w.slip, w.slip_rate, x.slip_low)
-    x.omega4, x.omega4_low = end(d, w.speed, w.speed_rate, x.omega4_low)
+    x.twist, x.twist_low = end_value(d, w.twist, w.slip, x.twist_low)
+    x.slip, x.slip_low = end_value(d, w.slip, w.slip_rate, x.slip_low)
+    x.omega4, x.omega4_low = end_value(d, w.speed, w.speed_rate, x.omega4_low)
     work = (x.held_input + x.hub_slope * h) * momentum - x.hub_slope * moment
     x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
     x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, x.load_torque * angle)
@@ -139,7 +139,7 @@ def move(p, d, x, w, h):
     x.shaft_torque_mean = momentum / h
 
 
-def advance(p, d, u, x, y, w, h):
+def advance_shaft(p, d, u, x, y, w, h):
     """Advance by the communication step h, s. Any status but OK leaves state and outputs as they were."""
     status = check_step(u, h)
     if status == OK:
@@ -147,17 +147,17 @@ def advance(p, d, u, x, y, w, h):
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)
-    begin(p, u, x, h)
-    move(p, d, x, w, h)
+    begin_shaft_step(p, u, x, h)
+    move_shaft(p, d, x, w, h)
     for n in range(len(x.numbers)):
         if not abs(x.numbers[n]) < 1e300:
             copy(x.numbers, w.before.numbers)
             return NOT_FINITE
-    write_outputs(p, x, y)
+    write_shaft_outputs(p, x, y)
     return OK
 
 
-def write_rates(p, x, y):
+def write_shaft_rates(p, x, y):
     """Rate of each output, per second, in its place in y; the step mean holds for its step."""
     _, acceleration = driven_acceleration(p, x)
     y.shaft_torque = p.shaft_stiffness * x.slip + p.shaft_damping * (x.hub_slope - acceleration)
@@ -170,17 +170,17 @@ def write_rates(p, x, y):
 def call(operation, p, d, u, x, y, w, h):
     """The one entry of the compiled kernel: the operations of :mod:`.codes`. Returns a status."""
     if operation == START:
-        return start(p, d, u, x, y)
+        return start_shaft(p, d, u, x, y)
     if operation == CHECK:
-        derive(p, d)
+        derive_shaft(p, d)
         return check_inputs(u)
-    if operation == TUNE:
-        derive(p, d)
+    if operation == UPDATE_PARAMETERS:
+        derive_shaft(p, d)
         return OK
     if operation == OUTPUTS:
-        write_outputs(p, x, y)
+        write_shaft_outputs(p, x, y)
         return OK
-    if operation == RATES:
-        write_rates(p, x, y)
+    if operation == OUTPUT_DERIVATIVES:
+        write_shaft_rates(p, x, y)
         return OK
-    return advance(p, d, u, x, y, w, h)
+    return advance_shaft(p, d, u, x, y, w, h)

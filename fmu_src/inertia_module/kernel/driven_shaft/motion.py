@@ -18,14 +18,13 @@ Loan, Computing integrals involving the matrix exponential, IEEE Trans. Automati
 import math
 
 from ..accumulate import add, clear
-from ..tableau import GAUSS_NODES as NODES
-from ..tableau import GAUSS_WEIGHTS as WEIGHTS
+from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS
 
 # up to this fast * t a sum over the nodes within [0, 1] is exact to rounding
-SHORT = 1.0 / 64.0
+MAX_QUADRATURE_PHASE = 1.0 / 64.0
 
 
-def characteristic(rate, square):
+def characteristic_rates(rate, square):
     """Characteristic numbers of z'' + rate z' + square z, rate >= 0 and square > 0.
 
     Returns:
@@ -42,7 +41,7 @@ def characteristic(rate, square):
     return 0.0, square / fast, fast
 
 
-def free(swing, slow, fast, t):
+def free_response(swing, slow, fast, t):
     """Answers at t to an initial displacement 1 and to an initial rate 1.
 
     Returns:
@@ -61,13 +60,13 @@ def free(swing, slow, fast, t):
     return fading + fast * impulse, impulse, fading - slow * impulse
 
 
-def short_integrals(d, t):
+def impulse_integrals(d, t):
     """First to fourth integral from 0 to t of the answer to an impulse 1, t so short that a sum is exact."""
     one = two = three = four = 0.0
     for n in range(5):
-        left = t - t * NODES[n]
-        _, impulse, _ = free(d.swing, d.slow, d.fast, t * NODES[n])
-        share = t * WEIGHTS[n] * impulse
+        left = t - t * GAUSS_NODES[n]
+        _, impulse, _ = free_response(d.swing, d.slow, d.fast, t * GAUSS_NODES[n])
+        share = t * GAUSS_WEIGHTS[n] * impulse
         one += share
         two += share * left
         three += share * left * left / 2.0
@@ -83,9 +82,9 @@ def write_row(matrix, row, a, b, c, d):
     matrix[4 * row + 3] = d
 
 
-def write_move(d, w, t, one, two):
+def write_transition(d, w, t, one, two):
     """Put E(t) into w.move, row by row, from the first two of these integrals."""
-    step, impulse, slope = free(d.swing, d.slow, d.fast, t)
+    step, impulse, slope = free_response(d.swing, d.slow, d.fast, t)
     write_row(w.move, 0, slope, impulse, one, two)
     write_row(w.move, 1, -d.square * impulse, step, impulse + d.rate * one, one + d.rate * two)
     write_row(w.move, 2, 0.0, 0.0, 1.0, t)
@@ -103,24 +102,24 @@ def double_gramian(d, w):
             d.gramian[i] += w.move[4 * k + i // 4] * w.product[4 * k + i % 4]
 
 
-def keep_step(d, w, h):
+def cache_step(d, w, h):
     """Put Gramian and responses of a step h into d, unless they are there: most steps are alike."""
     if h == d.step:
         return
     d.step = h
     part = h
-    while d.fast * part > SHORT:
+    while d.fast * part > MAX_QUADRATURE_PHASE:
         part *= 0.5
     clear(d.gramian)
     for n in range(5):
-        one, two, _, _ = short_integrals(d, part * NODES[n])
-        write_move(d, w, part * NODES[n], one, two)
+        one, two, _, _ = impulse_integrals(d, part * GAUSS_NODES[n])
+        write_transition(d, w, part * GAUSS_NODES[n], one, two)
         for i in range(16):
-            d.gramian[i] += part * WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
-    one, two, three, four = short_integrals(d, part)
+            d.gramian[i] += part * GAUSS_WEIGHTS[n] * w.move[i // 4] * w.move[i % 4]
+    one, two, three, four = impulse_integrals(d, part)
     rate = d.rate
     while part < h:
-        write_move(d, w, part, one, two)
+        write_transition(d, w, part, one, two)
         double_gramian(d, w)
         slope, impulse = w.move[0], w.move[1]
         # the integrals of step: impulse + rate one and so on
@@ -130,7 +129,7 @@ def keep_step(d, w, h):
         two += impulse * (one + rate * two) + slope * two + part * one
         one += impulse * (impulse + rate * one) + slope * one
         part *= 2.0
-    _, impulse, slope = free(d.swing, d.slow, d.fast, h)
+    _, impulse, slope = free_response(d.swing, d.slow, d.fast, h)
     d.responses[0] = slope
     d.responses[1] = impulse
     d.responses[2] = one
@@ -155,7 +154,7 @@ def square_integral(d, z):
     return total
 
 
-def end(d, z, rate, low):
+def end_value(d, z, rate, low):
     """z1 at the end of the step kept, with its low part: small changes add up, else nothing old is left."""
     change = integral(d, rate, 1)
     if abs(change) < 0.5 * abs(z[0]):

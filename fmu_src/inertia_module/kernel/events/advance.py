@@ -1,7 +1,7 @@
 """The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
 
 from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import NONE
+from ..codes import NO_EVENT
 from ..equations.choice import take_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
 from ..equations.motion import evaluate, recall, take_state
@@ -10,8 +10,18 @@ from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_wound
 from ..fields import CAUSES
 from ..impulse import close_freewheels, holds_link2
 from ..links import energy_of_links, momentum_of_links
-from ..loads import INSIDE_PHASE, sample_load, see_load
-from ..tableau import IN_ORDER, LONG, NODES, PARTS, SHORT, THIRDS, extremum, last_stage, order_of_stages
+from ..loads import MIDSTEP_SAMPLE_PHASE, include_load, sample_load
+from ..tableau import (
+    DOP853_ROW,
+    DOPRI5_ROW,
+    NODES,
+    PARTS,
+    STAGES_BY_TIME,
+    THIRDS,
+    last_stage,
+    parabola_extremum,
+    stage_order_range,
+)
 from . import guards
 from .rosenbrock import set_part
 from .search import end_at_event, first_event
@@ -128,22 +138,22 @@ def see_peaks(x, w, sigma):
         if NODES[pair + n] <= sigma:
             see_torques(x, w.rates[n].output, w.rates[n].housing)
             see_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
-    first, count = order_of_stages(pair)
+    first, count = stage_order_range(pair)
     for n in range(first, first + count - 2):
-        i, j, k = int(IN_ORDER[n]), int(IN_ORDER[n + 1]), int(IN_ORDER[n + 2])
+        i, j, k = int(STAGES_BY_TIME[n]), int(STAGES_BY_TIME[n + 1]), int(STAGES_BY_TIME[n + 2])
         t, u, v = NODES[pair + i], NODES[pair + j], NODES[pair + k]
         if u <= sigma:
             one, two, three = w.rates[i], w.rates[j], w.rates[k]
             see_torques(
                 x,
-                extremum(t, u, v, one.output, two.output, three.output, sigma),
-                extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
+                parabola_extremum(t, u, v, one.output, two.output, three.output, sigma),
+                parabola_extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
             )
             housing, output = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
             see_slips(
                 x,
-                extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
-                extremum(t, u, v, output[i], output[j], output[k], sigma),
+                parabola_extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
+                parabola_extremum(t, u, v, output[i], output[j], output[k], sigma),
             )
 
 
@@ -155,7 +165,7 @@ def see_end(d, x, w):
         evaluate(d, x, w.prescribed, w.load, True)
     see_torques(x, m.output, m.housing)
     see_slips(x, m.omega2, m.omega3 - m.omega2)
-    see_load(d, x, m.q, m.omega1, m.omega2, m.alpha1, m.alpha2)
+    include_load(d, x, m.q, m.omega1, m.omega2, m.alpha1, m.alpha2)
 
 
 def count_loaded(d, x, w):
@@ -219,7 +229,7 @@ def unwind(d, x, which):
 
 def see_inside(d, x, w, sigma):
     """See the bearing's force at stages inside this part of the step, where the drive turns far."""
-    if w.pair == SHORT or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
+    if w.pair == DOPRI5_ROW or d.harmonic * abs(w.change.q) < MIDSTEP_SAMPLE_PHASE:
         return
     if w.pair == THIRDS:
         rates = w.rates[1]
@@ -267,7 +277,7 @@ def take_over(d, x, w, sigma):
     elif w.pair == THIRDS:
         kept = sigma  # it ends there
     elif is_wound(x):
-        make_step(d, x, w, LONG, sigma * w.step)
+        make_step(d, x, w, DOP853_ROW, sigma * w.step)
     else:
         see_inside(d, x, w, sigma)
         cut_step(d, x, w, sigma)
@@ -306,7 +316,7 @@ def pass_event(d, x, which):
         x.flow_sign = -x.flow_sign
     elif which > guards.FLOW:
         x.spin_signs = with_sign_changed(x.spin_signs, which - guards.SPIN)
-    elif which != NONE:
+    elif which != NO_EVENT:
         if d.elastic != 0.0:  # shaft or springs may swing otherwise now
             x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
         if guards.is_speed(x, which):
@@ -331,7 +341,7 @@ def advance_general(d, x, w, remaining):
     limit = longest_step(d, x, w, remaining)
     if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
         fastest = try_short_step(d, x, w, remaining)
-    sigma, which = -1.0, NONE
+    sigma, which = -1.0, NO_EVENT
     if fastest < 0.0:
         x.short_size *= SHORT_GROWTH  # so that it is tried again
         fastest = try_steps(d, x, w, limit)
@@ -341,14 +351,14 @@ def advance_general(d, x, w, remaining):
         sigma, which = end_at_event(d, x, w, fastest)
     else:
         recall(x.now, d.machine)
-        if w.pair == LONG:
-            sigma, which = first_event(d, x, w, fastest, NONE)
+        if w.pair == DOP853_ROW:
+            sigma, which = first_event(d, x, w, fastest, NO_EVENT)
     wound = is_wound(x) and w.pair != THIRDS
     take_over(d, x, w, sigma)
     meet_limits(d, x)
-    if wound and which != NONE and not has_fallen(d, x, w, which):
+    if wound and which != NO_EVENT and not has_fallen(d, x, w, which):
         # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
         x.step_size = min(x.step_size, AFRESH * w.step / sigma)
-        which = NONE
+        which = NO_EVENT
     pass_event(d, x, which)
-    return w.step, NONE != which < guards.FLOW
+    return w.step, NO_EVENT != which < guards.FLOW

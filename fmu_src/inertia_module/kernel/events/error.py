@@ -5,7 +5,17 @@ import math
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, OPEN, WOUND, is_open, is_wound
 from ..links import response, shaft_frequency
-from ..tableau import END, FIFTH, FOURTH, LATE, LONG, SHORT, SHORT_END, THIRD, THIRDS
+from ..tableau import (
+    DOP853_E3_ROW,
+    DOP853_E5_ROW,
+    DOP853_LAST_STAGE,
+    DOP853_ROW,
+    DOPRI5_E_ROW,
+    DOPRI5_LAST_STAGE,
+    DOPRI5_ROW,
+    FIRST_ERROR_STAGE,
+    THIRDS,
+)
 from . import stages
 
 # sums that are held to the tolerance, for the motion tells nothing of their errors: the losses have kinks
@@ -200,16 +210,20 @@ def step_error(d, x, w, fastest):
             found5 = 0.0
             if w.pair == THIRDS:
                 found3 = stiff_error(w, n) / (STIFF_SHARE * w.step * scale)
-            elif w.pair == SHORT:
-                found3 = stages.weighed_rate(w, FOURTH, SHORT_END + 1, n, 1) / scale
+            elif w.pair == DOPRI5_ROW:
+                found3 = stages.weighed_rate(w, DOPRI5_E_ROW, DOPRI5_LAST_STAGE + 1, n, 1) / scale
             else:
-                found3 = stages.weighed_rate(w, THIRD, END, n, LATE) / scale
-                found5 = stages.weighed_rate(w, FIFTH, END, n, LATE) / scale
+                found3 = (
+                    stages.weighed_rate(w, DOP853_E3_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
+                )
+                found5 = (
+                    stages.weighed_rate(w, DOP853_E5_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
+                )
             sum3 += found3 * found3
             sum5 += found5 * found5
     if d.losses == 0.0 and w.pair != THIRDS:
         count = 1
-    if w.pair != LONG:
+    if w.pair != DOP853_ROW:
         return w.step * math.sqrt(sum3 / max(count, 1)) if sum3 < 1e300 else 1e300
     mix = sum5 + 0.01 * sum3
     if mix == 0.0:

@@ -9,38 +9,38 @@ from ..accumulate import add
 from ..equations.motion import evaluate
 from ..equations.states import GEARED, OPEN
 from ..loads import sample_load
-from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
+from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from .advance import commit
 from .stages import keep_rates, set_changes
 
 # phase of the highest harmonic within one Gauss interval, rad
-GAUSS_PHASE = 1.0
+MAX_GAUSS_PHASE = 1.0
 # what a ramp adds to the rate of the phase, over the square root of its acceleration: the tenth derivative,
 # which the rule is off by, is 945 of sin(t^2 / 2) at rest, about that of sin(2 t)
-RAMP = 2.0
+RAMP_PHASE_FACTOR = 2.0
 # parts of an interval in which sign changes are looked for, to find one, and how near it is found
-LOOKS = 4
-HALVINGS = 30
-NEAR = 1e-9
+N_SIGN_SAMPLES = 4
+N_BISECTIONS = 30
+SIGN_CHANGE_RTOL = 1e-9
 # a speed that turns back within this share of the interval is zero now
-ROUNDING = 1e-12
+REVERSAL_RTOL = 1e-12
 
 
-def follow_ratio(x, omega1, omega2):
+def set_prescribed_contacts(x, omega1, omega2):
     """Let freewheels and friction do what they do at these prescribed speeds."""
     x.housing_state = OPEN if omega2 > 0.0 else GEARED
     x.output_state = GEARED
     x.slip_sign = math.copysign(1.0, omega1 - omega2) if omega1 != omega2 else 0.0
 
 
-def keep_ratio(d, x):
+def impose_ratio(d, x):
     """Give link 2 and the output the speed that is prescribed."""
     x.omega2 = x.omega3 = d.kinematic_ratio * x.omega1
     x.omega2_low = x.omega3_low = 0.0
-    follow_ratio(x, x.omega1, x.omega2)
+    set_prescribed_contacts(x, x.omega1, x.omega2)
 
 
-def prescribe(d, x, t):
+def prescribe_motion(d, x, t):
     """Motion the time t from now on and its torques, into d.machine."""
     m = d.machine
     turned1 = t * (x.omega1 + 0.5 * x.alpha1 * t)
@@ -49,36 +49,36 @@ def prescribe(d, x, t):
     m.omega1 = x.omega1 + x.alpha1 * t
     m.omega2 = m.omega3 = d.kinematic_ratio * m.omega1
     m.alpha2 = d.kinematic_ratio * x.alpha1
-    follow_ratio(x, m.omega1, m.omega2)
+    set_prescribed_contacts(x, m.omega1, m.omega2)
     evaluate(d, x, x.alpha1, 0.0, False)
 
 
-def signs_at(d, x, t):
+def loss_signs(d, x, t):
     """Signs of the torques that the meshes lose by, the time t from now on."""
-    prescribe(d, x, t)
+    prescribe_motion(d, x, t)
     x.step_evaluations += 1.0
     return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
 
 
 def has_signs(d, x, t, flow, spin):
     """Return True if the torques have these signs (signs_at), the time t from now on."""
-    flow_then, spin_then = signs_at(d, x, t)
+    flow_then, spin_then = loss_signs(d, x, t)
     return flow_then == flow and spin_then == spin
 
 
-def smooth_part(d, x, h):
+def until_next_kink(d, x, h):
     """The part of an interval h until link 1 turns back, or just past a sign change of a torque in a mesh."""
     turns_back = -x.omega1 / x.alpha1 if x.omega1 * x.alpha1 < 0.0 else h
-    if ROUNDING * h < turns_back < h:
+    if REVERSAL_RTOL * h < turns_back < h:
         h = turns_back
     if d.mesh_loss == 0.0 and d.satellite_loss == 0.0:
         return h
-    low = NEAR * h
-    flow, spin = signs_at(d, x, low)
-    for n in range(LOOKS):
-        high = h * (n + 1.0 - NEAR) / LOOKS
+    low = SIGN_CHANGE_RTOL * h
+    flow, spin = loss_signs(d, x, low)
+    for n in range(N_SIGN_SAMPLES):
+        high = h * (n + 1.0 - SIGN_CHANGE_RTOL) / N_SIGN_SAMPLES
         if not has_signs(d, x, high, flow, spin):
-            for _ in range(HALVINGS):
+            for _ in range(N_BISECTIONS):
                 middle = 0.5 * (low + high)
                 if has_signs(d, x, middle, flow, spin):
                     low = middle
@@ -95,24 +95,24 @@ def advance_kinematic(d, x, w, remaining):
     h = min(remaining, d.max_step)
     scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
     fastest = scale * max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
-    fastest += RAMP * math.sqrt(scale * abs(x.alpha1))
-    if fastest * h > GAUSS_PHASE:
-        h = GAUSS_PHASE / fastest
+    fastest += RAMP_PHASE_FACTOR * math.sqrt(scale * abs(x.alpha1))
+    if fastest * h > MAX_GAUSS_PHASE:
+        h = MAX_GAUSS_PHASE / fastest
         if not h > 0.0:
             return -1.0
     if d.losses != 0.0:
-        h = smooth_part(d, x, h)
+        h = until_next_kink(d, x, h)
     w.step = h
     out = 0.0
-    for n in range(GAUSS):
-        prescribe(d, x, GAUSS_NODES[n] * h)
+    for n in range(N_GAUSS_NODES):
+        prescribe_motion(d, x, GAUSS_NODES[n] * h)
         x.flow_sign = d.machine.flow_sign
         keep_rates(d, x, w, n)
         w.weights[n] = GAUSS_WEIGHTS[n]
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
-    x.step_evaluations += GAUSS
-    set_changes(d, x, w, h, 1, GAUSS)
+    x.step_evaluations += N_GAUSS_NODES
+    set_changes(d, x, w, h, 1, N_GAUSS_NODES)
     # the motion, without the rounding of a sum
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1

@@ -8,11 +8,11 @@ beginning of a step never counts: what holds there was settled when the mode was
 
 import math
 
-from ..codes import NONE
+from ..codes import NO_EVENT
 from ..equations.choice import torques_at
 from ..equations.motion import recall
 from ..links import response
-from ..tableau import END, PARTS, STAGES, THIRDS, fit
+from ..tableau import DOP853_LAST_STAGE, N_STAGES, PARTS, THIRDS, fit_dense_output
 from . import guards
 from .rosenbrock import look_inside, make_stiff_step, set_part
 from .stages import evaluate_stages, exact_guard, solve_changed
@@ -149,7 +149,7 @@ def guard_tolerance(d, x, w, which, fastest):
 def first_event(d, x, w, fastest, cleared):
     """Earliest fall of a guard, but of the one cleared, in the step just made: (part of it or -1, which)."""
     earliest = -1.0
-    which = NONE
+    which = NO_EVENT
     inside = False
     looks = 1 + int(math.floor(min(advance_of_phase(d, x, w), STEP_PHASE) / LOOK_PHASE))
     for guard in range(guards.how_many_guards(d)):
@@ -161,9 +161,9 @@ def first_event(d, x, w, fastest, cleared):
             guards.fit_through(x, w, guard)
         else:
             if not inside:
-                evaluate_stages(d, x, w, END + 1, STAGES - 1)
+                evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
                 inside = True
-            fit(w.step, w.watched[guard].rate, w.watched[guard].dense)
+            fit_dense_output(w.step, w.watched[guard].rate, w.watched[guard].dense)
         zero = guard_tolerance(d, x, w, guard, fastest)
         sigma = first_crossing(d, x, w, guard, zero, guards.fourth_bound_of_fit(x, w, guard), looks)
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
@@ -211,10 +211,10 @@ def end_at_event(d, x, w, fastest):
     """Let the stiff step end at the first event in it, if any.
 
     Returns:
-        (part of the step that is left or -1, the guard that falls there or NONE).
+        (part of the step that is left or -1, the guard that falls there or NO_EVENT).
     """
     h = w.step
-    cleared = NONE
+    cleared = NO_EVENT
     for part in range(1, PARTS + 1):
         look_inside(d, x, w, part)
     recall(x.now, d.machine)
@@ -227,4 +227,4 @@ def end_at_event(d, x, w, fastest):
         cleared = which  # a crossing of the fit alone: what of the other guards?
         make_stiff_step(d, x, w, h)
     set_part(d, x, w, 1.0)
-    return -1.0, NONE
+    return -1.0, NO_EVENT

@@ -9,7 +9,16 @@ from ..equations.motion import equations, evaluate
 from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
 from ..fields import CAUSES
 from ..links import energy_of_links
-from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
+from ..tableau import (
+    DOP853_LAST_STAGE,
+    FIRST_ERROR_STAGE,
+    FIRST_NONZERO_STAGE,
+    N_STAGES,
+    NODES,
+    WEIGHTS,
+    last_stage,
+    write_dense_weights,
+)
 from .guards import FLOW, SLIP, how_many_guards, value_and_rate
 
 # places in fields.FOLLOWED
@@ -99,9 +108,9 @@ def weighed_rate(w, row, count, which, after):
     Args:
         after: the first stage after stage 0 that the row weighs, or one before it.
     """
-    total = WEIGHTS[STAGES * row] * w.rates[0].numbers[which]
+    total = WEIGHTS[N_STAGES * row] * w.rates[0].numbers[which]
     for n in range(after, count):
-        total += WEIGHTS[STAGES * row + n] * w.rates[n].numbers[which]
+        total += WEIGHTS[N_STAGES * row + n] * w.rates[n].numbers[which]
     return total
 
 
@@ -157,7 +166,9 @@ def stages_of(d, x, w, first, last, lossy):
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, AFTER[row], n, Q)
+        q, omega1, omega2, omega3 = weighed_four(
+            w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, Q
+        )
         m.q = x.q + h * q
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
@@ -167,7 +178,7 @@ def stages_of(d, x, w, first, last, lossy):
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
         if d.elastic != 0.0 or (lossy and d.turning != 0.0):
             twist, relative, housing, output = weighed_four(
-                w.rates, WEIGHTS, STAGES * row, AFTER[row], n, TWIST
+                w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
@@ -194,15 +205,15 @@ def prescribe_link1(d, x, w, changes, h):
 
 
 def make_step(d, x, w, pair, h):
-    """All stages of the step h by a pair (tableau.LONG or SHORT), and the changes of all that is followed."""
+    """Evaluate the stages of a step h by the pair (DOP853_ROW, DOPRI5_ROW) and the changes of the state."""
     w.step = h
     w.pair = pair
     last = last_stage(pair)
     evaluate_stages(d, x, w, 1, last)
     row = pair + last
     for n in range(last):
-        w.weights[n] = WEIGHTS[STAGES * row + n]
-    set_changes(d, x, w, h, AFTER[row], last)
+        w.weights[n] = WEIGHTS[N_STAGES * row + n]
+    set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
 
 
 def solve_changed(d, x, w, changes):
@@ -231,10 +242,10 @@ def exact_guard(d, x, w, which, sigma):
     values = w.watched[which].value
     value = values[0]
     if sigma == 1.0:
-        value = values[END]
+        value = values[DOP853_LAST_STAGE]
     elif sigma > 0.0:
-        write_inside_weights(sigma, w.weights)
-        weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
+        write_dense_weights(sigma, w.weights)
+        weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
         prescribe_link1(d, x, w, w.inside, sigma * w.step)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
@@ -243,8 +254,8 @@ def exact_guard(d, x, w, which, sigma):
 
 def cut_step(d, x, w, sigma):
     """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, LATE, STAGES)
+    write_dense_weights(sigma, w.weights)
+    set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
     w.step *= sigma
     if d.losses == 0.0:
         solve_changed(d, x, w, w.change)

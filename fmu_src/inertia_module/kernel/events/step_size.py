@@ -5,7 +5,7 @@ import math
 from ..codes import HELD
 from ..equations.states import is_wound
 from ..links import fastest_own_rate, shaft_frequency
-from ..tableau import LONG, SHORT
+from ..tableau import DOP853_ROW, DOPRI5_ROW
 from .error import CUSP, fastest_speed, step_error
 from .guards import how_many_guards, is_clear, is_watched
 from .rosenbrock import differentiate, make_stiff_step
@@ -113,7 +113,7 @@ def try_short_step(d, x, w, remaining):
 
     It will where the error is allowed and no guard comes near zero. Returns as try_steps.
     """
-    make_step(d, x, w, SHORT, remaining)
+    make_step(d, x, w, DOPRI5_ROW, remaining)
     fastest = fastest_speed(d, x, w)
     error = step_error(d, x, w, fastest)
     size = next_factor(error, 5.0, SHORT_SAFETY, SMALLEST_FACTOR) * remaining
@@ -151,7 +151,7 @@ def try_steps(d, x, w, limit):
             h = min(h, max(STIFF_SHARE * longest_step(d, x, w, 1e300), STIFF / own))
             make_stiff_step(d, x, w, h)
         else:
-            make_step(d, x, w, LONG, h)
+            make_step(d, x, w, DOP853_ROW, h)
         fastest = fastest_speed(d, x, w)
         error = step_error(d, x, w, fastest)
         factor = next_factor(error, order, safety, SMALLEST_FACTOR)
