@@ -1,6 +1,5 @@
-"""Tables and sums of the solvers: powers of time are integrated exactly up to the order."""
+"""Internal steps: their error estimate, and when a short step is not accepted."""
 
-import numpy as np
 import pytest
 from scenes import SCENES, started
 
@@ -9,66 +8,6 @@ from inertia_module.kernel import tableau
 from inertia_module.kernel.events import advance, error, stages
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.memory import Module
-
-# row of the first stage, last stage and order of each pair
-PAIRS = {
-    "8(5,3)": (tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 8),
-    "5(4)": (tableau.DOPRI5_ROW, tableau.DOPRI5_LAST_STAGE, 5),
-}
-SIGMAS = [0.0, 0.17, 0.5, 0.83, 1.0]
-
-
-def powers(nodes, power):
-    """Rates at the nodes whose integral is t^(power + 1)."""
-    return [(power + 1) * node**power for node in nodes]
-
-
-def nodes_of(pair):
-    """Nodes of a pair, and those for the inside of the longer one."""
-    return (
-        tableau.NODES[: tableau.N_STAGES]
-        if pair == tableau.DOP853_ROW
-        else tableau.NODES[tableau.DOPRI5_ROW : tableau.THIRDS]
-    )
-
-
-@pytest.mark.parametrize(("pair", "end", "order"), PAIRS.values(), ids=PAIRS)
-def test_explicit_pair_integrates_powers_up_to_its_order(pair, end, order):
-    nodes = nodes_of(pair)
-    for n in range(1, len(nodes)):
-        for power in range(1 if n == 1 else 2):
-            found = tableau.weighted_sum(pair + n, n, powers(nodes, power))
-            assert found == pytest.approx(nodes[n] ** (power + 1), rel=1e-13)
-    for power in range(order):
-        assert tableau.weighted_sum(pair + end, end, powers(nodes, power)) == pytest.approx(1.0, abs=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("row", "pair", "end", "order"),
-    [
-        (tableau.DOP853_E5_ROW, tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 5),
-        (tableau.DOP853_E3_ROW, tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 3),
-        (tableau.DOPRI5_E_ROW, tableau.DOPRI5_ROW, tableau.DOPRI5_LAST_STAGE + 1, 4),
-    ],
-    ids=["fifth", "third", "fourth"],
-)
-def test_error_sees_powers_from_its_order_on(row, pair, end, order):
-    found = [abs(tableau.weighted_sum(row, end, powers(nodes_of(pair), power))) for power in range(order + 1)]
-    assert max(found[:order]) < 1e-13
-    assert found[order] > 1e-5
-
-
-@pytest.mark.parametrize("power", range(7))
-@pytest.mark.parametrize("sigma", SIGMAS)
-def test_inside_of_an_explicit_step(power, sigma):
-    h, dense, weights = 0.3, [0.0] * 7, [0.0] * tableau.N_STAGES
-    rates = powers(nodes_of(tableau.DOP853_ROW), power)
-    tableau.fit_dense_output(h, rates, dense)
-    tableau.write_dense_weights(sigma, weights)
-    expected = h * sigma ** (power + 1)
-    assert tableau.dense_change(dense, sigma) == pytest.approx(expected, abs=1e-12)
-    assert h * np.dot(weights, rates) == pytest.approx(expected, abs=1e-12)
-    assert tableau.dense_rate(dense, sigma) == pytest.approx(h * (power + 1) * sigma**power, abs=1e-11)
 
 
 @pytest.mark.parametrize("pair", [tableau.DOP853_ROW, tableau.DOPRI5_ROW])
