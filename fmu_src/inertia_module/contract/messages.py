@@ -121,7 +121,7 @@ MESSAGES: Mapping[int, str] = {
     ),
 }
 
-# warnings for an accepted mechanism that cannot be built, by the numbers of kernel.clearance
+# warnings for an accepted mechanism that cannot be built, by their numbers in kernel.codes
 WARNINGS: Mapping[int, str] = {
     codes.PLANAR_OVERLAP: (
         "the {satellites} satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites)"

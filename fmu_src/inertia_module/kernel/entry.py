@@ -1,6 +1,7 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .accumulate import copy
+from .buildability import buildability_warnings
 from .codes import (
     CHECK,
     HANDLE_EVENT,
@@ -13,7 +14,6 @@ from .codes import (
     UPDATE_PARAMETERS,
     WARN,
 )
-from .derive import warnings
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
 from .outputs import write_late_outputs, write_outputs
@@ -96,7 +96,7 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == CHECK:
         return check(p, d, u)
     if operation == WARN:
-        return warnings(p)
+        return buildability_warnings(p)
     if operation == UPDATE_PARAMETERS:
         return tune(p, d, x, w)
     if operation == OUTPUTS:

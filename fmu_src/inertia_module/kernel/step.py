@@ -10,15 +10,15 @@ from . import codes
 from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angle
 from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
-from .derive import derive
+from .checks import check_parameters
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
-from .equations.satellites import jams
 from .events.kinematic import impose_ratio
 from .fixed_steps.timestepping import run_timestepping, write_inertia
 from .impulse import jump_input
 from .inputs import check_hold, check_inputs, check_step, input_speed, read_inputs
 from .links import fastest_own_rate, is_stiff
 from .outputs import has_energy_check, stored_energy, write_late_outputs, write_outputs
+from .parameters import derive_constants
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
@@ -37,15 +37,10 @@ SAME_SPEED = 1e-14
 INSTANT = 1e-8
 
 
-def check_parameters(p, d):
-    """Derive the constants and check the parameters together. Returns a status."""
-    status = derive(p, d)
-    return codes.SELF_LOCKING if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d) else status
-
-
 def check(p, d, u):
     """Derive the constants and check parameters and inputs. Returns a status."""
-    status = check_parameters(p, d)
+    derive_constants(p, d)
+    status = check_parameters(d)
     return check_inputs(u) if status == codes.OK else status
 
 
@@ -92,7 +87,8 @@ def tune(p, d, x, w):
 
     What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
     """
-    status = check_parameters(p, d)
+    derive_constants(p, d)
+    status = check_parameters(d)
     if status == codes.OK and d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
     if status == codes.OK:

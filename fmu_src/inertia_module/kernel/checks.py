@@ -1,0 +1,88 @@
+"""Checks of parameters that are invalid only in combination; messages are in contract/messages.py."""
+
+from . import codes
+from .equations.satellites import jams
+from .parameters import min_inertia_ratio
+
+SINGULAR_RATIO = 1e-12  # an inertia below this fraction of its maximum counts as zero
+
+
+def check_torque_drive(d):
+    """Return the status of parameters that a given torque of link 1 requires.
+
+    Args:
+        d: constants.
+    """
+    if d.by_torque == 0.0:
+        return codes.OK
+    if d.fidelity == codes.KINEMATIC:
+        return codes.TORQUE_DRIVE_UNSUPPORTED
+    if not d.input_inertia > SINGULAR_RATIO * d.F_by_alpha1:
+        return codes.INPUT_INERTIA_TOO_SMALL
+    return codes.OK
+
+
+def check_level(d):
+    """Return the status of parameters that fixed steps and fidelity averaged do not support.
+
+    Args:
+        d: constants.
+    """
+    is_stepped = d.method == codes.TIMESTEPPING
+    is_averaged = d.fidelity == codes.AVERAGED
+    if is_stepped and d.housing_stiffness + d.freewheel_stiffness > 0.0:
+        return codes.COMPLIANCE_UNSUPPORTED
+    if (is_stepped or is_averaged) and d.windage > 0.0:
+        return codes.EVENT_METHOD_REQUIRED
+    if is_averaged and (d.housing == 0.0 or d.output == 0.0):
+        return codes.FREEWHEELS_REQUIRED
+    return codes.OK
+
+
+def check_start_speeds(d):
+    """Return the status of the initial speeds: freewheels allow one sign of their relative speed.
+
+    Args:
+        d: constants.
+    """
+    omega2 = d.omega2_start
+    omega_out = d.omega_out_start
+    if d.housing_freewheel != 0.0 and omega2 < 0.0:
+        return codes.BAD_START_HOUSING
+    if d.output_freewheel == 0.0:
+        if omega2 != omega_out:
+            return codes.BAD_START_RIGID
+    elif omega_out < omega2:
+        return codes.BAD_START_OUTPUT
+    return codes.OK
+
+
+def check_combinations(d):
+    """Return the status of parameters together, except for self-locking meshes.
+
+    Args:
+        d: constants.
+    """
+    status = check_torque_drive(d)
+    if status != codes.OK:
+        return status
+    if d.fidelity == codes.KINEMATIC:
+        return codes.BACKLASH_UNSUPPORTED if d.plays != 0.0 else codes.OK
+    status = check_level(d)
+    if status != codes.OK:
+        return status
+    if not min_inertia_ratio(d) > SINGULAR_RATIO:
+        return codes.SINGULAR
+    return check_start_speeds(d)
+
+
+def check_parameters(d):
+    """Return OK, or the status of parameters that are rejected together.
+
+    Args:
+        d: constants (parameters.derive_constants).
+    """
+    status = check_combinations(d)
+    if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d):
+        return codes.SELF_LOCKING
+    return status
