@@ -95,10 +95,8 @@ def write_output_rates(d, u, x, y, w):
     # y begins with the outputs that have derivatives (contract/models.py)
     count = len(w.outputs_0.numbers)
     for n in range(count):
-        start_value = w.outputs_0.numbers[n]
-        y.numbers[n] = ((w.outputs_1.numbers[n] - start_value) * 4.0 - (y.numbers[n] - start_value)) / (
-            2.0 * h
-        )
+        value = w.outputs_0.numbers[n]
+        y.numbers[n] = ((w.outputs_1.numbers[n] - value) * 4.0 - (y.numbers[n] - value)) / (2.0 * h)
     for n in range(count, len(y.numbers)):
         y.numbers[n] = 0.0
     # differences of wrapped angles jump, and differences of many revolutions are round-off
