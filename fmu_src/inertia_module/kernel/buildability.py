@@ -8,7 +8,7 @@ import math
 
 from . import codes
 
-OVERLAP_RTOL = 1e-12  # relative overlap below which parts touch
+OVERLAP_RTOL = 1e-12  # Relative overlap below which parts touch
 
 
 def satellites_overlap(p, reach):
@@ -16,7 +16,7 @@ def satellites_overlap(p, reach):
 
     Args:
         p: parameters.
-        reach: planar layout (R0 + r) / r, bevel layout sqrt(1 + 2 s cos Sigma + s^2).
+        reach: Planar layout (R0 + r) / r, bevel layout sqrt(1 + 2 s cos Sigma + s^2).
     """
     return p.satellites > 1.0 and reach * math.sin(math.pi / p.satellites) < 1.0 - OVERLAP_RTOL
 
@@ -44,10 +44,10 @@ def bevel_warnings(p):
     total = 0
     s = p.z17 / p.z6
     cosine = math.cos(p.shaft_angle)
-    # the square is non-negative except for round-off
+    # The square is non-negative except for round-off
     if satellites_overlap(p, math.sqrt(max(0.0, 1.0 + 2.0 * s * cosine + s * s))):
         total += codes.BEVEL_OVERLAP
-    # the rim of an internal satellite is outside its pitch cone
+    # The rim of an internal satellite is outside its pitch cone
     if s + cosine > 0.0 and p.a > min(1.0, p.b) * (1.0 + OVERLAP_RTOL):
         total += codes.BEVEL_OUTSIDE
     if p.satellite_inertia > 2.0 * p.satellite_transverse_inertia * (1.0 + OVERLAP_RTOL):
@@ -59,6 +59,6 @@ def buildability_warnings(p):
     """Return the sum of all warnings (codes.PLANAR_OVERLAP and so on); 0 means none.
 
     Args:
-        p: parameters, each within its range of the table of variables.
+        p: Parameters, each within its range of the table of variables.
     """
     return planar_warnings(p) if p.layout != 0.0 else bevel_warnings(p)

@@ -4,7 +4,7 @@ from . import codes
 from .equations.satellites import jams
 from .parameters import min_inertia_ratio
 
-SINGULAR_RATIO = 1e-12  # an inertia below this fraction of its maximum counts as zero
+SINGULAR_RATIO = 1e-12  # An inertia below this fraction of its maximum counts as zero
 
 
 def check_torque_drive(d):
@@ -80,7 +80,7 @@ def check_parameters(d):
     """Return OK, or the status of parameters that are rejected together.
 
     Args:
-        d: constants (parameters.derive_constants).
+        d: Constants (parameters.derive_constants).
     """
     status = check_combinations(d)
     if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d):

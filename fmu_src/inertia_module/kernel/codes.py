@@ -1,49 +1,49 @@
 """Enumerations of the kernel: contact modes, fidelities, methods, operations, warnings, status codes."""
 
-# contact modes: state of the housing freewheel and of the output freewheel
-HELD = 0  # link 2 locked to the housing
-FREE = 1  # both freewheels overrun
-DRIVING = 2  # link 2 drives the output
-HELD_DRIVING = 3  # both freewheels are locked
+# Contact modes: state of the housing freewheel and of the output freewheel
+HELD = 0  # Link 2 locked to the housing
+FREE = 1  # Both freewheels overrun
+DRIVING = 2  # Link 2 drives the output
+HELD_DRIVING = 3  # Both freewheels are locked
 
-NO_EVENT = -1  # no event indicator has crossed zero (events.guards)
+NO_EVENT = -1  # No event indicator has crossed zero (events.guards)
 
-# fidelities
+# Fidelities
 KINEMATIC = 0
 AVERAGED = 1
 RIGID = 2
 ELASTIC = 3
-# methods
+# Methods
 EVENT = 0
 TIMESTEPPING = 1
 
-# quantity that is prescribed at link 1
+# Quantity that is prescribed at link 1
 DRIVE_SPEED = 0
 DRIVE_TORQUE = 1
 
-# operations of the entry of a kernel (entry.call)
-START = 0  # end of the initialisation
-STEP = 1  # one communication step with all outputs
-CHECK = 2  # the checks of START only; writes the constants d only
+# Operations of the entry of a kernel (entry.call)
+START = 0  # End of the initialisation
+STEP = 1  # One communication step with all outputs
+CHECK = 2  # The checks of START only; writes the constants d only
 STEP_ONLY = 3  # STEP without the late outputs, which can take longer than the step
-OUTPUTS = 4  # the late outputs after STEP_ONLY
+OUTPUTS = 4  # The late outputs after STEP_ONLY
 STEP_FOR_DIFFERENCING = 5  # STEP at a tight tolerance, for differences of its results
-OUTPUT_DERIVATIVES = 6  # time derivatives of the outputs, in y; u and x are invalid afterwards
-WARN = 7  # returns the sum of the warnings; writes nothing
-UPDATE_PARAMETERS = 8  # after a change of tunable parameters between steps
+OUTPUT_DERIVATIVES = 6  # Time derivatives of the outputs, in y; u and x are invalid afterwards
+WARN = 7  # Returns the sum of the warnings; writes nothing
+UPDATE_PARAMETERS = 8  # After a change of tunable parameters between steps
 STEP_UNTIL_EVENT = 9  # STEP_ONLY that ends before the first freewheel switching event
-HANDLE_EVENT = 10  # the event at which STEP_UNTIL_EVENT has ended (the next step does the same)
+HANDLE_EVENT = 10  # The event at which STEP_UNTIL_EVENT has ended (the next step does the same)
 
-# warnings, which can be added
+# Warnings, which can be added
 PLANAR_OVERLAP = 1
 BEVEL_OVERLAP = 2
 PLANAR_OUTSIDE = 4
 BEVEL_OUTSIDE = 8
 GEAR_TOO_FLAT = 16
 
-# status codes; contract/messages.py has a message for each
+# Status codes; contract/messages.py has a message for each
 OK = 0
-# parameters
+# Parameters
 SINGULAR = 3
 BAD_START_HOUSING = 4
 BAD_START_OUTPUT = 5
@@ -55,7 +55,7 @@ COMPLIANCE_UNSUPPORTED = 18
 BACKLASH_UNSUPPORTED = 27
 EVENT_METHOD_REQUIRED = 26
 SELF_LOCKING = 19
-# steps
+# Steps
 BAD_STEP = 12
 BAD_HOLD = 13
 TOO_MANY_SWITCHES = 20
@@ -64,6 +64,6 @@ STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
 NO_CYCLIC_STEADY_STATE = 25
-# inputs: the first input and the first rate; add the number of the input
+# Inputs: the first input and the first rate; add the number of the input
 BAD_INPUT = 30
 BAD_RATE = 40

@@ -20,8 +20,8 @@ from .outputs import write_late_outputs, write_outputs
 from .step import advance, check, start, tune
 
 DIFFERENCING_PHASE = 1e-4  # rad of the fastest motion, length of a differencing step
-N_DIFFERENCING_TRIALS = 3  # a trial in which a freewheel switches is repeated with shorter steps
-DIFFERENCING_RETRY_FACTOR = 0.01  # on the length of the steps
+N_DIFFERENCING_TRIALS = 3  # A trial in which a freewheel switches is repeated with shorter steps
+DIFFERENCING_RETRY_FACTOR = 0.01  # On the length of the steps
 MIN_FREQUENCY = 1.0  # rad/s
 
 
@@ -42,7 +42,7 @@ def extrapolate_inputs(u, x):
     """Continue the inputs of the last step: its final speed and slope, and its torques.
 
     Args:
-        u: inputs, written.
+        u: Inputs, written.
         x: state.
     """
     u.omega1 = x.omega1
@@ -62,9 +62,9 @@ def write_output_rates(d, u, x, y, w):
 
     Args:
         d: constants.
-        u: inputs, overwritten.
-        x: state, overwritten.
-        y: outputs, which are replaced by their derivatives.
+        u: Inputs, overwritten.
+        x: State, overwritten.
+        y: Outputs, which are replaced by their derivatives.
         w: workspace.
 
     Returns:
@@ -72,7 +72,7 @@ def write_output_rates(d, u, x, y, w):
     """
     switch_now(d, x)
     if x.torques_continue == 0.0:
-        follow_parameters(d, x)  # parameters may have changed since the last step
+        follow_parameters(d, x)  # Parameters may have changed since the last step
     write_outputs(x, y)
     write_late_outputs(d, x, y)
     h = DIFFERENCING_PHASE / fastest_rate(d, x)
@@ -99,7 +99,7 @@ def write_output_rates(d, u, x, y, w):
         y.numbers[n] = ((w.outputs_1.numbers[n] - value) * 4.0 - (y.numbers[n] - value)) / (2.0 * h)
     for n in range(count, len(y.numbers)):
         y.numbers[n] = 0.0
-    # differences of wrapped angles jump, and differences of many revolutions are round-off
+    # Differences of wrapped angles jump, and differences of many revolutions are round-off
     y.output_angle = w.outputs_0.omega_out
     y.output_turns = 0.0
     y.output_flange_angle = w.outputs_0.omega_out
@@ -116,9 +116,9 @@ def call(operation, p, d, u, x, y, w, h):
         d: constants.
         u: inputs.
         x: state.
-        y: outputs and local variables.
-        w: workspace; nothing in it survives the call.
-        h: length of the communication step, s.
+        y: Outputs and local variables.
+        w: Workspace; nothing in it survives the call.
+        h: Length of the communication step, s.
 
     Returns:
         Status, or the sum of the warnings for WARN.

@@ -12,7 +12,7 @@ MAX_TORQUE = 1e12  # N m
 MAX_STEP = 1e6  # s
 MIN_STEP = 1e-30  # s, below any round-off of the importer's time; rates over it can still be squared
 MIN_SPEED = 1e-150  # rad/s, a slower input counts as 0 because its square underflows
-MAX_INPUTS = (MAX_SPEED, MAX_TORQUE, MAX_TORQUE)  # maximum magnitude of each input
+MAX_INPUTS = (MAX_SPEED, MAX_TORQUE, MAX_TORQUE)  # Maximum magnitude of each input
 
 # reset_sums clears the sums by their positions
 assert STATE[OF_MOTION : OF_MOTION + OF_SUMS] == SUMS
@@ -35,7 +35,7 @@ def check_step(u, h):
 
     Args:
         u: inputs.
-        h: length of the step, s.
+        h: Length of the step, s.
     """
     if not MIN_STEP <= h <= MAX_STEP:
         return BAD_STEP
@@ -54,11 +54,11 @@ def check_hold(hold, x, speed, has_rate, h):
     """Return BAD_HOLD if a linearly extrapolated speed exceeds its range in the step, otherwise OK.
 
     Args:
-        hold: parameter input_hold; 0 keeps the input constant over the step.
-        x: state with held_input and the length of the last step.
-        speed: input speed, rad/s.
-        has_rate: not 0 if the rate of the speed is set, which then replaces the extrapolation.
-        h: length of the step, s.
+        hold: Parameter input_hold; 0 keeps the input constant over the step.
+        x: State with held_input and the length of the last step.
+        speed: Input speed, rad/s.
+        has_rate: Not 0 if the rate of the speed is set, which then replaces the extrapolation.
+        h: Length of the step, s.
     """
     if hold == 0.0 or has_rate != 0.0 or x.length == 0.0:
         return OK
@@ -83,11 +83,11 @@ def update_held_speed(hold, x, speed, has_rate, rate):
     The slope is the rate of the input if it is set, or the slope over the last step with linear hold, or 0.
 
     Args:
-        hold: parameter input_hold; 0 keeps the input constant over the step.
-        x: state with held_input (written) and the length of the last step.
-        speed: input speed at the beginning of the step, rad/s.
-        has_rate: not 0 if the rate is set.
-        rate: rate of the input speed, rad/s^2.
+        hold: Parameter input_hold; 0 keeps the input constant over the step.
+        x: State with held_input (written) and the length of the last step.
+        speed: Input speed at the beginning of the step, rad/s.
+        has_rate: Not 0 if the rate is set.
+        rate: Rate of the input speed, rad/s^2.
     """
     slope = 0.0
     if has_rate != 0.0:
@@ -102,10 +102,10 @@ def mean_torque(torque, has_rate, rate, h):
     """Return the mean of an input torque over the step, N m.
 
     Args:
-        torque: torque at the beginning of the step, N m.
-        has_rate: not 0 if the rate is set.
-        rate: rate of the torque, N m/s.
-        h: length of the step, s.
+        torque: Torque at the beginning of the step, N m.
+        has_rate: Not 0 if the rate is set.
+        rate: Rate of the torque, N m/s.
+        h: Length of the step, s.
     """
     return torque + 0.5 * h * rate if has_rate != 0.0 else torque
 
@@ -116,8 +116,8 @@ def read_inputs(d, u, x, h):
     Args:
         d: constants.
         u: inputs.
-        x: state, written.
-        h: length of the step, s.
+        x: State, written.
+        h: Length of the step, s.
 
     Returns:
         Jump of omega1 at the beginning of the step, rad/s; 0 if the torque is prescribed.
@@ -138,7 +138,7 @@ def reset_sums(x):
     """Store the motion at the beginning of a step (or period) and set the sums over it to 0.
 
     Args:
-        x: state, written.
+        x: State, written.
     """
     x.begin_q = x.q
     x.begin_omega2 = x.omega2

@@ -13,9 +13,9 @@ from .accumulate import TWO_PI
 from .layout import acceleration, imbalance, imbalance_in_fixed_frame, to_fixed_frame
 
 MIDSTEP_SAMPLE_PHASE = 1.0  # rad of the highest harmonic; a longer internal step has samples inside
-MAX_FULL_SAMPLES = 64.0  # samples of a communication step that are all evaluated
-SAMPLE_DECIMATION = 5.0  # after these, one sample in SAMPLE_DECIMATION is evaluated
-MAX_SATELLITE_TERMS = 3.0  # satellites that represent any larger number in sums up to the second harmonic
+MAX_FULL_SAMPLES = 64.0  # Samples of a communication step that are all evaluated
+SAMPLE_DECIMATION = 5.0  # After these, one sample in SAMPLE_DECIMATION is evaluated
+MAX_SATELLITE_TERMS = 3.0  # Satellites that represent any larger number in sums up to the second harmonic
 
 
 def squared_acceleration(d, moment):
@@ -23,7 +23,7 @@ def squared_acceleration(d, moment):
 
     Args:
         d: constants.
-        moment: sample (fields.MOMENT).
+        moment: Sample (fields.MOMENT).
     """
     rate_q = d.k * (moment.omega1 - moment.omega2)
     rate2_q = d.k * (moment.alpha1 - moment.alpha2)
@@ -37,7 +37,7 @@ def max_squared_acceleration(d, x):
 
     Args:
         d: constants.
-        x: state with the samples.
+        x: State with the samples.
     """
     maximum = x.largest_square
     for n in range(int(min(x.seen, len(x.moments)))):
@@ -50,12 +50,12 @@ def include_load(d, x, q, omega1, omega2, alpha1, alpha2):
 
     Args:
         d: constants.
-        x: state; largest_square is updated.
-        q: drive angle, rad.
-        omega1: speed of link 1, rad/s.
-        omega2: speed of link 2, rad/s.
-        alpha1: acceleration of link 1, rad/s^2.
-        alpha2: acceleration of link 2, rad/s^2.
+        x: State; largest_square is updated.
+        q: Drive angle, rad.
+        omega1: Speed of link 1, rad/s.
+        omega2: Speed of link 2, rad/s.
+        alpha1: Acceleration of link 1, rad/s^2.
+        alpha2: Acceleration of link 2, rad/s^2.
     """
     ax, ay, az = acceleration(
         imbalance(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
@@ -68,12 +68,12 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
 
     Args:
         d: constants.
-        x: state; the ring buffer, the number of samples and largest_square are updated.
-        q: drive angle, rad.
-        omega1: speed of link 1, rad/s.
-        omega2: speed of link 2, rad/s.
-        alpha1: acceleration of link 1, rad/s^2.
-        alpha2: acceleration of link 2, rad/s^2.
+        x: State; the ring buffer, the number of samples and largest_square are updated.
+        q: Drive angle, rad.
+        omega1: Speed of link 1, rad/s.
+        omega2: Speed of link 2, rad/s.
+        alpha1: Acceleration of link 1, rad/s^2.
+        alpha2: Acceleration of link 2, rad/s^2.
     """
     number = x.seen
     if number >= MAX_FULL_SAMPLES:
@@ -99,11 +99,11 @@ def gear_momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
 
     Args:
         d: constants.
-        omega1: speed of link 1, rad/s.
-        alpha1: acceleration of link 1, rad/s^2.
+        omega1: Speed of link 1, rad/s.
+        alpha1: Acceleration of link 1, rad/s^2.
         rate_q: q', rad/s.
         rate2_q: q'', rad/s^2.
-        azimuth: angle A of the axis of the gear, rad.
+        azimuth: Angle A of the axis of the gear, rad.
 
     Returns:
         Components along x, y, z of the frame of link 1.
@@ -133,15 +133,15 @@ def write_loads(d, x, y, alpha2):
     Args:
         d: constants.
         x: state.
-        y: outputs, written.
-        alpha2: acceleration of link 2, rad/s^2.
+        y: Outputs, written.
+        alpha2: Acceleration of link 2, rad/s^2.
     """
     k = d.k
     rate_q = k * (x.omega1 - x.omega2)
     rate2_q = k * (x.alpha1 - alpha2)
     terms = min(d.satellites, MAX_SATELLITE_TERMS)
     mass = d.mass / terms
-    # pinion shafts rotate about Oz of link 1 (bevel) or about an axis parallel to Ox (planar)
+    # Pinion shafts rotate about Oz of link 1 (bevel) or about an axis parallel to Ox (planar)
     drives = d.drive_inertia
     mx, my, mz = to_fixed_frame(x.theta1, 0.0, drives * x.omega1 * rate_q, -drives * rate2_q)
     if d.planar != 0.0:

@@ -34,7 +34,7 @@ def stored_energy(d, x):
     if d.fidelity == AVERAGED:
         return averaged_energy(d, x)
     potential = stored_besides(d, x) if d.losses != 0.0 else 0.0
-    # prescribed motion ends at the output, upstream of J3
+    # Prescribed motion ends at the output, upstream of J3
     omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
     stored = potential + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
     if d.fidelity == ELASTIC:
@@ -47,9 +47,9 @@ def write_torques(d, x, y):
     """Write the instantaneous torques and the acceleration of the output.
 
     Args:
-        d: constants; d.machine is written.
+        d: Constants; d.machine is written.
         x: state.
-        y: outputs, written.
+        y: Outputs, written.
 
     Returns:
         Acceleration of link 2, rad/s^2.
@@ -71,13 +71,13 @@ def write_means(d, x, y):
 
     Args:
         d: constants.
-        x: state with the impulses of the step.
-        y: outputs, written.
+        x: State with the impulses of the step.
+        y: Outputs, written.
     """
     length = x.length if x.length > 0.0 else 1.0
     housing = x.housing_impulse / length
     if d.losses == 0.0 and d.fidelity != AVERAGED:
-        housing = d.housing * max(housing, 0.0)  # the freewheel only pushes: a negative value is round-off
+        housing = d.housing * max(housing, 0.0)  # The freewheel only pushes: a negative value is round-off
     y.mesh_torque_mean = x.mesh_impulse / length
     y.housing_torque_mean = housing
     y.loss_power_mean = x.step_lost / length
@@ -88,7 +88,7 @@ def write_outputs(x, y):
 
     Args:
         x: state.
-        y: outputs, written.
+        y: Outputs, written.
     """
     y.omega2 = x.omega2
     y.omega_out = x.omega3 - x.relative
@@ -125,9 +125,9 @@ def write_late_outputs(d, x, y):
     """Write the late outputs and local variables: torques, energy balance, reaction forces.
 
     Args:
-        d: constants; d.machine is written.
+        d: Constants; d.machine is written.
         x: state.
-        y: outputs with the other ones already written; written.
+        y: Outputs with the other ones already written; written.
     """
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak

@@ -10,8 +10,8 @@ from . import codes
 from .accumulate import TWO_PI, TWO_PI_LOW
 from .equations.losses import add_to_bounds, by_load
 
-TWO_PI_HI = 6.283185303211212  # leading 30 bits of 2 pi: its product with an integer below 2**23 is exact
-STEP_TOLERANCE_FACTOR = 0.1  # tolerance of an internal step over the parameter tolerance
+TWO_PI_HI = 6.283185303211212  # Leading 30 bits of 2 pi: its product with an integer below 2**23 is exact
+STEP_TOLERANCE_FACTOR = 0.1  # Tolerance of an internal step over the parameter tolerance
 MIN_TOLERANCE = 1e-14
 UNLIMITED_STEP = 1e300  # s
 
@@ -20,8 +20,8 @@ def greatest_common_divisor(m, n):
     """Return the greatest common divisor by Euclid's algorithm.
 
     Args:
-        m: first positive integer, as a double.
-        n: second positive integer, as a double.
+        m: First positive integer, as a double.
+        n: Second positive integer, as a double.
     """
     while n > 0.0:
         rest = m % n
@@ -34,8 +34,8 @@ def derive_period(turns, d):
     """Set the period of the motion in q, in two doubles.
 
     Args:
-        turns: revolutions of the drive in a period.
-        d: constants; period fields are written.
+        turns: Revolutions of the drive in a period.
+        d: Constants; period fields are written.
     """
     period = turns * TWO_PI
     rest = turns * (TWO_PI - TWO_PI_HI) + turns * TWO_PI_LOW
@@ -48,13 +48,13 @@ def derive_bevel(d):
     """Set ratios, lengths, period and bounds of the bevel layout from teeth, shaft angle and a, b, c.
 
     Args:
-        d: constants; parameters are read. The bounds F_by_... are written without the factor mass k.
+        d: Constants; parameters are read. The bounds F_by_... are written without the factor mass k.
     """
     s = d.z17 / d.z6
     shaft_angle = d.shaft_angle
     sine = math.sin(shaft_angle)
     cosine = math.cos(shaft_angle)
-    # phi: half angle of the pitch cone of the satellite. Rolling without slip requires s = sin psi / sin phi
+    # Phi: half angle of the pitch cone of the satellite. Rolling without slip requires s = sin psi / sin phi
     phi = math.atan2(sine, s + cosine)
     pitch = d.wheel_radius / (s * math.sin(phi))
     arm = d.a * pitch * math.sin(phi)  # AD
@@ -77,10 +77,10 @@ def derive_bevel(d):
     reach = abs(d.radial) + abs(d.axial) + 2.0 * arm
     rate = reach + 2.0 * s * arm
     d.F_by_slip = s * (d.spin + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
-    # with three or more satellites only the terms with the satellite's own rotation remain
+    # With three or more satellites only the terms with the satellite's own rotation remain
     d.F_by_speed = 2.0 * reach * (rate if d.satellites <= 2.0 else 2.0 * s * arm)
     d.F_by_alpha1 = d.k * rate * rate + reach * rate
-    # highest harmonic of q in the reduced inertia
+    # Highest harmonic of q in the reduced inertia
     d.harmonic = 2.0 * d.s
     if d.satellites <= 2.0:
         d.harmonic = 2.0 + 2.0 * d.s
@@ -92,7 +92,7 @@ def derive_planar(d):
     Link 1 is the carrier, link 2 the sun gear on which the satellites roll.
 
     Args:
-        d: constants; parameters are read. The bounds F_by_... are written without the factor mass k.
+        d: Constants; parameters are read. The bounds F_by_... are written without the factor mass k.
     """
     arm = d.eccentricity
     centre = d.sun_radius + d.satellite_radius
@@ -100,7 +100,7 @@ def derive_planar(d):
     d.s = 1.0
     d.radial = d.pole_offset = arm
     d.axial = centre
-    # plane motion, and the satellite rotates with the drive
+    # Plane motion, and the satellite rotates with the drive
     d.phase_a = d.phase_b = d.radial_cos = d.arm = d.axial_cos = d.pole_arm = d.spin = d.F_by_slip = 0.0
     derive_period(1.0, d)
     d.harmonic = 1.0
@@ -112,7 +112,7 @@ def derive_inertias(d):
     """Set masses, inertias and viscous friction under their symbols of docs/mechanics.md.
 
     Args:
-        d: constants; parameters are read.
+        d: Constants; parameters are read.
     """
     d.mass = d.imbalance_mass * d.modules * d.satellites
     d.J1 = d.input_inertia
@@ -123,7 +123,7 @@ def derive_inertias(d):
     d.b1 = d.input_friction
     d.bq = d.drive_friction
     d.b2 = d.link2_friction
-    # prescribed motion ends at the output
+    # Prescribed motion ends at the output
     d.b3 = d.output_friction if d.fidelity != codes.KINEMATIC else 0.0
     d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
 
@@ -132,7 +132,7 @@ def derive_freewheels(d):
     """Set the parameters of absent freewheels and of absent springs to 0.
 
     Args:
-        d: constants; parameters are read.
+        d: Constants; parameters are read.
     """
     d.housing = d.housing_freewheel
     d.output = d.output_freewheel
@@ -156,13 +156,13 @@ def derive_losses(d):
     """Set loss coefficients and weight, and the flags that select the general equations of motion.
 
     Args:
-        d: constants; the fields of derive_freewheels and derive_inertias are read.
+        d: Constants; the fields of derive_freewheels and derive_inertias are read.
     """
     d.mesh_loss = 1.0 - d.mesh_efficiency
     d.satellite_loss = 0.0 if d.planar != 0.0 else 1.0 - d.satellite_mesh_efficiency
-    # weights of several modules, which are evenly spaced around the axis, balance
+    # Weights of several modules, which are evenly spaced around the axis, balance
     d.weight = d.mass * d.gravity if d.modules == 1.0 else 0.0
-    # rotation of a satellite per q is z + s e: its product with axis x over cos A, and its square
+    # Rotation of a satellite per q is z + s e: its product with axis x over cos A, and its square
     d.turn_across = -d.s * math.sin(d.shaft_angle)
     d.turn_along = 1.0 + 2.0 * d.s * math.cos(d.shaft_angle) + d.s * d.s
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
@@ -170,7 +170,7 @@ def derive_losses(d):
     d.averaged = 1.0 if d.fidelity == codes.AVERAGED else 0.0
     d.lossy = 0.0
     if d.averaged != 0.0:
-        # averaged motion has its own equations, and weights have no mean over a revolution of link 1
+        # Averaged motion has its own equations, and weights have no mean over a revolution of link 1
         d.lossy = 1.0 if d.viscous + by_load(d) - d.weight + drag + d.plays > 0.0 else 0.0
         d.weight = 0.0
 
@@ -182,7 +182,7 @@ def add_gear_inertia(d):
     depends on the azimuth A of the gear's axis becomes body_i (in I) and body_b (in B).
 
     Args:
-        d: constants, complete except for the fields above.
+        d: Constants, complete except for the fields above.
     """
     d.bodies = 0.0
     d.body_i = 0.0
@@ -200,7 +200,7 @@ def add_gear_inertia(d):
         cosine = math.cos(d.shaft_angle)
         spin = d.s + cosine
         d.J1 += across
-        # over n satellites sum cos^2 A = n / 2 for n > 2, and sum cos A = 0 for n > 1
+        # Over n satellites sum cos^2 A = n / 2 for n > 2, and sum cos A = 0 for n > 1
         if d.satellites <= 2.0:
             d.body_i = (own - across) * sine * sine
         else:
@@ -223,13 +223,13 @@ def min_inertia_ratio(d):
         d: constants.
     """
     offset = d.pole_offset
-    far = offset + 2.0 * d.pole_arm
+    max_offset = offset + 2.0 * d.pole_arm
     fixed = d.J2 + d.k * d.k * d.J16
     if d.output == 0.0:
         fixed += d.J3
     moving = d.k * d.k * d.mass
-    largest = fixed + moving * (far * far + d.spin)
-    return (fixed + moving * offset * offset) / largest if largest > 0.0 else 0.0
+    maximum = fixed + moving * (max_offset * max_offset + d.spin)
+    return (fixed + moving * offset * offset) / maximum if maximum > 0.0 else 0.0
 
 
 def derive_bounds(d):
@@ -238,7 +238,7 @@ def derive_bounds(d):
     |F| <= F_by_slip slip^2 + F_by_speed omega1^2 + F_by_alpha1 |alpha1|, with slip = omega1 - omega2.
 
     Args:
-        d: constants; the fields of the layout, of derive_inertias and derive_losses are read.
+        d: Constants; the fields of the layout, of derive_inertias and derive_losses are read.
     """
     scale = d.mass * d.k
     d.F_by_slip *= scale
@@ -255,8 +255,8 @@ def derive_constants(p, d):
     """Fill d from p.
 
     Args:
-        p: parameters, each within its range of the table of variables.
-        d: constants, written.
+        p: Parameters, each within its range of the table of variables.
+        d: Constants, written.
     """
     for n in range(len(p.numbers)):
         d.numbers[n] = p.numbers[n]

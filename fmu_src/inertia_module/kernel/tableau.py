@@ -16,7 +16,7 @@ table 5.2 and code DOP853; J. R. Dormand, P. J. Prince (1980), J. Comput. Appl. 
 
 from dataclasses import dataclass, field
 
-# relative tolerance of the checks of a tableau
+# Relative tolerance of the checks of a tableau
 CHECK_RTOL = 1e-14
 
 
@@ -24,9 +24,9 @@ def check_sum(name, terms, value):
     """Raise ValueError unless the terms add up to the value, up to round-off.
 
     Args:
-        name: condition that the sum belongs to.
-        terms: numbers to add.
-        value: expected sum.
+        name: Condition that the sum belongs to.
+        terms: Numbers to add.
+        value: Expected sum.
     """
     terms = list(terms)
     difference = sum(terms) - value
@@ -39,13 +39,13 @@ class Tableau:
     """Butcher tableau of an embedded explicit Runge-Kutta pair.
 
     Attributes:
-        name: name of the pair.
-        order: order of the result.
-        last_stage: number of the stage at the end of the step; row last_stage of A is b.
-        A: row i has the coefficients a_ij, j < i.
-        C: node c_i of each stage.
-        E: error weights by their order q: the error is 0 for rates that are polynomials of degree below q.
-        D: rows of the dense output.
+        name: Name of the pair.
+        order: Order of the result.
+        last_stage: Number of the stage at the end of the step; row last_stage of A is b.
+        A: Row i has the coefficients a_ij, j < i.
+        C: Node c_i of each stage.
+        E: Error weights by their order q: the error is 0 for rates that are polynomials of degree below q.
+        D: Rows of the dense output.
     """
 
     name: str
@@ -149,7 +149,7 @@ DOPRI5 = Tableau(
 )
 # fmt: on
 
-# the flat tables of the kernel: nodes and rows of both pairs, then rows of errors and dense output
+# The flat tables of the kernel: nodes and rows of both pairs, then rows of errors and dense output
 N_STAGES = len(DOP853.A)
 DOP853_ROW, DOPRI5_ROW = 0, N_STAGES
 DOP853_LAST_STAGE, DOPRI5_LAST_STAGE = DOP853.last_stage, DOPRI5.last_stage
@@ -157,10 +157,10 @@ DOP853_E5_ROW = DOPRI5_ROW + len(DOPRI5.A)
 DOP853_E3_ROW, DOPRI5_E_ROW, DOP853_D_ROW = DOP853_E5_ROW + 1, DOP853_E5_ROW + 2, DOP853_E5_ROW + 3
 NODES = (*DOP853.C, *DOPRI5.C)
 ROWS = (*DOP853.A, *DOPRI5.A, DOP853.E[5], DOP853.E[3], DOPRI5.E[4], *DOP853.D)
-# stages of each pair in the order of their nodes, for extrema by parabolas through three neighbours
+# Stages of each pair in the order of their nodes, for extrema by parabolas through three neighbours
 STAGES_BY_TIME = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6)
 N_DOP853_BY_TIME, N_DOPRI5_BY_TIME = 6, 4
-# first stage after stage 0 that the errors of DOP853 depend on
+# First stage after stage 0 that the errors of DOP853 depend on
 FIRST_ERROR_STAGE = 5
 
 # Rosenbrock method (events.rosenbrock): nodes of its dense output, which stand for stages
@@ -182,9 +182,9 @@ GENTLE, GENTLE_END = len(ROWS), BOSH3.last_stage
 GENTLE_ERROR = GENTLE + len(BOSH3.A)
 ROWS += (*BOSH3.A, BOSH3.E[2])
 
-# rows one after the other, each N_STAGES long
+# Rows one after the other, each N_STAGES long
 WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (N_STAGES - len(row))))
-# first stage after stage 0 with a non-zero weight, for each row
+# First stage after stage 0 with a non-zero weight, for each row
 FIRST_NONZERO_STAGE = tuple(
     next((n for n, weight in enumerate(row) if n > 0 and weight != 0.0), 1) for row in ROWS
 )
@@ -210,7 +210,7 @@ def stage_order_range(pair):
     """Return the place of a pair in STAGES_BY_TIME.
 
     Args:
-        pair: first row of the pair.
+        pair: First row of the pair.
 
     Returns:
         Place of its first stage, number of its stages.
@@ -226,7 +226,7 @@ def last_stage(pair):
     """Return the number of the stage at the end of the step.
 
     Args:
-        pair: first row of the pair.
+        pair: First row of the pair.
     """
     if pair == DOP853_ROW:
         return DOP853_LAST_STAGE
@@ -237,13 +237,13 @@ def parabola_extremum(t0, t1, t2, y0, y1, y2, end):
     """Return the extremum of the parabola through three points, or y1 if it is not between them.
 
     Args:
-        t0: time of the first point; t0 < t1 < t2.
-        t1: time of the second point.
-        t2: time of the third point.
-        y0: value of the first point.
-        y1: value of the second point.
-        y2: value of the third point.
-        end: time after which an extremum does not count.
+        t0: Time of the first point; t0 < t1 < t2.
+        t1: Time of the second point.
+        t2: Time of the third point.
+        y0: Value of the first point.
+        y1: Value of the second point.
+        y2: Value of the third point.
+        end: Time after which an extremum does not count.
     """
     slope = (y1 - y0) / (t1 - t0)
     curve = ((y2 - y1) / (t2 - t1) - slope) / (t2 - t0)
@@ -259,9 +259,9 @@ def weighted_sum(row, count, values):
     """Return the weighted sum of values at the stages.
 
     Args:
-        row: row of WEIGHTS.
-        count: number of stages to add.
-        values: value at each stage.
+        row: Row of WEIGHTS.
+        count: Number of stages to add.
+        values: Value at each stage.
     """
     total = 0.0
     for n in range(count):
@@ -273,8 +273,8 @@ def fit_dense_output(h, rates, dense):
     """Write the coefficients of the dense output of DOP853 for one quantity.
 
     Args:
-        h: step, s.
-        rates: rate of the quantity at each of the N_STAGES stages, 1/s.
+        h: Step, s.
+        rates: Rate of the quantity at each of the N_STAGES stages, 1/s.
         dense: 7 coefficients, written.
     """
     change = h * weighted_sum(DOP853_LAST_STAGE, DOP853_LAST_STAGE, rates)
@@ -290,7 +290,7 @@ def dense_change(dense, sigma):
 
     Args:
         dense: 7 coefficients (fit_dense_output).
-        sigma: fraction of the step, 0 to 1.
+        sigma: Fraction of the step, 0 to 1.
     """
     rest = 1.0 - sigma
     y = (dense[5] + sigma * dense[6]) * rest
@@ -306,7 +306,7 @@ def dense_rate(dense, sigma):
 
     Args:
         dense: 7 coefficients (fit_dense_output).
-        sigma: fraction of the step, 0 to 1.
+        sigma: Fraction of the step, 0 to 1.
     """
     rest = 1.0 - sigma
     y = dense[5] + sigma * dense[6]
@@ -326,8 +326,8 @@ def write_dense_weights(sigma, weights):
     """Write the weights of the stages in the dense output: change = h sum_i weights_i k_i.
 
     Args:
-        sigma: fraction of the step, 0 to 1.
-        weights: one weight for each of the N_STAGES stages, written.
+        sigma: Fraction of the step, 0 to 1.
+        weights: One weight for each of the N_STAGES stages, written.
     """
     rest = 1.0 - sigma
     whole = sigma * (1.0 - rest + 2.0 * sigma * rest)
