@@ -79,7 +79,7 @@ NUMBERS = (math.inf, -math.inf, math.nan, 1e308, -1.0, 0.5)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_constants_of_a_state_are_calculated_anew(compiled, number):
     for model, fields in (
-        (DrivenShaft, ("fast", "slow", "rate", "step")),
+        (DrivenShaft, ("fast_rate", "slow_rate", "damping_rate", "step")),
         (Module, ("satellites", "harmonic", "k")),
     ):
         good, other = (advanced(model(compiled).start(), 1e-3) for _ in range(2))

@@ -15,7 +15,7 @@ def satellites_overlap(p, reach):
     """Return True if neighbouring satellites overlap.
 
     Args:
-        p: parameters.
+        p: Parameters.
         reach: Planar layout (R0 + r) / r, bevel layout sqrt(1 + 2 s cos Sigma + s^2).
     """
     return p.satellites > 1.0 and reach * math.sin(math.pi / p.satellites) < 1.0 - OVERLAP_RTOL
@@ -25,7 +25,7 @@ def planar_warnings(p):
     """Return the sum of the warnings of a planar mechanism.
 
     Args:
-        p: parameters.
+        p: Parameters.
     """
     total = 0
     if satellites_overlap(p, 1.0 + p.sun_radius / p.satellite_radius):
@@ -39,7 +39,7 @@ def bevel_warnings(p):
     """Return the sum of the warnings of a bevel mechanism.
 
     Args:
-        p: parameters.
+        p: Parameters.
     """
     total = 0
     s = p.z17 / p.z6

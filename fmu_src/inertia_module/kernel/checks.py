@@ -11,7 +11,7 @@ def check_torque_drive(d):
     """Return the status of parameters that a given torque of link 1 requires.
 
     Args:
-        d: constants.
+        d: Constants.
     """
     if d.by_torque == 0.0:
         return codes.OK
@@ -26,7 +26,7 @@ def check_level(d):
     """Return the status of parameters that fixed steps and fidelity averaged do not support.
 
     Args:
-        d: constants.
+        d: Constants.
     """
     is_stepped = d.method == codes.TIMESTEPPING
     is_averaged = d.fidelity == codes.AVERAGED
@@ -43,7 +43,7 @@ def check_start_speeds(d):
     """Return the status of the initial speeds: freewheels allow one sign of their relative speed.
 
     Args:
-        d: constants.
+        d: Constants.
     """
     omega2 = d.omega2_start
     omega_out = d.omega_out_start
@@ -61,7 +61,7 @@ def check_combinations(d):
     """Return the status of parameters together, except for self-locking meshes.
 
     Args:
-        d: constants.
+        d: Constants.
     """
     status = check_torque_drive(d)
     if status != codes.OK:

@@ -29,8 +29,8 @@ def fastest_rate(d, x):
     """Return the angular frequency of the fastest motion, at least MIN_FREQUENCY, rad/s.
 
     Args:
-        d: constants.
-        x: state.
+        d: Constants.
+        x: State.
     """
     rate = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
     if d.elastic != 0.0:
@@ -43,7 +43,7 @@ def extrapolate_inputs(u, x):
 
     Args:
         u: Inputs, written.
-        x: state.
+        x: State.
     """
     u.omega1 = x.omega1
     u.omega1_rate = x.alpha1
@@ -61,11 +61,11 @@ def write_output_rates(d, u, x, y, w):
     The derivatives of step means and peaks are 0.
 
     Args:
-        d: constants.
+        d: Constants.
         u: Inputs, overwritten.
         x: State, overwritten.
         y: Outputs, which are replaced by their derivatives.
-        w: workspace.
+        w: Workspace.
 
     Returns:
         Status.
@@ -112,10 +112,10 @@ def call(operation, p, d, u, x, y, w, h):
 
     Args:
         operation: START, STEP and so on (:mod:`.codes`).
-        p: parameters.
-        d: constants.
-        u: inputs.
-        x: state.
+        p: Parameters.
+        d: Constants.
+        u: Inputs.
+        x: State.
         y: Outputs and local variables.
         w: Workspace; nothing in it survives the call.
         h: Length of the communication step, s.

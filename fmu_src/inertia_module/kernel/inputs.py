@@ -22,7 +22,7 @@ def check_inputs(u):
     """Return OK if all inputs are finite and within their range, otherwise BAD_INPUT + number of the input.
 
     Args:
-        u: inputs.
+        u: Inputs.
     """
     for n in range(len(u.numbers) // 3):
         if not abs(u.numbers[n]) <= MAX_INPUTS[n]:
@@ -34,7 +34,7 @@ def check_step(u, h):
     """Return the status of a communication step: its length, its inputs, and inputs with a rate at its end.
 
     Args:
-        u: inputs.
+        u: Inputs.
         h: Length of the step, s.
     """
     if not MIN_STEP <= h <= MAX_STEP:
@@ -71,7 +71,7 @@ def input_speed(u):
     """Return the input omega1, rad/s, or 0 if its square underflows.
 
     Args:
-        u: inputs.
+        u: Inputs.
     """
     omega1 = u.omega1
     return omega1 if abs(omega1) >= MIN_SPEED else 0.0
@@ -114,8 +114,8 @@ def read_inputs(d, u, x, h):
     """Copy the inputs of a communication step to the state and reset its sums.
 
     Args:
-        d: constants.
-        u: inputs.
+        d: Constants.
+        u: Inputs.
         x: State, written.
         h: Length of the step, s.
 

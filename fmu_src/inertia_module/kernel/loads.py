@@ -22,7 +22,7 @@ def squared_acceleration(d, moment):
     """Return |a|^2 of imbalance 0 of module 0 at a sample, (m/s^2)^2.
 
     Args:
-        d: constants.
+        d: Constants.
         moment: Sample (fields.MOMENT).
     """
     rate_q = d.k * (moment.omega1 - moment.omega2)
@@ -36,7 +36,7 @@ def max_squared_acceleration(d, x):
     """Return the maximum of |a|^2 of imbalance 0 over the samples of the step, (m/s^2)^2.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State with the samples.
     """
     maximum = x.largest_square
@@ -49,7 +49,7 @@ def include_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """Include the instant before an event in the maximum of |a|^2, independently of the ring buffer.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State; largest_square is updated.
         q: Drive angle, rad.
         omega1: Speed of link 1, rad/s.
@@ -67,7 +67,7 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     """Store a sample in the ring buffer; the maximum of |a|^2 keeps the sample that it replaces.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State; the ring buffer, the number of samples and largest_square are updated.
         q: Drive angle, rad.
         omega1: Speed of link 1, rad/s.
@@ -94,11 +94,12 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
 def gear_momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
     """Return the rate of the angular momentum of a satellite gear about its centre, N m (bevel layout).
 
-    L = Jt v + h e, with the angular velocity v = omega1 x + q' z of the drive, the axis e of the gear (e' = v
-    x e) and h = Ja s q' + (Ja - Jt) v e.
+        L = Jt v + h e      h = Ja s q' + (Ja - Jt) v e      v = omega1 x + q' z
+
+    v is the angular velocity of the pinion shaft, and e is the axis of the gear, with e' = v x e.
 
     Args:
-        d: constants.
+        d: Constants.
         omega1: Speed of link 1, rad/s.
         alpha1: Acceleration of link 1, rad/s^2.
         rate_q: q', rad/s.
@@ -131,8 +132,8 @@ def write_loads(d, x, y, alpha2):
     components along Ox. Sums over the satellites of a module have no harmonic above the second.
 
     Args:
-        d: constants.
-        x: state.
+        d: Constants.
+        x: State.
         y: Outputs, written.
         alpha2: Acceleration of link 2, rad/s^2.
     """

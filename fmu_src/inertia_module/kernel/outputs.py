@@ -19,7 +19,7 @@ def has_energy_check(d):
     Fixed steps cannot gain energy, and averaged steps have a check of their own.
 
     Args:
-        d: constants.
+        d: Constants.
     """
     return d.fidelity >= RIGID and d.method == EVENT
 
@@ -28,8 +28,8 @@ def stored_energy(d, x):
     """Return the stored energy, J: kinetic energy, weights and springs.
 
     Args:
-        d: constants.
-        x: state.
+        d: Constants.
+        x: State.
     """
     if d.fidelity == AVERAGED:
         return averaged_energy(d, x)
@@ -48,7 +48,7 @@ def write_torques(d, x, y):
 
     Args:
         d: Constants; d.machine is written.
-        x: state.
+        x: State.
         y: Outputs, written.
 
     Returns:
@@ -70,7 +70,7 @@ def write_means(d, x, y):
     """Write the means over the last step, impulses included.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State with the impulses of the step.
         y: Outputs, written.
     """
@@ -87,7 +87,7 @@ def write_outputs(x, y):
     """Write the outputs and local variables that are copies of fields of the state.
 
     Args:
-        x: state.
+        x: State.
         y: Outputs, written.
     """
     y.omega2 = x.omega2
@@ -126,7 +126,7 @@ def write_late_outputs(d, x, y):
 
     Args:
         d: Constants; d.machine is written.
-        x: state.
+        x: State.
         y: Outputs with the other ones already written; written.
     """
     y.torque_ripple = x.torque_ripple

@@ -220,7 +220,7 @@ def min_inertia_ratio(d):
     Without an output freewheel link 2 always moves with the output shaft.
 
     Args:
-        d: constants.
+        d: Constants.
     """
     offset = d.pole_offset
     max_offset = offset + 2.0 * d.pole_arm

@@ -34,7 +34,7 @@ def check_sum(name, terms, value):
         raise ValueError(f"{name} must be {value} (got {value + difference})")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tableau:
     """Butcher tableau of an embedded explicit Runge-Kutta pair.
 

@@ -45,8 +45,8 @@ def driven_acceleration(p, x):
     """Return the acceleration of the driven mass without and with the balancer, rad/s^2.
 
     Args:
-        p: parameters.
-        x: state.
+        p: Parameters.
+        x: State.
     """
     shaft = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
     own = (shaft - p.driven_friction * x.omega4 - x.load_torque) / p.driven_inertia
@@ -57,8 +57,8 @@ def shaft_energy(p, x):
     """Return the stored energy of the driven mass and the spring, J.
 
     Args:
-        p: parameters.
-        x: state.
+        p: Parameters.
+        x: State.
     """
     kinetic = p.driven_inertia * x.omega4 * x.omega4
     return 0.5 * (kinetic + p.shaft_stiffness * x.twist * x.twist)
@@ -68,8 +68,8 @@ def write_shaft_outputs(p, x, y):
     """Write all outputs and local variables.
 
     Args:
-        p: parameters.
-        x: state.
+        p: Parameters.
+        x: State.
         y: Outputs, written.
     """
     y.shaft_torque = p.shaft_stiffness * x.twist + p.shaft_damping * x.slip
@@ -89,7 +89,7 @@ def derive_shaft(p, d):
     """Fill d from p. All combinations of parameters within their ranges are valid.
 
     Args:
-        p: parameters.
+        p: Parameters.
         d: Constants, written.
     """
     d.damping_rate = (p.shaft_damping + p.driven_friction) / p.driven_inertia
@@ -102,9 +102,9 @@ def start_shaft(p, d, u, x, y):
     """Set constants, state and outputs at the end of the initialisation.
 
     Args:
-        p: parameters.
+        p: Parameters.
         d: Constants, written.
-        u: inputs.
+        u: Inputs.
         x: State, written.
         y: Outputs, written.
 
@@ -130,8 +130,8 @@ def begin_shaft_step(p, u, x, h):
     """Copy the inputs of a step to the state; the balancer transmits a jump of the hub speed at once.
 
     Args:
-        p: parameters.
-        u: inputs.
+        p: Parameters.
+        u: Inputs.
         x: State, written.
         h: Length of the step, s.
     """
@@ -155,8 +155,8 @@ def write_motions(p, d, x, w):
     """Write z1 to z4 (:mod:`.motion`) of twist, slip and speed, and of the rates of slip and speed.
 
     Args:
-        p: parameters.
-        d: constants.
+        p: Parameters.
+        d: Constants.
         x: State with the inputs of the step.
         w: Workspace, written.
     """
@@ -196,10 +196,10 @@ def move_shaft(p, d, x, w, h):
     Each energy is an integral of its own, so their balance is a check.
 
     Args:
-        p: parameters.
+        p: Parameters.
         d: Constants; the cached step is written.
         x: State, advanced.
-        w: workspace.
+        w: Workspace.
         h: Length of the step, s.
     """
     write_motions(p, d, x, w)
@@ -224,12 +224,12 @@ def advance_shaft(p, d, u, x, y, w, h):
     """Advance by a communication step. Unless the status is OK, state and outputs are unchanged.
 
     Args:
-        p: parameters.
+        p: Parameters.
         d: Constants; the cached step is written.
-        u: inputs.
+        u: Inputs.
         x: State, advanced.
         y: Outputs, written.
-        w: workspace.
+        w: Workspace.
         h: Length of the step, s.
 
     Returns:
@@ -255,8 +255,8 @@ def write_shaft_rates(p, x, y):
     """Write the time derivative of each output to y, 1/s; it is 0 for the step mean.
 
     Args:
-        p: parameters.
-        x: state.
+        p: Parameters.
+        x: State.
         y: Outputs, which are replaced by their derivatives.
     """
     _, acceleration = driven_acceleration(p, x)
@@ -272,10 +272,10 @@ def call(operation, p, d, u, x, y, w, h):
 
     Args:
         operation: START, STEP and so on (:mod:`.codes`).
-        p: parameters.
-        d: constants.
-        u: inputs.
-        x: state.
+        p: Parameters.
+        d: Constants.
+        u: Inputs.
+        x: State.
         y: Outputs and local variables.
         w: Workspace; nothing in it survives the call.
         h: Length of the communication step, s.

@@ -14,9 +14,9 @@ W are Gauss sums over a part of the step in which nothing oscillates or decays m
 until it covers the step, with W(2t) = W(t) + E(t)^T W(t) E(t).
 
 The result is exact to round-off for any stiffness and step, without overflow. Scaling and squaring of the
-augmented matrix exponential would be shorter but less accurate. Its relative errors for shafts of the unit tests
-and steps of 0.1 s are 6e-9 (stiff shaft) and 1e-7 (light mass), and there are no correct digits for a light mass
-with strong damping.
+augmented matrix exponential would be shorter but less accurate. Its relative errors for shafts of the unit
+tests and steps of 0.1 s are 6e-9 (stiff shaft) and 1e-7 (light mass), and there are no correct digits for a
+light mass with strong damping.
 
 Sources: C. Moler and C. Van Loan, Nineteen dubious ways to compute the exponential of a matrix, SIAM Review
 45 (2003), methods 3 and 14; C. Van Loan, Computing integrals involving the matrix exponential, IEEE Trans.

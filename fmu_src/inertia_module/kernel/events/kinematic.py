@@ -41,7 +41,7 @@ def impose_ratio(d, x):
     """Set the speed of link 2 and of the output to ratio omega1.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State; omega1 is read.
     """
     x.omega2 = x.omega3 = d.kinematic_ratio * x.omega1
@@ -53,7 +53,7 @@ def prescribe_motion(d, x, t):
     """Write the prescribed motion and its torques to d.machine.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State at the present time; the freewheel states and the sign of the slip are written.
         t: Time from the present, s.
     """
@@ -72,7 +72,7 @@ def loss_signs(d, x, t):
     """Return the signs of the mesh torques on which the mesh losses depend.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State at the present time.
         t: Time from the present, s.
 
@@ -88,7 +88,7 @@ def has_signs(d, x, t, flow, spin):
     """Return True if the mesh torques have the signs flow and spin.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State at the present time.
         t: Time from the present, s.
         flow: Sign of the power in mesh 2-16.
@@ -102,7 +102,7 @@ def until_next_kink(d, x, h):
     """Return the time to a reversal of link 1 or just after a sign change of a mesh torque, at most h, s.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State at the present time.
         h: Length of the interval, s.
     """
@@ -131,9 +131,9 @@ def advance_kinematic(d, x, w, remaining):
     """Advance by one interval.
 
     Args:
-        d: constants.
+        d: Constants.
         x: State, advanced.
-        w: workspace.
+        w: Workspace.
         remaining: Time until the end of the communication step, s.
 
     Returns:
