@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from inertia_module.kernel import tableau
+from inertia_module.kernel import fields, tableau
 from inertia_module.kernel.tableau import BOSH3, DOP853, DOPRI5
 
 PAIRS = {pair.name: pair for pair in (DOP853, DOPRI5, BOSH3)}
@@ -170,6 +170,11 @@ def test_flat_tables_have_the_rows_of_the_pairs(pair):
             weights = pair.E[order]
             start = tableau.N_STAGES * row
             assert tableau.WEIGHTS[start : start + len(weights)] == weights
+
+
+def test_records_have_room_for_all_stages_and_the_dense_output():
+    assert fields.STAGES == tableau.N_STAGES
+    assert 3 + len(DOP853.D) == fields.DENSE
 
 
 def test_errors_of_the_long_pair_begin_at_their_first_stage():

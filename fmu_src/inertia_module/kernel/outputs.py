@@ -66,7 +66,7 @@ def write_torques(d, x, y):
     return m.alpha2
 
 
-def write_means(d, x, y):
+def write_step_means(d, x, y):
     """Write the means over the last step, impulses included.
 
     Args:
@@ -140,5 +140,5 @@ def write_late_outputs(d, x, y):
     y.energy_residual = net - (stored - x.energy_start)
     alpha2 = write_torques(d, x, y)
     y.input_acceleration = x.alpha1
-    write_means(d, x, y)
+    write_step_means(d, x, y)
     write_loads(d, x, y, alpha2)

@@ -26,11 +26,7 @@ STATE = (
 CONSTANTS = (
     *("damping_rate", "frequency_squared"),  # 1/s, 1/s^2: (d + f) / J4 and c / J4
     *("damped_frequency", "slow_rate", "fast_rate"),  # 1/s (motion.characteristic_rates)
-    *(
-        "step",
-        ("responses", 6),
-        ("gramian", 16),
-    ),  # s: last step, its responses and Gramian (motion.cache_step)
+    *("step", ("responses", 6), ("gramian", 16)),  # s: length of the cached step (motion.cache_step)
 )
 WORKSPACE = (
     # z1 to z4 of each motion at the beginning of the step (motion)
@@ -38,6 +34,7 @@ WORKSPACE = (
     *(("transition", 16), ("product", 16)),  # E(t), W(t) E(t)
     ("before", STATE),  # State before the step
 )
+
 OVERFLOW = 1e300  # Magnitude from which a number of the state counts as not finite
 
 

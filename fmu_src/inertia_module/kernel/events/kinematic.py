@@ -19,9 +19,9 @@ MAX_GAUSS_PHASE = 1.0  # rad, phase of the highest harmonic in one interval
 # derivative, which is 945 for sin(t^2 / 2) at t = 0, about as large as for sin(2 t).
 RAMP_PHASE_FACTOR = 2.0
 N_SIGN_SAMPLES = 4  # Samples of the mesh torques in an interval, to detect a change of sign
-N_BISECTIONS = 30  # To locate it
-SIGN_CHANGE_RTOL = 1e-9  # Over the interval, distance of the samples from its ends
-REVERSAL_RTOL = 1e-12  # Over the interval, a reversal of link 1 before this time counts as present
+N_BISECTIONS = 30  # Bisections that locate a change of sign
+SIGN_CHANGE_RTOL = 1e-9  # Distance of the samples from the ends of the interval, over its length
+REVERSAL_RTOL = 1e-12  # A reversal of link 1 before this fraction of the interval counts as present
 
 
 def set_prescribed_contacts(x, omega1, omega2):
