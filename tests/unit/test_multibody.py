@@ -44,7 +44,7 @@ class Multibody:
         turns = {"drive": 1.0, "satellite": satellite_ratio(p)}
         self.gear = np.array([turns.get(name.split()[0], 0.0) for name in self.names])
 
-    def prescribe_motion(self, q, theta1, omega1, alpha1, omega2, alpha2):
+    def prescribe(self, q, theta1, omega1, alpha1, omega2, alpha2):
         """Inverse dynamics of a motion of links 1 and 2: (M1, M2).
 
         With dq = k (dtheta1 - dtheta2) the virtual work of the hinge torques is that of M1 on link 1
