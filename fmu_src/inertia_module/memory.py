@@ -200,7 +200,7 @@ class ModelInstance(Plant):
             self.model.by_name[name].number(numbers[name])
         before = {name: self[name] for name in numbers}
         self._write(numbers)
-        status = self.call(codes.TUNE, 0.0) if tuned else codes.OK
+        status = self.call(codes.UPDATE_PARAMETERS, 0.0) if tuned else codes.OK
         if status != codes.OK:
             reason = self.explain(status, 0.0)
             self._write(before)
@@ -231,7 +231,7 @@ class ModelInstance(Plant):
             raise Refused("call start() before rates()")
         copy = type(self)("plain" if self._compiled is None else "compiled")
         copy.restore(self.save())
-        self._check(copy.call(codes.RATES, 0.0), 0.0)
+        self._check(copy.call(codes.OUTPUT_DERIVATIVES, 0.0), 0.0)
         return {variable.name: copy[variable.name] for variable in self.model.with_causality(OUTPUT)}
 
     def start(self, **values: float | str) -> Self:

@@ -41,9 +41,9 @@ def test_an_engagement_is_an_event_and_a_turn_within_the_play_is_none(compiled):
     """Steps that end at a switch, as FMI 3.0 asks for: each is followed by another contact mode."""
     module = started(compiled, SCENES["bevel"], PLAY)
     for number in range(60):
-        assert module.call(codes.STEP_TO_SWITCH, 0.2) == codes.OK
+        assert module.call(codes.STEP_UNTIL_EVENT, 0.2) == codes.OK
         assert module["contact_switches"] == number
-        assert module.call(codes.SWITCH, 0.0) == codes.OK
+        assert module.call(codes.HANDLE_EVENT, 0.0) == codes.OK
         assert module["contact_switches"] == number + 1
     assert module["housing_engagements"] > 10
 

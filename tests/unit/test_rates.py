@@ -21,7 +21,7 @@ from inertia_module.kernel.events.guards import fitted_guard
 from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.links import prescribed_at_input
-from inertia_module.kernel.tableau import END, LONG, STAGES, fit
+from inertia_module.kernel.tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGES, fit_dense_output
 from studies.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
@@ -72,10 +72,10 @@ def test_guards_in_an_explicit_step(values, chance, mode):
     x.output_state = LOCKED if mode in (DRIVING, HELD_DRIVING) else OVERRUNNING
     x.slip_sign, x.rates_cached = 1.0, 0.0
     begin_step(d, x, w)
-    make_step(d, x, w, LONG, step)
-    evaluate_stages(d, x, w, END + 1, STAGES - 1)
+    make_step(d, x, w, DOP853_ROW, step)
+    evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
     for which in range(2):
-        fit(w.step, w.watched[which].rate, w.watched[which].dense)
+        fit_dense_output(w.step, w.watched[which].rate, w.watched[which].dense)
         for sigma in (0.2, 0.5, 0.8):
             value = exact_guard(d, x, w, which, sigma)
             assert fitted_guard(x, w, which, sigma) == pytest.approx(value, rel=1e-6, abs=1e-9)

@@ -11,10 +11,10 @@ from collections.abc import Iterable, Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
-from ..kernel.inputs import SMALLEST_STEP
+from ..kernel.inputs import MIN_STEP
 from .variables import INPUT, LARGEST_STEP, VARIABLES, Group, Variable, with_causality
 
-_STEPS = f"between {SMALLEST_STEP:g} and {LARGEST_STEP:g} s"
+_STEPS = f"between {MIN_STEP:g} and {LARGEST_STEP:g} s"
 _ABANDONED = "communication step = {step} s is rejected: "
 
 
@@ -52,7 +52,7 @@ _FRICTION = ("input_friction", "drive_friction", "link2_friction", "output_frict
 _LOSSES = [v.name for v in VARIABLES if v.group == Group.LOSSES and v.name not in _FRICTION]
 
 MESSAGES: Mapping[int, str] = {
-    codes.NO_RECTIFIER: (
+    codes.FREEWHEELS_REQUIRED: (
         "housing_freewheel and output_freewheel must both be 1 (true) with fidelity = averaged (got"
         " {housing_freewheel} and {output_freewheel}). Without both freewheels nothing rectifies the pulses"
         " and there is no mean torque."
@@ -61,16 +61,16 @@ MESSAGES: Mapping[int, str] = {
         "housing_stiffness and freewheel_stiffness must each be 0 (rigid) or between 0.01 and 1e+08 N.m/rad"
         " (got {housing_stiffness} and {freewheel_stiffness})"
     ),
-    codes.NO_PLAY: (
+    codes.BACKLASH_UNSUPPORTED: (
         "housing_engagement_angle and output_engagement_angle must be 0 with fidelity = kinematic (got"
         " {housing_engagement_angle} and {output_engagement_angle}). With prescribed motion no freewheel"
         " engages."
     ),
-    codes.NO_WINDAGE: (
+    codes.WINDAGE_UNSUPPORTED: (
         "windage must be 0 with fidelity = averaged (got {windage}). Windage requires fidelity 0"
         " (kinematic), 2 (rigid) or 3 (elastic)."
     ),
-    codes.JAMMED: (
+    codes.SELF_LOCKING: (
         f"mesh_efficiency and satellite_mesh_efficiency must be higher with {named(*_LINK_INERTIAS)}"
         " (got {mesh_efficiency} and {satellite_mesh_efficiency}). The gear meshes are self-locking."
         " Increase the efficiencies or these inertias."
@@ -91,11 +91,11 @@ MESSAGES: Mapping[int, str] = {
         f"omega_out_start must be equal to {named('omega2_start')} without an output freewheel (got"
         " {omega_out_start})"
     ),
-    codes.NO_INPUT_INERTIA: (
+    codes.INPUT_INERTIA_TOO_SMALL: (
         "input_inertia must be above 1e-12 of the maximum inertia of the mechanism at the input with"
         " drive = torque (got {input_inertia}). It must include the inertia of the engine or motor."
     ),
-    codes.PRESCRIBED: (
+    codes.TORQUE_DRIVE_UNSUPPORTED: (
         "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic) with drive = torque (got {fidelity},"
         " kinematic). With prescribed motion the input torque is an output."
     ),
@@ -114,7 +114,7 @@ MESSAGES: Mapping[int, str] = {
         f"{_ABANDONED}the energy balance check failed with {named('tolerance', 'max_step')}. Reduce"
         " the parameter tolerance or max_step."
     ),
-    codes.NOT_STEADY: (
+    codes.NO_CYCLIC_STEADY_STATE: (
         "fidelity = averaged is rejected: no periodic steady state was found at constant output speed with"
         f" {named('link2_inertia', 'drive_friction', 'link2_friction')}, {named(*_LOSSES)}. Increase"
         " link2_inertia or use fidelity = rigid."

@@ -13,7 +13,7 @@ from ..kernel import codes, entry, fields
 from ..kernel.driven_shaft import entry as shaft
 from . import messages, variables
 from .records import Field, place, size
-from .variables import INPUT, LOCAL, LOSSES, OUTPUT, PARAMETER, Terminal, Variable, with_causality
+from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
 
 # which record of the kernel holds the variables of a causality
 RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
@@ -39,18 +39,19 @@ class Bound(NamedTuple):
 def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
     """Fields of the kernel's records p, u and y: variables by name, inputs with their rates.
 
-    What the map of fidelity averaged depends on comes first in p. In y what is lost by cause is first, what
-    holds for a step last.
+    p begins with the parameters that the map of fidelity averaged depends on. u begins with a speed, followed
+    by torques. y ends with the means and peaks of a step.
     """
     rows = list(table)
     parameters = sorted(with_causality(PARAMETER, table=rows), key=lambda variable: not variable.in_map)
     outputs = sorted(with_causality(OUTPUT, LOCAL, table=rows), key=lambda variable: variable.of_step)
-    lost = [name for name in LOSSES if name in {variable.name for variable in outputs}]
-    inputs = [variable.name for variable in with_causality(INPUT, table=rows)]
+    inputs = with_causality(INPUT, table=rows)
+    names, units = zip(*((variable.name, variable.unit) for variable in inputs), strict=True)
+    assert units == ("rad/s", *["N.m"] * (len(units) - 1)), "kernel/inputs.py takes one speed, then torques"
     return (
         tuple(variable.name for variable in parameters),
-        tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in inputs),
-        (*lost, *(variable.name for variable in outputs if variable.name not in LOSSES)),
+        tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in names),
+        tuple(variable.name for variable in outputs),
     )
 
 
@@ -141,6 +142,7 @@ class Model:
 _P, _U, _Y = interface(variables.VARIABLES)
 _D = (*_P, *fields.CONSTANTS, ("map_key", len(variables.MAP_KEY)))
 _RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
+assert _Y[: len(_RATED)] == _RATED, "kernel/entry.py differentiates the first outputs"
 _W = (*fields.WORKSPACE, ("held", _D), ("outputs_0", _RATED), ("outputs_1", _RATED))
 
 INERTIA_MODULE = Model(

@@ -77,9 +77,9 @@ PHASE = Need((AVERAGED,), "has no pinion-shaft angle, so the position of the unb
 TWIST = Need((AVERAGED, RIGID), "has no elastic shaft")
 
 # what the kernel takes for absurd
-LARGEST_SPEED: float = inputs.LARGEST_SPEED
-LARGEST_TORQUE: float = inputs.LARGEST_TORQUE
-LARGEST_STEP: float = inputs.LARGEST_STEP
+LARGEST_SPEED: float = inputs.MAX_SPEED
+LARGEST_TORQUE: float = inputs.MAX_TORQUE
+LARGEST_STEP: float = inputs.MAX_STEP
 
 # units in the order of the description, by their exponents of kg, m, s, rad
 UNITS: dict[str, dict[str, int]] = {

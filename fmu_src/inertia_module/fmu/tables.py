@@ -18,8 +18,17 @@ ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
 RECORDS = {"d": "CONSTANTS", "x": "STATE"}
 # operations of the kernel (kernel.codes) that the shell calls
 OPERATIONS = (
-    *("START", "CHECK", "STEP_ONLY", "OUTPUTS", "STEP_PRECISELY", "RATES", "WARN", "TUNE"),
-    *("STEP_TO_SWITCH", "SWITCH"),
+    *(
+        "START",
+        "CHECK",
+        "STEP_ONLY",
+        "OUTPUTS",
+        "STEP_FOR_DIFFERENCING",
+        "OUTPUT_DERIVATIVES",
+        "WARN",
+        "UPDATE_PARAMETERS",
+    ),
+    *("STEP_UNTIL_EVENT", "HANDLE_EVENT"),
 )
 
 

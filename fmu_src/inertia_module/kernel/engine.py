@@ -9,7 +9,7 @@ from .equations.choice import CONTINUATION_BIAS, select_mode, select_mode_after_
 from .equations.motion import copy_accelerations, evaluate, load_state
 from .equations.states import RATIO_PRESCRIBED
 from .events.advance import advance_general
-from .events.kinematic import advance_kinematic, keep_ratio, prescribe
+from .events.kinematic import advance_kinematic, impose_ratio, prescribe_motion
 from .links import fastest_own_rate, prescribed_at_input
 
 # share of a communication step that it has at least, where it ends at a switch
@@ -25,7 +25,7 @@ STALLS_ALLOWED = 100
 def solve_now(d, x):
     """Accelerations and torques in the present mode, into d.machine."""
     if x.output_state == RATIO_PRESCRIBED:
-        prescribe(d, x, 0.0)
+        prescribe_motion(d, x, 0.0)
         return
     load_state(d, x)
     if x.rates_cached != 0.0:
@@ -44,7 +44,7 @@ def follow_torque(d, x):
 def follow_parameters(d, x):
     """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
     if d.fidelity == KINEMATIC:
-        keep_ratio(d, x)
+        impose_ratio(d, x)
         x.mode = DRIVING
     elif d.fidelity != AVERAGED:
         select_mode(d, x, 0.0)

@@ -13,7 +13,7 @@ def reduced_inertia(d, q):
       satellites; for three or more, I does not depend on the angle A.
     - All modules have the same I, B and G.
     - In the planar layout the pinion shaft is parallel to the central axis, so J16 is part of I, B and G.
-    - The terms of the satellite gears that do not depend on q are part of J1 and J16 (derive.py).
+    - The terms of the satellite gears that do not depend on q are part of J1 and J16 (parameters.py).
 
     Args:
         d: Constants.

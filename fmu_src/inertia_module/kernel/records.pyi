@@ -384,12 +384,6 @@ class State:
 
 class Outputs:
     numbers: Doubles
-    energy_lost_viscous: float
-    energy_lost_shaft: float
-    energy_lost_mesh: float
-    energy_lost_journal: float
-    energy_lost_freewheel: float
-    energy_lost_windage: float
     omega2: float
     omega_out: float
     input_torque: float
@@ -433,6 +427,12 @@ class Outputs:
     energy_out: float
     energy_stored: float
     energy_lost: float
+    energy_lost_viscous: float
+    energy_lost_shaft: float
+    energy_lost_mesh: float
+    energy_lost_journal: float
+    energy_lost_freewheel: float
+    energy_lost_windage: float
     energy_residual: float
     contact_switches: float
     rhs_evaluations: float
@@ -456,12 +456,6 @@ class Watched:
 
 class Outputs0:
     numbers: Doubles
-    energy_lost_viscous: float
-    energy_lost_shaft: float
-    energy_lost_mesh: float
-    energy_lost_journal: float
-    energy_lost_freewheel: float
-    energy_lost_windage: float
     omega2: float
     omega_out: float
     input_torque: float
@@ -505,6 +499,12 @@ class Outputs0:
     energy_out: float
     energy_stored: float
     energy_lost: float
+    energy_lost_viscous: float
+    energy_lost_shaft: float
+    energy_lost_mesh: float
+    energy_lost_journal: float
+    energy_lost_freewheel: float
+    energy_lost_windage: float
     energy_residual: float
     contact_switches: float
     rhs_evaluations: float
@@ -562,11 +562,11 @@ class ShaftParameters:
 
 class ShaftConstants:
     numbers: Doubles
-    rate: float
-    square: float
-    swing: float
-    slow: float
-    fast: float
+    damping_rate: float
+    frequency_squared: float
+    damped_frequency: float
+    slow_rate: float
+    fast_rate: float
     step: float
     responses: Doubles
     gramian: Doubles
@@ -615,6 +615,6 @@ class ShaftWorkspace:
     slip_rate: Doubles
     speed: Doubles
     speed_rate: Doubles
-    move: Doubles
+    transition: Doubles
     product: Doubles
     before: ShaftState

@@ -10,14 +10,14 @@ from . import codes
 from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angle
 from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
 from .averaged.torque_map import build_map
-from .derive import derive
+from .checks import check_parameters
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
-from .equations.satellites import is_self_locking
-from .events.kinematic import keep_ratio
+from .events.kinematic import impose_ratio
 from .impulse import jump_input
-from .inputs import begin, check_hold, check_inputs, check_step
+from .inputs import check_hold, check_inputs, check_step, read_inputs
 from .links import fastest_own_rate
-from .outputs import is_audited, shaft_twist, stored_energy, write_late_outputs, write_outputs
+from .outputs import has_energy_check, shaft_twist, stored_energy, write_late_outputs, write_outputs
+from .parameters import derive_constants
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
@@ -38,15 +38,10 @@ INSTANT = 1e-8
 SAME_SPEED = 1e-14
 
 
-def check_parameters(p, d):
-    """Derive the constants and check the parameters together. Returns a status."""
-    status = derive(p, d)
-    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and is_self_locking(d) else status
-
-
 def check(p, d, u):
     """Derive the constants and check parameters and inputs. Returns a status."""
-    status = check_parameters(p, d)
+    derive_constants(p, d)
+    status = check_parameters(d)
     return check_inputs(u) if status == codes.OK else status
 
 
@@ -92,7 +87,8 @@ def tune(p, d, x, w):
 
     What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
     """
-    status = check_parameters(p, d)
+    derive_constants(p, d)
+    status = check_parameters(d)
     if status == codes.OK and d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
     if status == codes.OK:
@@ -157,13 +153,13 @@ def is_finite(x):
 
 
 def advance(d, u, x, y, w, h, operation):
-    """Advance by the communication step h, s, or to the first switch in it (operation STEP_TO_SWITCH).
+    """Advance by the communication step h, s, or to the first switch in it (operation STEP_UNTIL_EVENT).
 
     A status other than OK leaves state and outputs as they were.
 
     Args:
-        operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were,
-            with STEP_PRECISELY differences of results are free of the noise of the tolerance.
+        operation: that asks for it; with STEP_ONLY and STEP_UNTIL_EVENT the late outputs stay as they were,
+            with STEP_FOR_DIFFERENCING differences of results are free of the noise of the tolerance.
     """
     status = check_step(u, h)
     if status == codes.OK and d.drive == codes.DRIVE_SPEED:
@@ -171,7 +167,7 @@ def advance(d, u, x, y, w, h, operation):
     if status != codes.OK:
         return status
     copy(w.before.numbers, x.numbers)
-    w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_PRECISELY else d.tolerance
+    w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_FOR_DIFFERENCING else d.tolerance
     status = run(d, u, x, w, h)
     if status == codes.NOT_BALANCED:
         copy(x.numbers, w.before.numbers)
@@ -181,7 +177,7 @@ def advance(d, u, x, y, w, h, operation):
         copy(x.numbers, w.before.numbers)
         return status
     write_outputs(x, y)
-    if operation != codes.STEP_ONLY and operation != codes.STEP_TO_SWITCH:
+    if operation != codes.STEP_ONLY and operation != codes.STEP_UNTIL_EVENT:
         write_late_outputs(d, x, y)
     return codes.OK
 
@@ -221,7 +217,7 @@ def apply_jump(d, u, x, h, jump):
 def run(d, u, x, w, h):
     """Advance the state by h under the inputs, and look at its energies. Returns a status."""
     switch_now(d, x)
-    jump = begin(d, u, x, h)
+    jump = read_inputs(d, u, x, h)
     if abs(jump) <= SAME_SPEED * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
         x.omega1 += jump  # (as a jump it would let freewheels go)
         jump = 0.0
@@ -238,7 +234,7 @@ def run(d, u, x, w, h):
     if d.by_torque == 0.0:
         x.omega1 = start1 + x.alpha1 * x.length
         if d.fidelity == codes.KINEMATIC:
-            keep_ratio(d, x)
+            impose_ratio(d, x)
     else:
         if d.fidelity != codes.AVERAGED:
             follow_torque(d, x)
@@ -248,4 +244,4 @@ def run(d, u, x, w, h):
         x.twist = shaft_twist(d, x)
     if not is_finite(x):
         return codes.NOT_FINITE
-    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else codes.OK
+    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if has_energy_check(d) else codes.OK

@@ -10,7 +10,7 @@ import math
 
 from ..codes import DRIVING, FREE, HELD_DRIVING, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from ..events.advance import commit
-from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
+from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from . import rates
 from .step import ARRIVED, advance_leg, beyond_rest, most_locked_torque
 
@@ -237,7 +237,7 @@ def part_of_jump(d, side, x, start, jump):
     if abs(jump) <= SMALL_JUMP * abs(start):
         return jump * input_inertia(d, side, x, start + 0.5 * jump)
     impulse = 0.0
-    for n in range(GAUSS):
+    for n in range(N_GAUSS_NODES):
         impulse += GAUSS_WEIGHTS[n] * jump * input_inertia(d, side, x, start + GAUSS_NODES[n] * jump)
     return impulse
 

@@ -13,7 +13,7 @@ from ..equations.choice import select_mode, select_mode_after_event
 from ..equations.states import IN_BACKLASH
 from ..events.advance import advance_general
 from ..inertia import reduced_inertia
-from ..inputs import begin_sums
+from ..inputs import reset_sums
 from ..links import inertia_of_link1, kinetic_energy
 
 # inertia that holds the output speed, over that of the mechanism
@@ -283,7 +283,7 @@ def add_part(d, x, w, side, q, length, before):
     select_mode(d, x, 0.0)
     time = energy = start = 0.0
     for _ in range(2 if before else 1):
-        begin_sums(x)
+        reset_sums(x)
         clear(x.lost)
         start = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time, energy = follow(d, x, w, length)

@@ -18,7 +18,7 @@ Tc (1 - sigma).
 import math
 
 from ..accumulate import clear, copy
-from ..codes import NOT_STEADY, OK
+from ..codes import NO_CYCLIC_STEADY_STATE, OK
 from ..equations.losses import FREEWHEEL, MESH, VISCOUS
 from ..links import inertia_at_input
 from . import steady, table
@@ -387,7 +387,7 @@ def build_map(p, d, w):
     """Fill d with the map of these parameters, unless it is there; w: workspace.
 
     Returns:
-        Status: OK, or NOT_STEADY where no steady motion is found: d is as it was.
+        Status: OK, or NO_CYCLIC_STEADY_STATE where no steady motion is found: d is as it was.
     """
     if is_map_of(p, d):
         return OK
@@ -404,7 +404,7 @@ def build_map(p, d, w):
         clear(side.numbers)
         side.direction = 1.0 if n == 0 else -1.0
         if not build_side(p, held, w, side, allowed):
-            return NOT_STEADY
+            return NO_CYCLIC_STEADY_STATE
     d.map_lock, d.map_inertia, d.map_evaluations = held.map_lock, held.map_inertia, held.map_evaluations
     copy(d.forward.numbers, held.forward.numbers)
     copy(d.backward.numbers, held.backward.numbers)

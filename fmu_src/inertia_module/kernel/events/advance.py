@@ -1,7 +1,7 @@
 """The module with its pulses, step by step of an embedded pair up to the next event."""
 
 from ..accumulate import add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import NONE
+from ..codes import NO_EVENT
 from ..equations.choice import enforce_equal_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
 from ..equations.motion import copy_accelerations, load_state
@@ -11,8 +11,16 @@ from ..fields import CAUSES
 from ..impulse import apply_plastic_impact, has_rigid_housing_contact
 from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
-from ..loads import INSIDE_PHASE, sample_load, see_load
-from ..tableau import IN_ORDER, LONG, NODES, SHORT, extremum, last_stage, order_of_stages
+from ..loads import MIDSTEP_SAMPLE_PHASE, include_load, sample_load
+from ..tableau import (
+    DOP853_ROW,
+    DOPRI5_ROW,
+    NODES,
+    STAGES_BY_TIME,
+    last_stage,
+    parabola_extremum,
+    stage_order_range,
+)
 from . import guards
 from .location import first_event
 from .stages import cut_step, keep_end, keep_rates, solve_motion, weighed_rate
@@ -136,22 +144,22 @@ def see_peaks(x, w, sigma):
         if NODES[pair + n] <= sigma:
             see_torques(x, w.rates[n].output, w.rates[n].housing)
             see_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
-    first, count = order_of_stages(pair)
+    first, count = stage_order_range(pair)
     for n in range(first, first + count - 2):
-        i, j, k = int(IN_ORDER[n]), int(IN_ORDER[n + 1]), int(IN_ORDER[n + 2])
+        i, j, k = int(STAGES_BY_TIME[n]), int(STAGES_BY_TIME[n + 1]), int(STAGES_BY_TIME[n + 2])
         t, u, v = NODES[pair + i], NODES[pair + j], NODES[pair + k]
         if u <= sigma:
             one, two, three = w.rates[i], w.rates[j], w.rates[k]
             see_torques(
                 x,
-                extremum(t, u, v, one.output, two.output, three.output, sigma),
-                extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
+                parabola_extremum(t, u, v, one.output, two.output, three.output, sigma),
+                parabola_extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
             )
             housing, output = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
             see_slips(
                 x,
-                extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
-                extremum(t, u, v, output[i], output[j], output[k], sigma),
+                parabola_extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
+                parabola_extremum(t, u, v, output[i], output[j], output[k], sigma),
             )
 
 
@@ -162,7 +170,7 @@ def see_end(d, x, w):
     see_torques(x, m.output, m.housing)
     see_slips(x, omega2, x.omega3 + w.change.omega3 - omega2)
     omega1 = x.omega1 + w.change.omega1
-    see_load(d, x, x.q + w.change.q, omega1, omega2, m.alpha1, m.alpha2)
+    include_load(d, x, x.q + w.change.q, omega1, omega2, m.alpha1, m.alpha2)
 
 
 def count_loaded(d, x, w):
@@ -212,7 +220,7 @@ def unwind(d, x, which):
 
 def see_inside(d, x, w, sigma):
     """See the bearing's force at stages inside this part of the step, where the drive turns far."""
-    if w.pair == SHORT or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
+    if w.pair == DOPRI5_ROW or d.harmonic * abs(w.change.q) < MIDSTEP_SAMPLE_PHASE:
         return
     for place in range(len(SEEN)):
         n = int(SEEN[place])
@@ -347,7 +355,7 @@ def pass_event(d, x, which):
         x.flow_sign = -x.flow_sign
     elif which > guards.FLOW:
         x.spin_signs = toggle_bit(x.spin_signs, which - guards.SPIN)
-    elif which != NONE:
+    elif which != NO_EVENT:
         limit_size_after_switch(d, x)
         if guards.is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == guards.SLIP and x.housing_state != LOCKED else 0.0
@@ -368,13 +376,13 @@ def advance_general(d, x, w, remaining):
     """
     begin_step(d, x, w)
     limit = longest_step(d, x, remaining)
-    sigma, which = -1.0, NONE
+    sigma, which = -1.0, NO_EVENT
     for _ in range(MAX_REPEATS):
         if not make_accepted_step(d, x, w, remaining, limit):
             return -1.0, False
         copy_accelerations(x.now, d.machine)
-        sigma, which = -1.0, NONE
-        if w.pair == LONG:
+        sigma, which = -1.0, NO_EVENT
+        if w.pair == DOP853_ROW:
             sigma, which = first_event(d, x, w)
         limit = 0.5 * w.step
         end_step(d, x, w, sigma)
@@ -383,4 +391,4 @@ def advance_general(d, x, w, remaining):
     take_over(d, x, w, sigma)
     meet_limits(d, x)
     pass_event(d, x, which)
-    return w.step, NONE != which < guards.FLOW
+    return w.step, NO_EVENT != which < guards.FLOW

@@ -10,7 +10,15 @@ import math
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, has_engaged_spring
 from ..links import response, shaft_frequency
-from ..tableau import END, FIFTH, FOURTH, LATE, LONG, SHORT_END, THIRD
+from ..tableau import (
+    DOP853_E3_ROW,
+    DOP853_E5_ROW,
+    DOP853_LAST_STAGE,
+    DOP853_ROW,
+    DOPRI5_E_ROW,
+    DOPRI5_LAST_STAGE,
+    FIRST_ERROR_STAGE,
+)
 from .stages import weighed_rate
 
 OVERFLOW = 1e300
@@ -81,16 +89,20 @@ def error_norm(w):
         scale = w.tolerance * w.scale.numbers[n]
         if scale > 0.0:
             count += 1.0
-            if w.pair == LONG:
-                error5 = w.step * weighed_rate(w, FIFTH, END, n, LATE) / scale
-                error3 = w.step * weighed_rate(w, THIRD, END, n, LATE) / scale
+            if w.pair == DOP853_ROW:
+                error5 = (
+                    w.step * weighed_rate(w, DOP853_E5_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
+                )
+                error3 = (
+                    w.step * weighed_rate(w, DOP853_E3_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
+                )
                 sum5 += error5 * error5
             else:
-                error3 = w.step * weighed_rate(w, FOURTH, SHORT_END + 1, n, 1) / scale
+                error3 = w.step * weighed_rate(w, DOPRI5_E_ROW, DOPRI5_LAST_STAGE + 1, n, 1) / scale
             sum3 += error3 * error3
     if not sum3 + sum5 < OVERFLOW:
         return OVERFLOW
-    if w.pair != LONG:
+    if w.pair != DOP853_ROW:
         return math.sqrt(sum3 / count)
     mix = sum5 + 0.01 * sum3
     return sum5 / math.sqrt(count * mix) if mix > 0.0 else 0.0

@@ -5,10 +5,10 @@ method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 
 contact mode is evaluated by the equations of motion, because the dense output is less accurate than the step.
 """
 
-from ..codes import NONE
+from ..codes import NO_EVENT
 from ..equations.choice import torque_magnitude
 from ..links import response
-from ..tableau import END, STAGES, fit
+from ..tableau import DOP853_LAST_STAGE, N_STAGES, fit_dense_output
 from . import guards
 from .error import fastest_link
 from .stages import evaluate_stages, exact_guard
@@ -154,15 +154,15 @@ def guard_tolerance(d, x, w, which):
 def first_event(d, x, w):
     """Return the part of the step in hand at which the first event occurs, or -1, and its indicator."""
     earliest = -1.0
-    which = NONE
+    which = NO_EVENT
     has_dense_output = False
     for guard in range(guards.how_many_guards(d)):
         if not guards.is_watched(d, x, guard) or guards.is_clear(x, w, guard):
             continue
         if not has_dense_output:
-            evaluate_stages(d, x, w, END + 1, STAGES - 1)
+            evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
             has_dense_output = True
-        fit(w.step, w.watched[guard].rate, w.watched[guard].dense)
+        fit_dense_output(w.step, w.watched[guard].rate, w.watched[guard].dense)
         sigma = first_fall(d, x, w, guard, guard_tolerance(d, x, w, guard))
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma

@@ -9,7 +9,16 @@ from ..equations.motion import equations_of_motion, evaluate
 from ..equations.states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY
 from ..fields import CAUSES
 from ..links import energy_of_links
-from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
+from ..tableau import (
+    DOP853_LAST_STAGE,
+    FIRST_ERROR_STAGE,
+    FIRST_NONZERO_STAGE,
+    N_STAGES,
+    NODES,
+    WEIGHTS,
+    last_stage,
+    write_dense_weights,
+)
 from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
 
 # places in fields.FOLLOWED
@@ -89,9 +98,9 @@ def weighed_rate(w, row, count, which, after):
     Args:
         after: the first stage after stage 0 that the row weighs, or one before it.
     """
-    total = WEIGHTS[STAGES * row] * w.rates[0].numbers[which]
+    total = WEIGHTS[N_STAGES * row] * w.rates[0].numbers[which]
     for n in range(after, count):
-        total += WEIGHTS[STAGES * row + n] * w.rates[n].numbers[which]
+        total += WEIGHTS[N_STAGES * row + n] * w.rates[n].numbers[which]
     return total
 
 
@@ -147,7 +156,9 @@ def stages_of(d, x, w, first, last, lossy):
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, AFTER[row], n, Q)
+        q, omega1, omega2, omega3 = weighed_four(
+            w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, Q
+        )
         m.q = x.q + h * q
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
@@ -157,7 +168,7 @@ def stages_of(d, x, w, first, last, lossy):
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
         if d.elastic != 0.0 or (lossy and d.turning != 0.0):
             twist, relative, housing, output = weighed_four(
-                w.rates, WEIGHTS, STAGES * row, AFTER[row], n, TWIST
+                w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
@@ -184,15 +195,15 @@ def prescribe_link1(d, x, w, changes, h):
 
 
 def make_step(d, x, w, pair, h):
-    """All stages of the step h by a pair (tableau.LONG or SHORT), and the changes of all that is followed."""
+    """Evaluate all stages of the step h by a pair (tableau.DOP853_ROW or DOPRI5_ROW), and the changes."""
     w.step = h
     w.pair = pair
     last = last_stage(pair)
     evaluate_stages(d, x, w, 1, last)
     row = pair + last
     for n in range(last):
-        w.weights[n] = WEIGHTS[STAGES * row + n]
-    set_changes(d, x, w, h, AFTER[row], last)
+        w.weights[n] = WEIGHTS[N_STAGES * row + n]
+    set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
 
 
 def solve_changed(d, x, w, changes):
@@ -218,8 +229,8 @@ def move(d, x, changes):
 
 def set_changes_inside(d, x, w, sigma):
     """Write the changes of the motion over the part sigma of the step in hand into w.inside (order 7)."""
-    write_inside_weights(sigma, w.weights)
-    weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
+    write_dense_weights(sigma, w.weights)
+    weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
     prescribe_link1(d, x, w, w.inside, sigma * w.step)
 
 
@@ -228,7 +239,7 @@ def exact_guard(d, x, w, which, sigma):
     values = w.watched[which].value
     value = values[0]
     if sigma == 1.0:
-        value = values[END]
+        value = values[DOP853_LAST_STAGE]
     elif sigma > 0.0:
         set_changes_inside(d, x, w, sigma)
         solve_changed(d, x, w, w.inside)
@@ -238,8 +249,8 @@ def exact_guard(d, x, w, which, sigma):
 
 def cut_step(d, x, w, sigma):
     """Cut the step in hand, its dense output known, to its part sigma; d.machine is then at its end."""
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, LATE, STAGES)
+    write_dense_weights(sigma, w.weights)
+    set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
     w.step *= sigma
     solve_changed(d, x, w, w.change)
 

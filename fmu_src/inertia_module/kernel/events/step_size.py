@@ -2,7 +2,7 @@
 
 import math
 
-from ..tableau import LONG, SHORT
+from ..tableau import DOP853_ROW, DOPRI5_ROW
 from .error import error_norm, write_scales
 from .guards import how_many_guards, is_clear, is_watched
 from .stages import make_step
@@ -76,7 +76,7 @@ def try_short_step(d, x, w, remaining):
     Returns:
         Whether the step is accepted: the error is allowed and no event indicator comes near zero.
     """
-    make_step(d, x, w, SHORT, remaining)
+    make_step(d, x, w, DOPRI5_ROW, remaining)
     write_scales(d, x, w)
     error = error_norm(w)
     size = next_factor(error, 5.0, SHORT_SAFETY, MIN_FACTOR) * remaining
@@ -93,7 +93,7 @@ def try_steps(d, x, w, limit):
     """Make the longest step of allowed error by the pair 8(5,3). Returns whether there is one."""
     h = first_size(x.step_size, limit)
     for attempt in range(MAX_REJECTIONS):
-        make_step(d, x, w, LONG, h)
+        make_step(d, x, w, DOP853_ROW, h)
         write_scales(d, x, w)
         error = error_norm(w)
         factor = next_factor(error, 8.0, SAFETY, MIN_FACTOR)
