@@ -35,7 +35,7 @@ from ..contract.records import record_type
 INLINED = (
     *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
     *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
-    *("equations.choice.violation", "equations.choice.try_combination", "averaged.rates.look_up_input"),
+    *("equations.choice.violation", "equations.choice.try_combination"),
     *("equations.losses.outer_torques", "equations.losses.write_powers_lost"),
     *("inertia.reduced_inertia", "layout.imbalance_at", "sine.sine_cosine", "sine.sines_cosines"),
 )

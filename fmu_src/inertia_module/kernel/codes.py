@@ -42,6 +42,9 @@ TUNE = 8
 # as the next step else does
 STEP_TO_SWITCH = 9
 SWITCH = 10
+# START in the periodic orbit of the rigid module with its output held at omega_out_start; the step is the angle of
+# the pinion shaft that counts as a period, rad
+STEADY = 11
 
 # warnings
 PLANAR_OVERLAP = 1
@@ -71,6 +74,7 @@ STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
 NOT_STEADY = 25
+LIGHT_INPUT = 28
 # ... of the first input and of its rate; those of the others follow
 BAD_INPUT = 30
 BAD_RATE = 40

@@ -1,12 +1,12 @@
 """The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
 
 from .accumulate import copy
-from .codes import CHECK, OK, OUTPUTS, RATES, RIGID, START, STEP_TO_SWITCH, SWITCH, TUNE, WARN
+from .codes import CHECK, OK, OUTPUTS, RATES, RIGID, START, STEADY, STEP_TO_SWITCH, SWITCH, TUNE, WARN
 from .derive import warnings
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
 from .outputs import write_late_outputs, write_outputs
-from .step import advance, check, start, tune
+from .step import advance, restore, start, start_steady, tune
 
 # rates of the outputs, from two short steps onwards from the present state, inputs going on as they do:
 # a short step over the time in which the fastest of the motion turns by a radian
@@ -83,7 +83,9 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == START:
         return start(p, d, u, x, y, w)
     if operation == CHECK:
-        return check(p, d, u)
+        return restore(p, d, u, w)
+    if operation == STEADY:
+        return start_steady(p, d, u, x, y, w, h)
     if operation == WARN:
         return warnings(p)
     if operation == TUNE:

@@ -4,7 +4,7 @@ A shell may leave the late ones until they are read.
 """
 
 from .accumulate import TWO_PI, total
-from .averaged.run import averaged_energy, write_averaged
+from .averaged.mean_motion import averaged_energy, write_averaged
 from .codes import AVERAGED, ELASTIC, EVENT, KINEMATIC, RIGID
 from .engine import solve_now
 from .equations.motion import stored_besides
