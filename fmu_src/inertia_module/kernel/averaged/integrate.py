@@ -11,12 +11,11 @@ The Jacobian J is calculated by differences. Angles, impulses and losses are int
 
 import math
 
-from ..accumulate import wrap_drive_angle, wrap_input_angle
+from ..accumulate import clear, wrap_drive_angle, wrap_input_angle
 from ..codes import OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from .mean_motion import (
     COASTING,
     LOCKED,
-    RESTING,
     SLIPPING,
     beyond_regime,
     end_step,
@@ -28,20 +27,22 @@ from .mean_motion import (
 
 GAMMA = 1.0 - math.sqrt(0.5)
 # least tolerance of the embedded error over the largest speed; the mean motion itself is not as exact
-MIN_TOLERANCE = 3e-4
+MIN_TOLERANCE = 1e-4
 # change of a speed for a difference, over the largest speed
 DIFFERENCE = 1e-7
 # step-size controller: safety factor, least and largest factor
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.1, 5.0
 # internal steps of a communication step, trials of a step, iterations to the end of a regime
-MAX_STEPS, MAX_TRIALS, MAX_ITERATIONS = 100000, 60, 60
-# share of a step to which the end of a regime is located, share of the speeds that counts as rest
-TIME_RTOL, REST_RTOL = 1e-12, 1e-12
+MAX_STEPS, MAX_TRIALS, MAX_ITERATIONS = 20000, 60, 60
+# share of a step to which the end of a regime is located, shares of the speeds that count as rest and as no slip
+TIME_RTOL, REST_RTOL, SNAP_RTOL = 1e-12, 1e-12, 1e-9
+# first step from rest over the communication step
+START_RATIO = 1e-9
 # places of the two speeds in fields.MEAN
 OMEGA1, OMEGA3 = 0, 1
 
 
-def differentiate(d, side, x, w, regime):
+def differentiate(d, side, x, w, regime, h):
     """Write the derivatives of all rates by omega1 and omega3 at the beginning of a step, by differences.
 
     Args:
@@ -50,9 +51,11 @@ def differentiate(d, side, x, w, regime):
         x: state
         w: workspace with the rates at the beginning in w.means[0]
         regime: regime of the output shaft
+        h: step that is tried first, s; from rest the speeds after it are the scale
     """
     start, by1, by3 = w.means[0].numbers, w.mean_slopes[0].numbers, w.mean_slopes[1].numbers
-    change = DIFFERENCE * max(abs(x.omega1), x.omega3, REST_RTOL)
+    gained = h * (abs(start[OMEGA1]) + abs(start[OMEGA3]))
+    change = DIFFERENCE * max(abs(x.omega1), x.omega3, min(gained, 1.0), REST_RTOL)
     change1 = side.direction * change
     # away from the end of the regime
     change3 = -change if regime == SLIPPING and x.omega3 > 0.5 * side.end * abs(x.omega1) else change
@@ -179,9 +182,16 @@ def advance_regime(d, side, x, w, regime, limit):
         (True if a step is small enough, True if the regime ends with it).
     """
     write_mean_rates(d, side, x, regime, x.omega1, x.omega3, w.means[0])
-    differentiate(d, side, x, w, regime)
-    tolerance = max(w.tolerance, MIN_TOLERANCE)
+    if x.omega1 == 0.0 and x.omega3 == 0.0 and (regime == SLIPPING or regime == COASTING):
+        # the speed ratio shows only once both move
+        clear(w.mean_slopes[0].numbers)
+        clear(w.mean_slopes[1].numbers)
+        x.mean_step = START_RATIO * limit
+        make_step(d, side, x, w, regime, x.mean_step)
+        return True, False
     h = min(x.mean_step if x.mean_step > 0.0 else limit, limit)
+    differentiate(d, side, x, w, regime, h)
+    tolerance = max(w.tolerance, MIN_TOLERANCE)
     for _ in range(MAX_TRIALS):
         make_step(d, side, x, w, regime, h)
         error = step_error(x, w, tolerance)
@@ -244,13 +254,13 @@ def meet_limits(side, x, regime, ends):
     """
     if regime == LOCKED:
         x.omega3 = x.omega1
-    if not ends or regime == RESTING or regime == LOCKED:
+    if not ends:
         return
-    gap = x.omega3 - side.end * abs(x.omega1)
-    if regime == SLIPPING and x.omega3 <= 0.0:
-        x.omega3 = 0.0
-    elif (regime == SLIPPING and gap >= 0.0) or (regime == COASTING and gap <= 0.0):
-        x.omega3 = side.end * abs(x.omega1)
+    limit = side.end * abs(x.omega1)
+    if regime == SLIPPING:
+        x.omega3 = limit if x.omega3 > 0.5 * limit else 0.0
+    elif regime == COASTING and x.omega3 - limit <= SNAP_RTOL * x.omega3:
+        x.omega3 = limit
 
 
 def run_averaged(d, x, w, h):

@@ -59,6 +59,8 @@ ORBIT_TOLERANCE = 1e-6
 MIN_STALL_RATIO = 0.01
 # last ratio over the speed of link 2 in free flight: losses by load release link 2 later and faster
 LOSSY_FLIGHT_RATIO = 1.2
+# last ratio of a mechanism that transmits no torque
+MIN_LAST_RATIO = 0.01
 # input speed that stands for rest, over V0
 REST_SPEED_RATIO = 1e-6
 # least inertia J1 over the largest inertia I of the imbalances, driven by torque
@@ -293,7 +295,7 @@ def last_ratio(d, direction):
     flight = max(maximum(d, FLIGHT_SPEED, direction, momentum)[1], 0.0)
     if locks or (direction > 0.0 and d.lossy != 0.0):
         return 1.0, 1.0 if locks else 0.0
-    return flight * LOSSY_FLIGHT_RATIO if d.lossy != 0.0 else flight, 0.0
+    return max(flight * LOSSY_FLIGHT_RATIO if d.lossy != 0.0 else flight, MIN_LAST_RATIO), 0.0
 
 
 def write_orbit(d, x, w, column, m, omega1, scale, time):
