@@ -265,7 +265,7 @@ def test_no_energy_comes_from_nowhere_behind_an_engine(compiled, values, torques
         largest += abs(torque) * step / module["input_inertia"]
         assert abs(module["input_speed"]) < largest
     if not values.get("omega1"):
-        assert module["input_speed"] * torque > 0.0 or module["input_speed"] == torque
+        assert module["input_speed"] * torque > 0.0 or abs(module["input_speed"]) < 1e-9
     assert module["contact_switches"] > 0 or values is not UP
 
 

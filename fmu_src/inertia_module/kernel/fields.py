@@ -20,7 +20,7 @@ GUARDS, SATELLITES = 6, 50
 # causes of losses
 CAUSES = len(losses.CAUSES)
 # grid of the map of fidelity averaged: speed ratios and slownesses (averaged.torque_map)
-RATIOS, SLOWNESSES = 17, 7
+RATIOS, SLOWNESSES = 17, 8
 
 # motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")

@@ -8,6 +8,7 @@ with s = omega3 / |omega1|, the mean torque T, the power R |omega1| of all other
 coasts beyond the last ratio of the map, or slips under the mean torque.
 """
 
+from ..accumulate import clear, total
 from ..codes import DRIVING, FREE, HELD_DRIVING
 from ..equations.losses import FREEWHEEL, VISCOUS
 from .torque_map import look_up, look_up_pulses
@@ -39,6 +40,11 @@ def speed_ratio(omega3, speed):
     return omega3 / speed if omega3 < ENDLESS * speed else ENDLESS
 
 
+def reaches_link1(side):
+    """Return True if link 2 turns with link 1 at the last ratio."""
+    return side.end == 1.0 and side.direction > 0.0
+
+
 def free_torque(d, side, torque):
     """Return the torque on an output shaft that overruns at the last ratio, N m.
 
@@ -47,7 +53,22 @@ def free_torque(d, side, torque):
         side: map for the sign of omega1
         torque: mean torque at the last ratio, N m
     """
-    return 0.0 - d.output_drag if side.end == 1.0 and side.direction > 0.0 else min(torque, 0.0)
+    return 0.0 - d.output_drag if reaches_link1(side) else min(torque, 0.0)
+
+
+def write_locked_losses(d, speed, steady):
+    """Write the losses while link 2 turns with link 1: its friction and the drag of the housing freewheel.
+
+    Args:
+        d: constants
+        speed: magnitude of omega1, rad/s
+        steady: record that is written (fields.STEADY)
+    """
+    clear(steady.lost)
+    steady.lost[VISCOUS] = d.b2 * speed
+    steady.lost[FREEWHEEL] = d.housing_drag + d.housing_drag_viscous * speed
+    steady.resistance = total(steady.lost)
+    steady.omega2 = speed
 
 
 def write_mean_rates(d, side, x, regime, omega1, omega3, m):
@@ -74,6 +95,8 @@ def write_mean_rates(d, side, x, regime, omega1, omega3, m):
     if regime == LOCKED or regime == COASTING:
         s = side.end
     look_up(d, side, speed, s, steady)
+    if reaches_link1(side) and (regime == LOCKED or regime == COASTING):
+        write_locked_losses(d, speed, steady)
     s = min(s, side.end)
     inertia, slope = d.J1 + steady.inertia - 0.5 * s * steady.slope, 0.5 * steady.slope
     resistance, torque, beyond = steady.resistance, steady.torque, 0.0
@@ -107,7 +130,7 @@ def write_mean_rates(d, side, x, regime, omega1, omega3, m):
     m.omega1 = direction * rate
     m.omega3 = rate3
     m.theta1 = omega1
-    m.theta2 = omega3 if regime == LOCKED else steady.omega2
+    m.theta2 = steady.omega2
     m.theta3 = omega3
     m.drive = x.drive_torque
     if d.by_torque == 0.0:
@@ -180,7 +203,7 @@ def beyond_regime(d, side, x, regime, omega1, omega3):
 
 def can_lock(side, x):
     """Return True if the output shaft turns with link 1 and may be locked to it."""
-    return side.direction > 0.0 and side.end == 1.0 and x.omega1 > 0.0 and x.omega3 == x.omega1
+    return reaches_link1(side) and x.omega1 > 0.0 and x.omega3 == x.omega1
 
 
 def choose_regime(d, side, x):

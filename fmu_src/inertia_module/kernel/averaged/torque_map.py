@@ -39,9 +39,9 @@ RATIOS = (
     *(0.0, 0.0775, 0.1537, 0.2286, 0.302, 0.374, 0.4443, 0.5129, 0.5796),
     *(0.6442, 0.7065, 0.7664, 0.8232, 0.8766, 0.9257, 0.9688, 1.0),
 )
-# slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; at rest
-SLOWNESS = (0.0, 0.125, 0.25, 0.5, 0.75, 0.875, 1.0)
-AT_REST = len(SLOWNESS) - 1
+# slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
+SLOWNESS = (0.0, 0.125, 0.25, 0.5, 0.75, 0.875, 0.99, 1.0)
+EVEN = 6
 # points of a cubic
 CUBIC = 4
 # places in a column of the map (fields.COLUMN)
@@ -340,8 +340,8 @@ def copy_orbit(column, before, m):
         column.inertia, column.ripple, column.peak = before.inertia, before.ripple, before.peak
 
 
-def write_rest(d, side, column, ratio):
-    """Write the means of links that hardly turn: friction and drag alone act, and link 2 turns evenly.
+def write_even(d, side, column, m, ratio):
+    """Write the means of slow links for slowness m: friction and drag alone act, and link 2 turns evenly.
 
     Link 2 rests, turns with the output shaft, or at the speed between at which its torques balance.
 
@@ -349,9 +349,10 @@ def write_rest(d, side, column, ratio):
         d: constants with friction and drag
         side: map for one sign of omega1, with its V0
         column: of the map
+        m: number of the slowness
         ratio: omega3 / |omega1|
     """
-    speed = REST_SPEED_RATIO * side.slow
+    speed = side.slow * max((1.0 - SLOWNESS[m]) / SLOWNESS[m], REST_SPEED_RATIO)
     omega3 = ratio * speed
     pull = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     resisting = pull + d.b2 + d.housing_drag_viscous
@@ -361,18 +362,18 @@ def write_rest(d, side, column, ratio):
     torque = -d.output_drag - d.output_drag_viscous * over
     if over == 0.0:
         torque = side.direction * pull * speed - resisting * omega2 - d.housing_drag
-    square = side.slow * side.slow
-    column.torque[AT_REST] = torque / square
-    column.link2[AT_REST] = omega2 / speed
+    square = (speed + side.slow) * (speed + side.slow)
+    column.torque[m] = torque / square
+    column.link2[m] = omega2 / speed
     for cause in range(CAUSES):
-        column.lost[len(SLOWNESS) * cause + AT_REST] = 0.0
+        column.lost[len(SLOWNESS) * cause + m] = 0.0
     power = speed * square
     viscous = d.bq * d.k * d.k * slip * slip + d.b2 * omega2 * omega2
     drag = (d.housing_drag + d.housing_drag_viscous * omega2) * omega2
     drag += (d.output_drag + d.output_drag_viscous * over) * over
-    column.lost[len(SLOWNESS) * VISCOUS + AT_REST] = viscous / power
-    column.lost[len(SLOWNESS) * MESH + AT_REST] = d.mesh_loss * pull * slip * slip / power
-    column.lost[len(SLOWNESS) * FREEWHEEL + AT_REST] = drag / power
+    column.lost[len(SLOWNESS) * VISCOUS + m] = viscous / power
+    column.lost[len(SLOWNESS) * MESH + m] = d.mesh_loss * pull * slip * slip / power
+    column.lost[len(SLOWNESS) * FREEWHEEL + m] = drag / power
 
 
 def grid_ratio(side, n):
@@ -380,7 +381,7 @@ def grid_ratio(side, n):
     return min(max(side.end * RATIOS[n], FIRST_RATIO * side.end), side.end * (1.0 - LAST_SLIP))
 
 
-def add_orbits(d, w, side, m):
+def add_orbits(d, w, side, m, omega1):
     """Write the orbits of all ratios for slowness m; a ratio without one has the means of the ratio before.
 
     Args:
@@ -388,17 +389,15 @@ def add_orbits(d, w, side, m):
         w: workspace
         side: map for one sign of omega1
         m: number of the slowness
+        omega1: mean input speed of the orbits, rad/s
 
     Returns:
         True if there is an orbit at the first ratio.
     """
     length = period_length(d)
+    scale = abs(omega1) + (side.slow if 0 < m < EVEN else 0.0)
     w.orbit_torque = 0.0
     for n in range(len(RATIOS)):
-        omega1 = side.direction
-        if m > 0:
-            omega1 *= side.slow * (1.0 - SLOWNESS[m]) / SLOWNESS[m]
-        scale = abs(omega1) + (side.slow if m > 0 else 0.0)
         time = find_orbit(d, w.part, w, omega1, grid_ratio(side, n), length)
         if time > 0.0:
             write_orbit(d, w.part, w, side.columns[n], m, omega1, scale, time)
@@ -407,6 +406,51 @@ def add_orbits(d, w, side, m):
         else:
             copy_orbit(side.columns[n], side.columns[n - 1], m)
     return True
+
+
+def shift_orbits(column, m):
+    """Add to the orbits at constant input speed the change that the oscillation of the input speed makes.
+
+    The change is the change without friction: the orbit by torque is at slowness 0, the orbit at constant speed at
+    EVEN.
+
+    Args:
+        column: of the map
+        m: number of the slowness
+    """
+    share = (1.0 - SLOWNESS[m]) * (1.0 - SLOWNESS[m])
+    column.torque[m] += share * (column.torque[0] - column.torque[EVEN])
+    column.link2[m] += column.link2[0] - column.link2[EVEN]
+    for n in range(0, len(column.lost), len(SLOWNESS)):
+        column.lost[n + m] += share * (column.lost[n] - column.lost[n + EVEN])
+
+
+def add_friction(p, d, w, side):
+    """Fill the map at all slownesses above 0. Returns True if there are periodic orbits.
+
+    The orbits have constant input speed, because friction may stop a link 1 that is driven by torque.
+
+    Args:
+        p: parameters
+        d: constants with a held output, without friction
+        w: workspace
+        side: map for one sign of omega1, complete at slowness 0, with its V0
+    """
+    by_torque = d.by_torque
+    d.by_torque = 0.0
+    complete = by_torque == 0.0 or add_orbits(d, w, side, EVEN, side.direction)
+    set_friction(p, d, 1.0)
+    for m in range(1, EVEN):
+        omega1 = side.direction * side.slow * (1.0 - SLOWNESS[m]) / SLOWNESS[m]
+        complete = complete and add_orbits(d, w, side, m, omega1)
+        if by_torque != 0.0:
+            for n in range(len(RATIOS)):
+                shift_orbits(side.columns[n], m)
+    for n in range(len(RATIOS)):
+        for m in range(EVEN, len(SLOWNESS)):
+            write_even(d, side, side.columns[n], m, grid_ratio(side, n))
+    d.by_torque = by_torque
+    return complete
 
 
 def build_side(p, d, w, side):
@@ -422,22 +466,14 @@ def build_side(p, d, w, side):
     side.slow = 0.0
     w.orbit_start = release_angle(d, side.direction)
     set_friction(p, d, 0.0)
-    if not add_orbits(d, w, side, 0):
+    if not add_orbits(d, w, side, 0, side.direction):
         return False
     last = side.columns[len(RATIOS) - 1]
     if side.end < 1.0 or side.direction < 0.0:
         last.torque[0] = min(last.torque[0], 0.0)
-    if d.lossy == 0.0:
-        return True
-    side.slow = balance_speed(p, d, side.columns[0].torque[0])
-    set_friction(p, d, 1.0)
-    if side.slow > 0.0:
-        for m in range(1, AT_REST):
-            if not add_orbits(d, w, side, m):
-                return False
-        for n in range(len(RATIOS)):
-            write_rest(d, side, side.columns[n], grid_ratio(side, n))
-    return True
+    if d.lossy != 0.0:
+        side.slow = balance_speed(p, d, side.columns[0].torque[0])
+    return side.slow == 0.0 or add_friction(p, d, w, side)
 
 
 def is_map_of(p, d):
