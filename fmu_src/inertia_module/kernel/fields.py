@@ -19,8 +19,8 @@ SOLVED, MOVING = 8, 9
 GUARDS, SATELLITES = 6, 50
 # causes of losses
 CAUSES = len(losses.CAUSES)
-# grid of the map of fidelity averaged: speed ratios and slownesses (averaged.torque_map)
-RATIOS, SLOWNESSES = 17, 8
+# map of fidelity averaged: speed ratios, slownesses, causes of losses (averaged.torque_map)
+RATIOS, SLOWNESSES, LOSSES = 25, 8, 4
 
 # motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
@@ -87,7 +87,7 @@ STATE = (
 # power lost over |omega1| V^2, kg m^2. At infinite speed it has twice the mean energy over omega1^2 less J1, and
 # RMS and peak of the output torque over omega1^2, kg m^2
 COLUMN = (
-    *(("torque", SLOWNESSES), ("link2", SLOWNESSES), ("lost", SLOWNESSES * CAUSES)),
+    *(("torque", SLOWNESSES), ("link2", SLOWNESSES), ("lost", SLOWNESSES * LOSSES)),
     *("inertia", "ripple", "peak"),
 )
 # direction: sign of omega1; end: last ratio; locks: 1 if link 2 reaches link 1 there; slow: V0, rad/s

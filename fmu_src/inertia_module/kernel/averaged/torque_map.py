@@ -18,8 +18,7 @@ import math
 from ..accumulate import clear, total
 from ..codes import NOT_STEADY, OK
 from ..derive import derive
-from ..equations.losses import FREEWHEEL, MESH, VISCOUS
-from ..fields import CAUSES
+from ..equations.losses import FREEWHEEL, JOURNAL, MESH, VISCOUS
 from .periodic_orbit import (
     FLIGHT_SLIP,
     FLIGHT_SPEED,
@@ -34,19 +33,22 @@ from .periodic_orbit import (
     release_angle,
 )
 
-# speed ratios of the grid over the last one, closer towards it: 1 - (1 - n / 16)^1.25
+# speed ratios of the grid over the last one, closer towards it: 1 - (1 - n / 24)^1.25
 RATIOS = (
-    *(0.0, 0.0775, 0.1537, 0.2286, 0.302, 0.374, 0.4443, 0.5129, 0.5796),
-    *(0.6442, 0.7065, 0.7664, 0.8232, 0.8766, 0.9257, 0.9688, 1.0),
+    *(0.0, 0.0518, 0.1031, 0.1537, 0.2038, 0.2532, 0.302, 0.3502, 0.3976),
+    *(0.4443, 0.4902, 0.5353, 0.5796, 0.6229, 0.6652, 0.7065, 0.7467, 0.7857),
+    *(0.8232, 0.8592, 0.8935, 0.9257, 0.9552, 0.9812, 1.0),
 )
 # slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
 SLOWNESS = (0.0, 0.125, 0.25, 0.5, 0.75, 0.875, 0.99, 1.0)
 EVEN = 6
+# causes of losses in the map
+LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
 # points of a cubic
 CUBIC = 4
 # places in a column of the map (fields.COLUMN)
 TORQUE, LINK2, LOST = 0, len(SLOWNESS), 2 * len(SLOWNESS)
-ENERGY = LOST + CAUSES * len(SLOWNESS)
+ENERGY = LOST + len(LOSSES) * len(SLOWNESS)
 RIPPLE, PEAK = ENERGY + 1, ENERGY + 2
 # ratio of the first orbit (the drag of the output freewheel acts only while the output turns), and slip of the
 # last one over the last ratio
@@ -57,8 +59,9 @@ LOCK_SLIP_SQUARED = 1e-9
 ORBIT_TOLERANCE = 1e-6
 # stall torque that stands for none, over the largest mesh torque
 MIN_STALL_RATIO = 0.01
-# last ratio over the speed of link 2 in free flight: losses by load release link 2 later and faster
-LOSSY_FLIGHT_RATIO = 1.2
+# growth of the last ratio while losses by load, which release link 2 later and faster, leave a torque there: factor,
+# largest number of times, torque over the largest mesh torque that counts as none
+GROWTH, MAX_GROWTHS, NO_TORQUE_RATIO = 1.1, 8, 1e-4
 # last ratio of a mechanism that transmits no torque
 MIN_LAST_RATIO = 0.01
 # input speed that stands for rest, over V0
@@ -226,9 +229,9 @@ def look_up(d, side, speed, ratio, means):
     means.inertia, means.slope = curve(side, n, s, ENERGY)
     clear(means.lost)
     if d.lossy != 0.0:
-        for cause in range(len(means.lost)):
+        for cause in range(len(LOSSES)):
             value = surface(side, n, s, first, weights, LOST + len(SLOWNESS) * cause)
-            means.lost[cause] = scale * scale * max(value, 0.0)
+            means.lost[int(LOSSES[cause])] = scale * scale * max(value, 0.0)
     means.resistance = total(means.lost)
 
 
@@ -295,7 +298,7 @@ def last_ratio(d, direction):
     flight = max(maximum(d, FLIGHT_SPEED, direction, momentum)[1], 0.0)
     if locks or (direction > 0.0 and d.lossy != 0.0):
         return 1.0, 1.0 if locks else 0.0
-    return max(flight * LOSSY_FLIGHT_RATIO if d.lossy != 0.0 else flight, MIN_LAST_RATIO), 0.0
+    return max(flight, MIN_LAST_RATIO), 0.0
 
 
 def write_orbit(d, x, w, column, m, omega1, scale, time):
@@ -314,8 +317,8 @@ def write_orbit(d, x, w, column, m, omega1, scale, time):
     speed, square = abs(omega1), scale * scale
     column.torque[m] = x.output_impulse / (time * square)
     column.link2[m] = (omega1 - angle_travelled(x) / (d.k * time)) / speed
-    for cause in range(len(x.lost)):
-        column.lost[len(SLOWNESS) * cause + m] = x.lost[cause] / (time * speed * square)
+    for cause in range(len(LOSSES)):
+        column.lost[len(SLOWNESS) * cause + m] = x.lost[int(LOSSES[cause])] / (time * speed * square)
     if m == 0:
         column.inertia = 2.0 * w.orbit_energy / square - d.J1
         mean = x.output_impulse / time
@@ -365,15 +368,15 @@ def write_even(d, side, column, m, ratio):
     square = (speed + side.slow) * (speed + side.slow)
     column.torque[m] = torque / square
     column.link2[m] = omega2 / speed
-    for cause in range(CAUSES):
-        column.lost[len(SLOWNESS) * cause + m] = 0.0
     power = speed * square
     viscous = d.bq * d.k * d.k * slip * slip + d.b2 * omega2 * omega2
     drag = (d.housing_drag + d.housing_drag_viscous * omega2) * omega2
     drag += (d.output_drag + d.output_drag_viscous * over) * over
-    column.lost[len(SLOWNESS) * VISCOUS + m] = viscous / power
-    column.lost[len(SLOWNESS) * MESH + m] = d.mesh_loss * pull * slip * slip / power
-    column.lost[len(SLOWNESS) * FREEWHEEL + m] = drag / power
+    # in the order of LOSSES; journals lose nothing
+    column.lost[m] = viscous / power
+    column.lost[len(SLOWNESS) + m] = d.mesh_loss * pull * slip * slip / power
+    column.lost[2 * len(SLOWNESS) + m] = 0.0
+    column.lost[3 * len(SLOWNESS) + m] = drag / power
 
 
 def grid_ratio(side, n):
@@ -453,6 +456,22 @@ def add_friction(p, d, w, side):
     return complete
 
 
+def extend(d, w, side):
+    """Let the last ratio of a mechanism with losses grow while the orbit there transmits a torque.
+
+    Args:
+        d: constants with a held output, without friction
+        w: workspace
+        side: map for one sign of omega1
+    """
+    for _ in range(MAX_GROWTHS):
+        w.orbit_torque = 0.0
+        time = find_orbit(d, w.part, w, side.direction, side.end, period_length(d))
+        if time < 0.0 or w.part.output_impulse <= NO_TORQUE_RATIO * d.F_by_speed * time:
+            return
+        side.end *= GROWTH
+
+
 def build_side(p, d, w, side):
     """Fill the map for one sign of omega1. Returns True if there are periodic orbits.
 
@@ -466,6 +485,8 @@ def build_side(p, d, w, side):
     side.slow = 0.0
     w.orbit_start = release_angle(d, side.direction)
     set_friction(p, d, 0.0)
+    if d.lossy != 0.0 and side.direction < 0.0:
+        extend(d, w, side)
     if not add_orbits(d, w, side, 0, side.direction):
         return False
     last = side.columns[len(RATIOS) - 1]
