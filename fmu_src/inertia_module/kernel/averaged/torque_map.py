@@ -33,15 +33,15 @@ from .periodic_orbit import (
     release_angle,
 )
 
-# speed ratios of the grid over the last one, closer towards it: 1 - (1 - n / 24)^1.25
+# speed ratios of the grid over the last one, closer towards it: 1 - (1 - n / 20)^1.25
 RATIOS = (
-    *(0.0, 0.0518, 0.1031, 0.1537, 0.2038, 0.2532, 0.302, 0.3502, 0.3976),
-    *(0.4443, 0.4902, 0.5353, 0.5796, 0.6229, 0.6652, 0.7065, 0.7467, 0.7857),
-    *(0.8232, 0.8592, 0.8935, 0.9257, 0.9552, 0.9812, 1.0),
+    *(0.0, 0.0621, 0.1234, 0.1838, 0.2434, 0.302, 0.3597),
+    *(0.4164, 0.4719, 0.5264, 0.5796, 0.6314, 0.6819, 0.7308),
+    *(0.778, 0.8232, 0.8663, 0.9067, 0.9438, 0.9764, 1.0),
 )
 # slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
-SLOWNESS = (0.0, 0.125, 0.25, 0.5, 0.75, 0.875, 0.99, 1.0)
-EVEN = 6
+SLOWNESS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.99, 1.0)
+EVEN = 8
 # causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
 # points of a cubic
