@@ -33,11 +33,10 @@ from .periodic_orbit import (
     release_angle,
 )
 
-# speed ratios of the grid over the last one, closer towards it: 1 - (1 - n / 20)^1.25
+# speed ratios of the grid over the last one, closer at both ends
 RATIOS = (
-    *(0.0, 0.0621, 0.1234, 0.1838, 0.2434, 0.302, 0.3597),
-    *(0.4164, 0.4719, 0.5264, 0.5796, 0.6314, 0.6819, 0.7308),
-    *(0.778, 0.8232, 0.8663, 0.9067, 0.9438, 0.9764, 1.0),
+    *(0.0, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.26, 0.32, 0.38, 0.44),
+    *(0.5, 0.56, 0.62, 0.69, 0.76, 0.82, 0.88, 0.93, 0.97, 1.0),
 )
 # slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
 SLOWNESS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.99, 1.0)
