@@ -106,7 +106,7 @@ class SteadyMachine:
             **self._values,
             "omega1": omega1,
             "omega2_start": 0.0,
-            "omega_out_start": max(ratio, LEAST_RATIO) * abs(omega1),
+            "omega_out_start": ratio * abs(omega1),
             "load_torque": 0.0,
         }
 
@@ -152,7 +152,7 @@ class SteadyMachine:
     def _steady(self, omega1: float, ratio: float) -> Module:
         """Return the module in its periodic orbit at an input speed, rad/s, and a speed ratio."""
         self.check_freewheels()
-        return Module().start_steady(self._turns * math.tau, **self._set(omega1, ratio))
+        return Module().start_steady(self._turns * math.tau, **self._set(omega1, max(ratio, LEAST_RATIO)))
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Compute mean torques of friction on load and link 1, N m, where the shaft overruns it."""
