@@ -20,7 +20,7 @@ from ..links import energy_of_links, kinetic_energy
 # inertia of the output shaft over the inertia of the mechanism
 HELD_INERTIA_RATIO = 1e12
 # longest period, revolutions of the pinion shaft; a longer one is replaced by this many revolutions
-MAX_REVOLUTIONS = 100.0
+MAX_REVOLUTIONS = 1000.0
 # periods until the fixed point is given up
 MAX_PERIODS = 30
 # change of omega2 over a period that counts as none, over omega1
@@ -28,8 +28,8 @@ OMEGA2_ATOL = 1e-5
 # likewise the energy gained over the kinetic energy, and the error of the mean input speed over the speed
 ENERGY_RTOL = 1e-4
 # internal steps of a period, right-hand-side evaluations of a map
-MAX_STEPS = 100000
-MAX_EVALUATIONS = 3e7
+MAX_STEPS = 200000
+MAX_EVALUATIONS = 6e7
 # share of a period that counts as its end
 END_RTOL = 1e-9
 # time of a period over its shortest time at constant slip; beyond it links 1 and 2 stick together
