@@ -22,6 +22,7 @@ from .mean_motion import (
     energy_of_mechanism,
     set_regime,
     side_now,
+    speed_ratio,
     write_mean_rates,
 )
 
@@ -38,6 +39,8 @@ MAX_STEPS, MAX_TRIALS, MAX_ITERATIONS = 20000, 60, 60
 TIME_RTOL, REST_RTOL, SNAP_RTOL = 1e-12, 1e-12, 1e-9
 # first step from rest over the communication step
 START_RATIO = 1e-9
+# largest correction of the input speed by the energy balance, over the speed
+MAX_CORRECTION = 1e-3
 # places of the two speeds in fields.MEAN
 OMEGA1, OMEGA3 = 0, 1
 
@@ -208,29 +211,68 @@ def advance_regime(d, side, x, w, regime, limit):
     return False, False
 
 
-def take_step(d, side, x, w):
-    """Add the step in hand to the state and its sums; by speed, the energy balance gives the input work.
+def energy_gained(d, side, x, omega1, omega3):
+    """Return the kinetic energy, J, that a step to these speeds adds to the mechanism and the output shaft.
+
+    Args:
+        d: constants; d.steady is written for the end of the step
+        side: map for the sign of omega1
+        x: state at the beginning
+        omega1: input speed at the end, rad/s
+        omega3: speed of the output shaft at the end, rad/s
+    """
+    before = energy_of_mechanism(d, side, x, x.omega1, x.omega3)
+    gained = energy_of_mechanism(d, side, x, omega1, omega3) - before
+    return gained + 0.5 * d.J3 * (omega3 - x.omega3) * (x.omega3 + omega3)
+
+
+def balanced_speed(d, side, x, regime, omega1, omega3, gain):
+    """Return the input speed, rad/s, at which a step by torque has gained the energy: one Newton iteration.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state at the beginning
+        regime: regime of the output shaft
+        omega1: input speed at the end, rad/s
+        omega3: speed of the output shaft at the end, rad/s
+        gain: energy that the step must gain, J
+    """
+    missing = gain - energy_gained(d, side, x, omega1, omega3)
+    s = min(speed_ratio(omega3, abs(omega1)), side.end)
+    inertia = d.J1 + d.steady.inertia - (0.5 * s * d.steady.slope if regime == SLIPPING else 0.0)
+    if regime == LOCKED:
+        inertia += d.J3
+    correction = missing / (inertia * omega1) if omega1 != 0.0 else 0.0
+    return omega1 + correction if abs(correction) < MAX_CORRECTION * abs(omega1) else omega1
+
+
+def take_step(d, side, x, w, regime):
+    """Add the step in hand to the state and its sums; energies balance.
+
+    By speed the balance gives the input work, by torque a small correction of the input speed.
 
     Args:
         d: constants
         side: map for the sign of omega1
         x: state
         w: workspace
+        regime: regime of the output shaft
     """
     change = w.mean_change
     omega1, omega3 = x.omega1 + change.omega1, x.omega3 + change.omega3
-    work = x.drive_torque * change.theta1
     lost = 0.0
     for cause in range(len(change.lost)):
         x.lost[cause] += change.lost[cause]
         lost += change.lost[cause]
+    used = x.load_torque * change.theta3 + lost
     if d.by_torque == 0.0:
-        gained = energy_of_mechanism(d, side, x, omega1, omega3)
-        gained -= energy_of_mechanism(d, side, x, x.omega1, x.omega3)
-        gained += 0.5 * d.J3 * change.omega3 * (x.omega3 + omega3)
-        work = gained + x.load_torque * change.theta3 + lost
+        x.energy_in += energy_gained(d, side, x, omega1, omega3) + used
+    else:
+        work = x.drive_torque * change.theta1
+        x.energy_in += work
+        omega1 = balanced_speed(d, side, x, regime, omega1, omega3, work - used)
     x.step_lost += lost
-    x.energy_in += work
     x.energy_out += x.load_torque * change.theta3
     x.theta1 += change.theta1
     wrap_input_angle(x)
@@ -288,7 +330,7 @@ def run_averaged(d, x, w, h):
         fits, ends = advance_regime(d, side, x, w, regime, min(limit, d.max_step))
         if not fits:
             return STEP_TOO_SMALL
-        take_step(d, side, x, w)
+        take_step(d, side, x, w, regime)
         arrives = w.mean_length >= limit
         time += w.mean_length
         if d.by_torque == 0.0:
