@@ -121,15 +121,23 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
 
 
 def test_sizes_of_the_map_are_those_of_the_grid():
-    assert fields.RATIOS == len(torque_map.RATIOS)
-    assert fields.SLOWNESSES == len(torque_map.SLOWNESS)
-    assert fields.LOSSES == len(torque_map.LOSSES)
+    assert len(torque_map.RATIOS) == fields.RATIOS
+    assert len(torque_map.SLOWNESS) == fields.SLOWNESSES
+    assert len(torque_map.LOSSES) == fields.LOSSES
     column = started("plain").derived.forward.columns[0]
     for n in range(len(column.numbers)):
         column.numbers[n] = n
-    for name, place in (("torque", torque_map.TORQUE), ("link2", torque_map.LINK2), ("lost", torque_map.LOST)):
+    for name, place in (
+        ("torque", torque_map.TORQUE),
+        ("link2", torque_map.LINK2),
+        ("lost", torque_map.LOST),
+    ):
         assert getattr(column, name)[0] == place
-    assert (column.inertia, column.ripple, column.peak) == (torque_map.ENERGY, torque_map.RIPPLE, torque_map.PEAK)
+    assert (column.inertia, column.ripple, column.peak) == (
+        torque_map.ENERGY,
+        torque_map.RIPPLE,
+        torque_map.PEAK,
+    )
 
 
 def test_a_saved_state_is_small():
@@ -168,7 +176,10 @@ def test_error_of_a_curve_falls_with_the_cube_of_the_spacing(side):
             column.inertia = math.exp(3.0 * end * ratio)
         errors.append(
             max(
-                abs(torque_map.curve(side, torque_map.interval(side, s), s, torque_map.ENERGY)[0] - math.exp(3.0 * s))
+                abs(
+                    torque_map.curve(side, torque_map.interval(side, s), s, torque_map.ENERGY)[0]
+                    - math.exp(3.0 * s)
+                )
                 for s in np.linspace(0.1 * end, 0.9 * end, 200)
             )
         )

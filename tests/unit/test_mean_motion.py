@@ -99,7 +99,7 @@ def test_a_regime_ends_where_its_indicator_is_zero(compiled):
 
 
 def test_mean_acceleration_of_link_2_is_the_rate_of_its_speed(motion):
-    d, side, x = motion
+    d, _, x = motion
     m = rates(motion)
     rate1, rate3 = m.omega1, m.omega3
     x.mode = 2.0

@@ -25,7 +25,9 @@ def orbit(values, omega1, ratio, turns=1.0, **more):
     """Module in the periodic orbit over so many turns of the pinion shaft."""
     speed = abs(omega1) * ratio
     module = Module("plain")
-    return module.start_steady(turns * math.tau, **{**values, **more, "omega1": omega1, "omega_out_start": speed})
+    return module.start_steady(
+        turns * math.tau, **{**values, **more, "omega1": omega1, "omega_out_start": speed}
+    )
 
 
 @pytest.mark.parametrize("omega1", [100.0, -3.0])
@@ -34,7 +36,9 @@ def test_at_stall_the_planar_module_has_the_half_waves_of_its_centrifugal_torque
     # M2 = - k I' omega1^2 / 2 with I = ... - 2 m l (R0 + r) cos q, while link 2 rests
     reach = PLANAR["sun_radius"] + PLANAR["satellite_radius"]
     mass = PLANAR["satellites"] * PLANAR["imbalance_mass"]
-    peak = PLANAR["sun_radius"] / PLANAR["satellite_radius"] * mass * PLANAR["eccentricity"] * reach * omega1**2
+    peak = (
+        PLANAR["sun_radius"] / PLANAR["satellite_radius"] * mass * PLANAR["eccentricity"] * reach * omega1**2
+    )
     assert module["output_torque_mean"] == pytest.approx(peak / math.pi, rel=1e-9)
     assert module["torque_peak"] == pytest.approx(peak, rel=1e-4)
     assert module["torque_ripple"] == pytest.approx(peak * math.sqrt(0.25 - 1.0 / math.pi**2), rel=1e-6)

@@ -120,9 +120,9 @@ MESSAGES: Mapping[int, str] = {
         " link2_inertia or use fidelity = rigid."
     ),
     codes.LIGHT_INPUT: (
-        "input_inertia must be at least 5 times the largest inertia I of the unbalanced masses with fidelity ="
-        " averaged and drive = torque (got {input_inertia}). Otherwise the input speed oscillates too much; use"
-        " fidelity = rigid."
+        "input_inertia must be at least 5 times the largest inertia I of the unbalanced masses with"
+        " fidelity = averaged and drive = torque (got {input_inertia}). Otherwise the input speed oscillates"
+        " too much; use fidelity = rigid."
     ),
 }
 

@@ -21,7 +21,6 @@ from ..common.equality import ByContent
 from ..common.errors import Refused, must_be
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME
-from ..kernel import codes
 from ..kernel.inertia import reduced_inertia
 from ..memory import Module
 from .results import write_columns, write_mat, write_rows
@@ -386,9 +385,7 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> Torq
     side = d.backward if backward else d.forward
     ratios = np.linspace(0.0, side.end, POINTS + 1)
     # at the last ratio the shaft overruns
-    started = [
-        Module().start(**given, omega1=omega1, omega_out_start=float(ratio)) for ratio in ratios[:-1]
-    ]
+    started = [Module().start(**given, omega1=omega1, omega_out_start=float(ratio)) for ratio in ratios[:-1]]
     names = ("output_torque", "omega2", "torque_ripple", "torque_peak")
     columns = np.array([module.read(names) for module in started])
     torque, link2, ripple, peak = np.vstack([columns, columns[-1]]).T

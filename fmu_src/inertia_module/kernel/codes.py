@@ -42,8 +42,8 @@ TUNE = 8
 # as the next step else does
 STEP_TO_SWITCH = 9
 SWITCH = 10
-# START in the periodic orbit of the rigid module with its output held at omega_out_start; the step is the angle of
-# the pinion shaft that counts as a period, rad
+# START in the periodic orbit of the rigid module with its output held at omega_out_start; the step is the
+# angle of the pinion shaft that counts as a period, rad
 STEADY = 11
 
 # warnings

@@ -82,21 +82,21 @@ STATE = (
     ("now", NOW),
 )
 
-# averaged: the map has a column for each speed ratio, for each sign of omega1 (averaged.torque_map). In a column
-# are, for each slowness, the mean torque over V^2, kg m^2, the mean of omega2 over |omega1|, and for each cause the
-# power lost over |omega1| V^2, kg m^2. At infinite speed it has twice the mean energy over omega1^2 less J1, and
-# RMS and peak of the output torque over omega1^2, kg m^2
+# averaged: the map has a column for each speed ratio, for each sign of omega1 (averaged.torque_map). In a
+# column are, for each slowness, the mean torque over V^2, kg m^2, the mean of omega2 over |omega1|, and for
+# each cause the power lost over |omega1| V^2, kg m^2. At infinite speed it has twice the mean energy over
+# omega1^2 less J1, and RMS and peak of the output torque over omega1^2, kg m^2
 COLUMN = (
     *(("torque", SLOWNESSES), ("link2", SLOWNESSES), ("lost", SLOWNESSES * LOSSES)),
     *("inertia", "ripple", "peak"),
 )
 # direction: sign of omega1; end: last ratio; locks: 1 if link 2 reaches link 1 there; slow: V0, rad/s
 SIDE = ("direction", "end", "locks", "slow", ("columns", COLUMN, RATIOS))
-# means of the steady motion at a speed and a ratio: torque, N m; omega2, rad/s; energy inertia, kg m^2, and its
-# slope over the ratio; power lost over |omega1|, N m, in all and by cause
+# means of the steady motion at a speed and a ratio: torque, N m; omega2, rad/s; energy inertia, kg m^2, and
+# its slope over the ratio; power lost over |omega1|, N m, in all and by cause
 STEADY = ("torque", "omega2", "inertia", "slope", "resistance", ("lost", CAUSES))
-# rates of the mean motion: two states; angles of link 1, link 2 and the output; torques at the input, the mesh and
-# the output; powers lost, W
+# rates of the mean motion: two states; angles of link 1, link 2 and the output; torques at the input, the
+# mesh and the output; powers lost, W
 MEAN = (
     *("omega1", "omega3", "theta1", "theta2", "theta3", "drive", "mesh", "output"),
     ("lost", CAUSES),
@@ -143,8 +143,8 @@ CONSTANTS = (
     *("plays", "turning"),
     *("turn_across", "turn_along"),
     ("machine", MACHINE),
-    # averaged: means and rates of an instant; the map, which is ready (1), absent (0) or lost (-1), the largest
-    # torque of lock-up over omega1^2, kg m^2, and the right-hand-side evaluations of the map
+    # averaged: means and rates of an instant; the map, which is ready (1), absent (0) or lost (-1), the
+    # largest torque of lock-up over omega1^2, kg m^2, and the right-hand-side evaluations of the map
     *(("steady", STEADY), ("mean", MEAN)),
     *("map_ready", "map_lock", "map_evaluations"),
     *(("forward", SIDE), ("backward", SIDE)),

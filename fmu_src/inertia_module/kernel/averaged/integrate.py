@@ -35,7 +35,8 @@ DIFFERENCE = 1e-7
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.1, 5.0
 # internal steps of a communication step, trials of a step, iterations to the end of a regime
 MAX_STEPS, MAX_TRIALS, MAX_ITERATIONS = 20000, 60, 60
-# share of a step to which the end of a regime is located, shares of the speeds that count as rest and as no slip
+# share of a step to which the end of a regime is located, shares of the speeds that count as rest and as no
+# slip
 TIME_RTOL, REST_RTOL, SNAP_RTOL = 1e-12, 1e-12, 1e-9
 # first step from rest over the communication step
 START_RATIO = 1e-9

@@ -3,9 +3,9 @@
     J3 omega3' = T - b3 omega3 - load
     (J1 + e - s e' / 2) omega1' + e' omega3' / 2 = M1 - b1 omega1 - T s - R          omega1 > 0
 
-with s = omega3 / |omega1|, the mean torque T, the power R |omega1| of all other losses, and the mean kinetic energy
-(J1 + e) omega1^2 / 2 of links 1 and 2. One of omega1' and M1 is given. The output shaft rests, is locked to link 1,
-coasts beyond the last ratio of the map, or slips under the mean torque.
+with s = omega3 / |omega1|, the mean torque T, the power R |omega1| of all other losses, and the mean kinetic
+energy (J1 + e) omega1^2 / 2 of links 1 and 2. One of omega1' and M1 is given. The output shaft rests, is
+locked to link 1, coasts beyond the last ratio of the map, or slips under the mean torque.
 """
 
 from ..accumulate import clear, total
@@ -71,6 +71,24 @@ def write_locked_losses(d, speed, steady):
     steady.omega2 = speed
 
 
+def write_steady(d, side, regime, speed, s):
+    """Write the steady means of a regime at an input speed and a speed ratio into d.steady.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        regime: RESTING, LOCKED, COASTING or SLIPPING
+        speed: magnitude of omega1, rad/s
+        s: omega3 / |omega1|
+    """
+    at_end = regime == LOCKED or regime == COASTING
+    look_up(d, side, speed, side.end if at_end else s, d.steady)
+    if at_end and reaches_link1(side):
+        write_locked_losses(d, speed, d.steady)
+    if regime != SLIPPING:
+        d.steady.slope = 0.0
+
+
 def write_mean_rates(d, side, x, regime, omega1, omega3, m):
     """Write rates and torques of the mean motion in a regime.
 
@@ -92,55 +110,40 @@ def write_mean_rates(d, side, x, regime, omega1, omega3, m):
     elif regime == LOCKED:
         omega3 = forward
     s = speed_ratio(omega3, speed)
-    if regime == LOCKED or regime == COASTING:
-        s = side.end
-    look_up(d, side, speed, s, steady)
-    if reaches_link1(side) and (regime == LOCKED or regime == COASTING):
-        write_locked_losses(d, speed, steady)
+    write_steady(d, side, regime, speed, s)
     s = min(s, side.end)
-    inertia, slope = d.J1 + steady.inertia - 0.5 * s * steady.slope, 0.5 * steady.slope
-    resistance, torque, beyond = steady.resistance, steady.torque, 0.0
     load = x.load_torque + d.b3 * omega3
-    rate3 = (torque - load) / d.J3
+    torque, passed, carried = steady.torque, steady.torque * s, 0.0
     if regime == RESTING:
-        s = rate3 = 0.0
-        torque = load
+        torque, passed = load, 0.0
+    elif regime == LOCKED:
+        passed, carried = load, d.J3
     elif regime == COASTING:
-        beyond = omega3 - side.end * forward
-        torque = free_torque(d, side, torque) - d.output_drag_viscous * beyond
-        rate3 = (torque - load) / d.J3
-    if regime != SLIPPING:
-        inertia, slope = d.J1 + steady.inertia, 0.0
-    passed = torque * s
-    if regime == LOCKED:
-        inertia += d.J3
-        passed = load
+        torque = free_torque(d, side, torque) - d.output_drag_viscous * (omega3 - side.end * forward)
+        passed = torque * side.end
+    rate3 = (torque - load) / d.J3
+    inertia, slope = d.J1 + steady.inertia - 0.5 * s * steady.slope, 0.5 * steady.slope
     rate = direction * x.alpha1
     if d.by_torque != 0.0:
         driving = direction * x.drive_torque - d.b1 * forward
-        rate = (driving - passed - resistance - slope * rate3) / inertia
+        rate = (driving - passed - steady.resistance - slope * rate3) / (inertia + carried)
         if omega1 == 0.0:
             rate = max(rate, 0.0)  # friction holds it
     if regime == LOCKED:
         rate3 = rate
-        torque = load + d.J3 * rate3
-        passed = torque
-        inertia -= d.J3
-    taken = 0.0 if speed == 0.0 and rate == 0.0 else passed + resistance
-    m.omega1 = direction * rate
-    m.omega3 = rate3
-    m.theta1 = omega1
-    m.theta2 = steady.omega2
-    m.theta3 = omega3
+        torque = passed = load + d.J3 * rate3
+    taken = 0.0 if speed == 0.0 and rate == 0.0 else passed + steady.resistance
+    m.omega1, m.omega3 = direction * rate, rate3
+    m.theta1, m.theta2, m.theta3 = omega1, steady.omega2, omega3
     m.drive = x.drive_torque
     if d.by_torque == 0.0:
         m.drive = direction * (inertia * rate + slope * rate3 + taken + d.b1 * forward)
-    m.mesh = direction * taken
-    m.output = torque
+    m.mesh, m.output = direction * taken, torque
     for cause in range(len(m.lost)):
         m.lost[cause] = steady.lost[cause] * speed
     m.lost[VISCOUS] += d.b3 * omega3 * omega3 + d.b1 * forward * forward
-    m.lost[FREEWHEEL] -= torque * beyond
+    if regime == COASTING:
+        m.lost[FREEWHEEL] -= torque * (omega3 - side.end * forward)
 
 
 def most_locked_torque(d, side, x, speed):

@@ -1,8 +1,9 @@
 """Periodic orbit of the mechanism at constant input and output speed: one period of the pinion shaft.
 
 The output shaft is so heavy that its speed is constant. Link 2 then has a return map: its speed at the end of
-a period over its speed at the beginning. The map never decreases, and a fixed point lies between 0 and the speed
-of the output. The period begins where link 2 is at rest in nearly all orbits; the first period is then the orbit.
+a period over its speed at the beginning. The map never decreases, and a fixed point lies between 0 and the
+speed of the output. The period begins where link 2 is at rest in nearly all orbits; the first period is then
+the orbit.
 
 Driven by torque, the input torque and the initial input speed are unknown as well. A fixed-point iteration
 adjusts them until the period neither gains nor loses energy and has the demanded mean input speed.
@@ -42,8 +43,8 @@ SAMPLES = 48
 HEAD_START = 0.5
 
 # quantities with a maximum over the period, at input speed 1: inertia I of the imbalances; torque that locks
-# links 1 and 2; momentum of links 1 and 2 while link 2 is at rest; speed of link 2 in free flight; square of its
-# slip, negative
+# links 1 and 2; momentum of links 1 and 2 while link 2 is at rest; speed of link 2 in free flight; square of
+# its slip, negative
 INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED, FLIGHT_SLIP = 0, 1, 2, 3, 4
 
 
@@ -233,10 +234,10 @@ def input_angle(x):
 
 
 def find_orbit(d, x, w, omega1, ratio, length):
-    """Find the periodic orbit at a mean input speed and a speed ratio; the state ends with the sums of a period.
+    """Find the periodic orbit at a mean input speed and a ratio; the state ends with the sums of a period.
 
-    The fixed point of the return map is bracketed. Its ends are the first two guesses after a period from rest and
-    the period that follows it; then secant and bisection alternate.
+    The fixed point of the return map is bracketed. Its ends are the first two guesses after a period from
+    rest and the period that follows it; then secant and bisection alternate.
 
     Args:
         d: constants with a held output (see hold_output)

@@ -1,16 +1,17 @@
 """Torque map of fidelity averaged: means of periodic orbits over the speed ratio and the slowness.
 
-Without friction all torques scale with omega1^2: one orbit per ratio omega3 / |omega1| is enough. Friction b and
-drag D scale with b / |omega1| and D / omega1^2. Torques are therefore divided by V^2 with V = |omega1| + V0, where
-V0 is the input speed at which friction and drag take the stall torque. They are then nearly parabolas of the
-slowness V0 / V, which is 0 at infinite speed and 1 at rest. Losses by load scale with omega1^2 as well.
+Without friction all torques scale with omega1^2: one orbit per ratio omega3 / |omega1| is enough. Friction b
+and drag D scale with b / |omega1| and D / omega1^2. Torques are therefore divided by V^2 with V = |omega1| +
+V0, where V0 is the input speed at which friction and drag take the stall torque. They are then nearly
+parabolas of the slowness V0 / V, which is 0 at infinite speed and 1 at rest. Losses by load scale with
+omega1^2 as well.
 
 The grid is fixed: RATIOS shares of the last ratio and SLOWNESS. Between ratios all curves are monotone cubics
-(PCHIP: Fritsch & Carlson, SIAM J. Numer. Anal. 17, 1980, with the slopes of Fritsch & Butland, 1984), between
-slownesses cubics through the nearest four. At rest friction and drag alone act: link 2 turns evenly.
+(PCHIP: Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17, slopes of Fritsch & Butland, 1984),
+between slownesses cubics through the nearest four. At rest friction and drag alone act: link 2 turns evenly.
 
-Friction of link 1 and of the output shaft is exact without a map. Driven by torque, orbits have the constant input
-torque that keeps their energy; they depend on J1.
+Friction of link 1 and of the output shaft is exact without a map. Driven by torque, orbits have the constant
+input torque that keeps their energy; they depend on J1.
 """
 
 import math
@@ -49,8 +50,8 @@ CUBIC = 4
 TORQUE, LINK2, LOST = 0, len(SLOWNESS), 2 * len(SLOWNESS)
 ENERGY = LOST + len(LOSSES) * len(SLOWNESS)
 RIPPLE, PEAK = ENERGY + 1, ENERGY + 2
-# ratio of the first orbit (the drag of the output freewheel acts only while the output turns), and slip of the
-# last one over the last ratio
+# ratio of the first orbit (the drag of the output freewheel acts only while the output turns), and slip of
+# the last one over the last ratio
 FIRST_RATIO, LAST_SLIP = 1e-4, 2e-3
 # square of the least slip in free flight, over omega1^2, at which link 2 reaches link 1
 LOCK_SLIP_SQUARED = 1e-9
@@ -58,8 +59,8 @@ LOCK_SLIP_SQUARED = 1e-9
 ORBIT_TOLERANCE = 1e-6
 # stall torque that stands for none, over the largest mesh torque
 MIN_STALL_RATIO = 0.01
-# growth of the last ratio while losses by load, which release link 2 later and faster, leave a torque there: factor,
-# largest number of times, torque over the largest mesh torque that counts as none
+# growth of the last ratio while losses by load, which release link 2 later and faster, leave a torque there:
+# factor, largest number of times, torque over the largest mesh torque that counts as none
 GROWTH, MAX_GROWTHS, NO_TORQUE_RATIO = 1.1, 8, 1e-4
 # last ratio of a mechanism that transmits no torque
 MIN_LAST_RATIO = 0.01
@@ -173,7 +174,9 @@ def curve(side, n, s, place):
     """
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
     b, c = side.columns[n].numbers[place], side.columns[n + 1].numbers[place]
-    return pchip(side.end, n, s, side.columns[before].numbers[place], b, c, side.columns[after].numbers[place])
+    return pchip(
+        side.end, n, s, side.columns[before].numbers[place], b, c, side.columns[after].numbers[place]
+    )
 
 
 def surface(side, n, s, first, weights, place):
@@ -287,10 +290,10 @@ def balance_speed(p, d, stall):
 
 
 def last_ratio(d, direction):
-    """Return the speed ratio at which the map ends, and 1 if free flight takes link 2 to link 1 there, else 0.
+    """Return the last ratio of the map, and 1 if free flight takes link 2 to link 1 there, else 0.
 
-    Forwards no torque is transmitted above ratio 1, because the housing only pushes. Losses may take link 2 to
-    link 1 where free flight does not.
+    Forwards no torque is transmitted above ratio 1, because the housing only pushes. Losses may take link 2
+    to link 1 where free flight does not.
     """
     momentum = maximum(d, MOMENTUM, direction, 0.0)[1]
     locks = direction > 0.0 and -maximum(d, FLIGHT_SLIP, direction, momentum)[1] < LOCK_SLIP_SQUARED
@@ -413,8 +416,8 @@ def add_orbits(d, w, side, m, omega1):
 def shift_orbits(column, m):
     """Add to the orbits at constant input speed the change that the oscillation of the input speed makes.
 
-    The change is the change without friction: the orbit by torque is at slowness 0, the orbit at constant speed at
-    EVEN.
+    The change is the change without friction: the orbit by torque is at slowness 0, the orbit at constant
+    speed at EVEN.
 
     Args:
         column: of the map
