@@ -96,7 +96,7 @@ def averaged_system(
     state, inertia = module.state, module["output_inertia"]
 
     def set_state(omega_out: float, u: Any) -> tuple[float, float]:
-        """Set the state, calculate the outputs, return the mean output torque, N.m, and omega_out', rad/s2."""
+        """Set the state and calculate the outputs; return the output torque, N.m, and omega_out', rad/s2."""
         omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
         state.omega1, state.alpha1 = omega1, rate
         # the shaft does not turn backwards: values below 0 come from solvers

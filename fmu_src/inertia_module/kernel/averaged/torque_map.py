@@ -92,74 +92,69 @@ def cubic_weights(z):
     )
 
 
-def inner_slope(left, right, before, here, after):
-    """Return the slope at a point by the values there and at its neighbours (Fritsch & Butland).
+def inner_slope(left, right, s0, s1):
+    """Return the slope at a point by the secants to its neighbours: their weighted harmonic mean.
 
     Args:
         left: distance to the point before
         right: distance to the point after
-        before: value at the point before
-        here: value at the point
-        after: value at the point after
+        s0: secant from the point before
+        s1: secant to the point after
     """
-    s0 = (here - before) / left
-    s1 = (after - here) / right
     if s0 * s1 <= 0.0:
         return 0.0
     w0, w1 = 2.0 * right + left, right + 2.0 * left
-    return (w0 + w1) / (w0 / s0 + w1 / s1)
+    return (w0 + w1) * s0 * s1 / (w0 * s1 + w1 * s0)
 
 
-def end_slope(near, far, here, following, beyond):
-    """Return the slope at the first or last point by the values there and at the next two, shape-preserving.
+def end_slope(near, far, s0, s1):
+    """Return the slope at the first or last point by the next two secants, shape-preserving.
 
     Args:
-        near: distance to the next point, negative at the last point
+        near: distance to the next point
         far: distance from the next point to the second next
-        here: value at the point
-        following: value at the next point
-        beyond: value at the second next point
+        s0: secant to the next point
+        s1: secant from the next point to the second next
     """
-    s0, s1 = (following - here) / near, (beyond - following) / far
     slope = ((2.0 * near + far) * s0 - near * s1) / (near + far)
     if slope * s0 <= 0.0:
         return 0.0
     return 3.0 * s0 if s0 * s1 < 0.0 and abs(slope) > 3.0 * abs(s0) else slope
 
 
-def pchip(end, n, s, a, b, c, e):
+def pchip(side, n, s, a, b, c, e):
     """Interpolate a curve of the map between points n and n + 1 of RATIOS.
 
     Args:
-        end: last ratio of the map
+        side: map for one sign of omega1
         n: number of the point before s
         s: speed ratio
-        a: value at point n - 1 (unused at n = 0)
+        a: value at point n - 1 (at point n = 0)
         b: value at point n
         c: value at point n + 1
-        e: value at point n + 2 (unused in the last interval)
+        e: value at point n + 2 (at the last point)
 
     Returns:
         (value, slope in s).
     """
-    width = end * (RATIOS[n + 1] - RATIOS[n])
     last = len(RATIOS) - 2
-    left = end * (RATIOS[n] - RATIOS[n - 1]) if n > 0 else 1.0
-    right = end * (RATIOS[n + 2] - RATIOS[n + 1]) if n < last else 1.0
-    m0 = inner_slope(left, width, a, b, c) if n > 0 else end_slope(width, right, b, c, e)
-    m1 = inner_slope(width, right, b, c, e) if n < last else end_slope(-width, -left, c, b, a)
-    rise = (c - b) / width
-    t = s - end * RATIOS[n]
-    c2, c3 = (3.0 * rise - 2.0 * m0 - m1) / width, (m0 + m1 - 2.0 * rise) / (width * width)
+    width = side.end * (RATIOS[n + 1] - RATIOS[n])
+    left = side.end * (RATIOS[n] - RATIOS[n - 1]) if n > 0 else width
+    right = side.end * (RATIOS[n + 2] - RATIOS[n + 1]) if n < last else width
+    per_width = 1.0 / width
+    before, rise, after = (b - a) / left, (c - b) * per_width, (e - c) / right
+    m0 = inner_slope(left, width, before, rise) if n > 0 else end_slope(width, right, rise, after)
+    m1 = inner_slope(width, right, rise, after) if n < last else end_slope(width, left, rise, before)
+    t = s - side.end * RATIOS[n]
+    c2, c3 = (3.0 * rise - 2.0 * m0 - m1) * per_width, (m0 + m1 - 2.0 * rise) * per_width * per_width
     return b + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
 def interval(side, s):
     """Return the number of the interval of the map that contains the ratio s."""
     n = 0
-    for m in range(1, len(RATIOS) - 1):
-        if s >= side.end * RATIOS[m]:
-            n = m
+    while n < len(RATIOS) - 2 and s >= side.end * RATIOS[n + 1]:
+        n += 1
     return n
 
 
@@ -173,10 +168,9 @@ def curve(side, n, s, place):
         place: place of the number in a column
     """
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
-    b, c = side.columns[n].numbers[place], side.columns[n + 1].numbers[place]
-    return pchip(
-        side.end, n, s, side.columns[before].numbers[place], b, c, side.columns[after].numbers[place]
-    )
+    a, b = side.columns[before].numbers[place], side.columns[n].numbers[place]
+    c, e = side.columns[n + 1].numbers[place], side.columns[after].numbers[place]
+    return pchip(side, n, s, a, b, c, e)
 
 
 def surface(side, n, s, first, weights, place):
@@ -190,13 +184,16 @@ def surface(side, n, s, first, weights, place):
         weights: weights of the cubic
         place: place of the first number in a column
     """
+    if side.slow == 0.0:
+        value, _ = curve(side, n, s, place)
+        return value
     w0, w1, w2, w3 = weights
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
     i = place + first
     a, b = side.columns[before].numbers, side.columns[n].numbers
     c, e = side.columns[n + 1].numbers, side.columns[after].numbers
     value, _ = pchip(
-        side.end,
+        side,
         n,
         s,
         w0 * a[i] + w1 * a[i + 1] + w2 * a[i + 2] + w3 * a[i + 3],
