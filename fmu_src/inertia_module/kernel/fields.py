@@ -20,7 +20,7 @@ GUARDS, SATELLITES = 6, 50
 # causes of losses
 CAUSES = len(losses.CAUSES)
 # map of fidelity averaged: speed ratios, slownesses, causes of losses (averaged.torque_map)
-RATIOS, SLOWNESSES, LOSSES = 21, 10, 4
+RATIOS, SLOWNESSES, LOSSES = 21, 13, 4
 
 # motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")

@@ -40,8 +40,8 @@ RATIOS = (
     *(0.5, 0.56, 0.62, 0.69, 0.76, 0.82, 0.88, 0.93, 0.97, 1.0),
 )
 # slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
-SLOWNESS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.99, 1.0)
-EVEN = 8
+SLOWNESS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875, 0.99, 1.0)
+EVEN = 11
 # causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
 # points of a cubic
