@@ -391,7 +391,6 @@ class Module(ModelInstance):
         super()._begin()
         kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
 
-
     def start_steady(self, period: float, **values: float | str) -> Self:
         """Start in the periodic orbit with the output held at omega_out_start; means are over a period.
 
