@@ -22,7 +22,7 @@ NO_STATE = "the state must be saved by this build (it is damaged or from another
 # maps of fidelity averaged kept for the process: instances alike share the work of the first
 MOST_MAPS = 64
 # what the kernel's build_map writes and is to find again
-_OF_MAP = ("map_ready", "map_key", "map_lock", "map_inertia", "map_evaluations", "forward", "backward")
+_OF_MAP = ("map_ready", "map_key", "map_lock", "map_evaluations", "forward", "backward")
 
 
 @lru_cache(MOST_MAPS)
@@ -390,6 +390,21 @@ class Module(ModelInstance):
                 setattr(self.derived, name, getattr(known, name))
         super()._begin()
         kept[:] = [type(self.derived).from_buffer_copy(self.derived)]
+
+    def start_steady(self, period: float, **values: float | str) -> Self:
+        """Start in the periodic orbit with the output held at omega_out_start; means are over a period.
+
+        Args:
+            period: angle of the pinion shaft, rad, after which the motion repeats; means are over it.
+            values: as of start.
+
+        Raises:
+            Refused: the parameters cannot be, or there is no periodic orbit.
+        """
+        self._prepare(values)
+        self._check(self.call(codes.STEADY, period), period)
+        self.started = True
+        return self
 
 
 class DrivenShaft(ModelInstance):

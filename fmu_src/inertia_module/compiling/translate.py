@@ -42,7 +42,7 @@ INLINED = frozenset(
         *("equations.choice.mode_violation", "equations.choice.set_mode"),
         *("equations.losses.applied_torques", "equations.losses.write_loss_powers"),
         *("inertia.reduced_inertia", "layout.bevel_imbalance_position"),
-        *("sine.sine_cosine", "sine.sines_cosines", "averaged.rates.look_up_input"),
+        *("sine.sine_cosine", "sine.sines_cosines"),
         *("events.stages.stages_of", "events.stages.rates_of"),
         *("events.stages.weighed_four", "events.stages.weigh"),
     )

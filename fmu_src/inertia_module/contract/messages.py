@@ -119,6 +119,11 @@ MESSAGES: Mapping[int, str] = {
         f" {named('link2_inertia', 'drive_friction', 'link2_friction')}, {named(*_LOSSES)}. Increase"
         " link2_inertia or use fidelity = rigid."
     ),
+    codes.LIGHT_INPUT: (
+        "input_inertia must be at least 5 times the largest inertia I of the unbalanced masses with"
+        " fidelity = averaged and drive = torque (got {input_inertia}). Otherwise the input speed oscillates"
+        " too much; use fidelity = rigid."
+    ),
 }
 
 # warnings on accepted parameters, by their numbers in kernel.codes

@@ -143,7 +143,7 @@ _P, _U, _Y = interface(variables.VARIABLES)
 _D = (*_P, *fields.CONSTANTS, ("map_key", len(variables.MAP_KEY)))
 _RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
 assert _Y[: len(_RATED)] == _RATED, "kernel/entry.py differentiates the first outputs"
-_W = (*fields.WORKSPACE, ("held", _D), ("outputs_0", _RATED), ("outputs_1", _RATED))
+_W = (*fields.WORKSPACE, ("outputs_0", _RATED), ("outputs_1", _RATED))
 
 INERTIA_MODULE = Model(
     name="InertiaModule",
@@ -160,10 +160,7 @@ INERTIA_MODULE = Model(
     warnings=messages.WARNINGS,
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
     bounds=(
-        Bound("d", place(_D, "forward.count"), fields.KNOTS),
-        Bound("d", place(_D, "backward.count"), fields.KNOTS),
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
-        Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
         # moments that were seen in the last step; signs of all satellites, a bit each
         Bound("x", place(fields.STATE, "seen"), 2**53),
         Bound("x", place(fields.STATE, "spin_signs"), 2 ** int(variables.BY_NAME["satellites"].ends[1])),

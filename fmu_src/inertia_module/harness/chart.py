@@ -16,14 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from ..common.equality import ByContent
 from ..common.errors import Refused, must_be
 from ..common.units import factor_between
 from ..contract.variables import BY_NAME
-from ..kernel import codes
-from ..kernel.averaged import rates as average_rates
 from ..kernel.inertia import reduced_inertia
 from ..memory import Module
 from .results import write_columns, write_mat, write_rows
@@ -37,14 +34,10 @@ Array = NDArray[np.float64]
 HELD = 1e8
 # turns of the drive to average over: whole periods of the motion, or where that is long most of it
 FEWEST_TURNS, MOST_TURNS = 10, 100
+# speed ratio that stands for 0: the output freewheel overruns between pulses
+LEAST_RATIO = 1e-9
 # turns of link 1 after which link 2 has reached its speed where the shaft overruns link 1
 SETTLING_TURNS = 200
-# of the time of a period, which only decides what little of a pulse is missed at its end
-TIME_ERROR = 1e-8
-# what the start leaves behind is gone where link 2, as many turns later, is as fast within this share of
-# omega1; so often this is tried from rest, and then from the speed of the shaft
-STEADY = 1e-5
-TRIES = 5
 # drive angles at which lock-up is looked at
 ANGLES = 3000
 # in the time that the drive takes for a turn where link 2 is held
@@ -99,18 +92,23 @@ class SteadyMachine:
         given = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "zero_order"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **given, **zeros}
-        self.module = module = self._started(1.0, 0.0)
+        self.module = module = Module().start(**self._set(1.0, 0.0))
         self._derived = d = module.derived
         self.ideal = d.viscous == 0.0 and d.losses == 0.0
         period = int(d.period_turns)
         self._turns = min(period * math.ceil(FEWEST_TURNS / period), MOST_TURNS)
-        self._tries = TRIES if self._turns % period == 0 else 1
         heavy = HELD * (2.0 * module["energy_stored"] + module["link2_inertia"])
         self._values["output_inertia"] = min(heavy, BY_NAME["output_inertia"].ends[1])
 
-    def _started(self, omega1: float, omega_out: float, omega2: float = 0.0) -> Module:
-        speeds = {"omega1": omega1, "omega2_start": omega2, "omega_out_start": omega_out}
-        return Module().start(**{**self._values, **speeds, "load_torque": 0.0})
+    def _set(self, omega1: float, ratio: float) -> dict[str, float | str]:
+        """Return the values of the module at an input speed, rad/s, and a speed ratio."""
+        return {
+            **self._values,
+            "omega1": omega1,
+            "omega2_start": 0.0,
+            "omega_out_start": ratio * abs(omega1),
+            "load_torque": 0.0,
+        }
 
     def check_freewheels(self) -> None:
         """Refuse a mechanism that lacks a freewheel: it has no mean torque."""
@@ -122,60 +120,11 @@ class SteadyMachine:
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """Compute the steady pulses at omega1, rad/s, not 0, and a ratio to it of the output from 0 to 1."""
-        return self._settled(omega1, ratio)[1]
-
-    def samples(self, names: Sequence[str], omega1: float, ratio: float) -> Array:
-        """Sample outputs in steady pulses, SAMPLES in the time of a turn of the drive where link 2 is held.
-
-        The rows, shape (m, names), are over the turns of a mean.
-        """
-        (module, _), found = self._settled(omega1, ratio), []
-        turn, begun = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module)
-        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
-            module.advance(turn / SAMPLES)
-            found.append(module.read(names))
-        return np.array(found)
-
-    def _settled(self, omega1: float, ratio: float) -> tuple[Module, SteadyPulses]:
-        """Run until the means are steady or TRIES are over; module and means."""
-        self.check_freewheels()
-        speed = ratio * abs(omega1)
-        for start in (0.0, speed):
-            module = self._started(omega1, speed, start)
-            # what the start leaves behind is mostly gone after this
-            module.advance(self._times(omega1, ratio)[1])
-            for _ in range(self._tries):
-                omega2 = module["omega2"]
-                pulses = self._over_turns(module, omega1, ratio)
-                if self._tries == 1 or abs(module["omega2"] - omega2) <= STEADY * abs(omega1):
-                    return module, pulses
-        return module, pulses
-
-    def _times(self, omega1: float, ratio: float) -> tuple[float, float]:
-        """Shortest and longest time that the turns of a mean can take, s."""
-        slowest = self._turns * math.tau / (self._derived.k * abs(omega1))
-        # link 2 turns between 0 and the speed of the shaft
-        moved = 1.0 - ratio if omega1 > 0.0 else 1.0 + ratio
-        return 0.999 * slowest / max(moved, 1.0), 1.001 * slowest / min(moved, 1.0)
-
-    def _over_turns(self, module: Module, omega1: float, ratio: float) -> SteadyPulses:
-        """Run on over the next turns and return the means over them."""
-        between = self._times(omega1, ratio)
-        begun, angle = module.save(), _drive_angle(module)
-        counted = ("energy_in", "energy_lost", "housing_engagements", "output_engagements")
-        before = module.read(counted)
-
-        def missing(time: float) -> float:
-            module.restore(begun)
-            module.advance(time)
-            return abs(_drive_angle(module) - angle) - self._turns * math.tau
-
-        time = brentq(missing, *between, rtol=TIME_ERROR)
-        missing(time)
-        taken, lost, *engaged = np.subtract(module.read(counted), before).tolist()
-        speed, turned = module["omega_out"], abs(omega1) * time / math.tau  # of link 1
+        module = self._steady(omega1, ratio)
+        time, lost, taken = module.state.length, module["energy_lost"], module["energy_in"]
+        turned = abs(omega1) * time / math.tau  # of link 1
         return SteadyPulses(
-            module["output_torque_mean"] - module["output_friction"] * speed,
+            module["output_torque_mean"] - module["output_friction"] * module["omega_out"],
             math.copysign(1.0, omega1) * module["input_torque_mean"],
             min(max(1.0 - lost / taken, 0.0), 1.0) if taken > 0.0 else 0.0,
             abs(1.0 - self._turns / (self._derived.k * turned)),
@@ -183,13 +132,31 @@ class SteadyMachine:
             module["torque_peak"],
             module["satellite_force_peak"],
             lost / time,
-            *(number / turned for number in engaged),
+            module["housing_engagements"] / turned,
+            module["output_engagements"] / turned,
             *module.read(("housing_torque_peak", "housing_slip_peak", "output_slip_peak")),
         )
 
+    def samples(self, names: Sequence[str], omega1: float, ratio: float) -> Array:
+        """Sample outputs in steady pulses, SAMPLES in the time of a turn of the drive where link 2 is held.
+
+        The rows, shape (m, names), are over the turns of a mean.
+        """
+        module, found = self._steady(omega1, ratio), []
+        turn, begun = math.tau / (self._derived.k * abs(omega1)), _drive_angle(module)
+        while abs(_drive_angle(module) - begun) < self._turns * math.tau:
+            module.advance(turn / SAMPLES)
+            found.append(module.read(names))
+        return np.array(found)
+
+    def _steady(self, omega1: float, ratio: float) -> Module:
+        """Return the module in its periodic orbit at an input speed, rad/s, and a speed ratio."""
+        self.check_freewheels()
+        return Module().start_steady(self._turns * math.tau, **self._set(omega1, max(ratio, LEAST_RATIO)))
+
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Compute mean torques of friction on load and link 1, N m, where the shaft overruns it."""
-        module = self._started(omega1, ratio * abs(omega1))
+        module = Module().start(**self._set(omega1, ratio))
         module.advance(SETTLING_TURNS * math.tau / abs(omega1))
         module.advance(MOST_TURNS * math.tau / abs(omega1))
         braked = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]
@@ -413,18 +380,16 @@ def torque_converter_chart(
 def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> TorqueConverterChart:
     """The chart of a mechanism without losses: the map of fidelity averaged."""
     # torques at given speeds, whatever drives the module
-    given = {"fidelity": float(codes.AVERAGED), "drive": float(codes.DRIVE_SPEED)}
-    module = Module().start(**{**parameters, **given})
-    d, x = module.derived, module.state
+    given = {**parameters, "fidelity": "averaged", "drive": "speed", "load_torque": 0.0}
+    omega1 = -1.0 if backward else 1.0
+    d = Module().start(**given).derived
     side = d.backward if backward else d.forward
-    knots = [side.knots[n].ratio for n in range(int(side.count))]
-    ratios = np.unique(np.concatenate([knots, np.linspace(0.0, knots[-1], POINTS + 1)]))
-    torque, link2, ripple, peak = np.zeros((4, ratios.size))
-    for n, ratio in enumerate(ratios):
-        x.omega3 = ratio
-        found = average_rates.look_up(side, x, 1.0, ratio)  # type: ignore[no-untyped-call]
-        torque[n], link2[n] = found
-        ripple[n], peak[n] = average_rates.ripple_at(side, x, side.direction)  # type: ignore[no-untyped-call]
+    ratios = np.linspace(0.0, side.end, POINTS + 1)
+    # at the last ratio the shaft overruns
+    started = [Module().start(**given, omega1=omega1, omega_out_start=float(ratio)) for ratio in ratios[:-1]]
+    names = ("output_torque", "omega2", "torque_ripple", "torque_peak")
+    columns = np.array([module.read(names) for module in started])
+    torque, link2, ripple, peak = np.vstack([columns, columns[-1]]).T
     lock = d.map_lock if side.locks else 0.0
     one = np.ones(ratios.size)
     return TorqueConverterChart(ratios, torque, ratios * torque, one, link2, ripple, peak, lock * one)

@@ -1,6 +1,7 @@
 """Checks of parameters that are invalid only in combination; messages are in contract/messages.py."""
 
 from . import codes
+from .averaged.torque_map import is_light_input
 from .equations.satellites import is_self_locking
 from .parameters import min_inertia_ratio
 
@@ -86,4 +87,6 @@ def check_parameters(d):
     status = check_combinations(d)
     if status == codes.OK and d.losses + d.lossy != 0.0 and is_self_locking(d):
         return codes.SELF_LOCKING
+    if status == codes.OK and d.fidelity == codes.AVERAGED and is_light_input(d):
+        return codes.LIGHT_INPUT
     return status

@@ -33,6 +33,9 @@ WARN = 7  # Returns the sum of the warnings; writes nothing
 UPDATE_PARAMETERS = 8  # After a change of tunable parameters between steps
 STEP_UNTIL_EVENT = 9  # STEP_ONLY that ends before the first freewheel switching event
 HANDLE_EVENT = 10  # The event at which STEP_UNTIL_EVENT has ended (the next step does the same)
+# START in the periodic orbit of the rigid module with its output held at omega_out_start; the step is the
+# angle of the pinion shaft that counts as a period, rad
+STEADY = 11
 
 # Warnings, which can be added
 PLANAR_OVERLAP = 1
@@ -64,6 +67,7 @@ TOO_MUCH_WORK = 21
 STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
+LIGHT_INPUT = 18
 NO_CYCLIC_STEADY_STATE = 25
 # Inputs: the first input and the first rate; add the number of the input
 BAD_INPUT = 30

@@ -10,6 +10,7 @@ from .codes import (
     OUTPUTS,
     RIGID,
     START,
+    STEADY,
     STEP_UNTIL_EVENT,
     UPDATE_PARAMETERS,
     WARN,
@@ -17,7 +18,7 @@ from .codes import (
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
 from .outputs import write_late_outputs, write_outputs
-from .step import advance, check, start, tune
+from .step import advance, restore, start, start_steady, tune
 
 DIFFERENCING_PHASE = 1e-4  # rad of the fastest motion, length of a differencing step
 N_DIFFERENCING_TRIALS = 3  # A trial in which a freewheel switches is repeated with shorter steps
@@ -127,7 +128,9 @@ def call(operation, p, d, u, x, y, w, h):
     if operation == START:
         return start(p, d, u, x, y, w)
     if operation == CHECK:
-        return check(p, d, u)
+        return restore(p, d, u, w)
+    if operation == STEADY:
+        return start_steady(p, d, u, x, y, w, h)
     if operation == WARN:
         return buildability_warnings(p)
     if operation == UPDATE_PARAMETERS:

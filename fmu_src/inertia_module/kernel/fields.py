@@ -19,8 +19,8 @@ SOLVED = 8
 GUARDS, SATELLITES = 6, 24
 # causes of losses
 CAUSES = len(losses.CAUSES)
-# knots of the averaged map at most, for one sign of omega1
-KNOTS = 64
+# map of fidelity averaged: speed ratios, slownesses, causes of losses (averaged.torque_map)
+RATIOS, SLOWNESSES, LOSSES = 21, 13, 4
 
 # motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
 MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
@@ -50,8 +50,6 @@ STATE = (
     *("drive_turns", "input_turns"),
     "mode",
     *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
-    # averaged: sizes of gentle steps in each leg
-    ("sizes", 4),
     *("energy_in", "energy_out", ("lost", CAUSES)),
     *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
     "torque_ripple",
@@ -64,8 +62,8 @@ STATE = (
     *("housing_state", "output_state", "slip_sign", "flow_sign", "spin_signs"),
     # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
     *("ended", "slip_reached_zero", "switching"),
-    # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
-    *("map_knot", "map_speed"),
+    # averaged: the next internal step, s
+    "mean_step",
     # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
     # the accelerations and torques of this instant are kept (without losses)
     *("torques_continue", "prescribed", "load_prescribed", "rates_cached"),
@@ -73,21 +71,25 @@ STATE = (
     ("now", NOW),
 )
 
-# averaged: a knot of the map over the speed ratio: curves of mean torque, mean speed of link 2, the mean
-# energy or, under its torque, speed of link 1, ripple and peak (see averaged.table); while the map is built
-# the error of the interval that follows, the torque of link 1, and how the motion begins. Torques, speeds of
-# link 2 and powers lost by cause stand there for so many motions: the ideal one and with losses those of
-# averaged.table
-MOTIONS = 9
-CURVES = 2 * MOTIONS + 3
-KNOT = (
-    *("ratio", ("value", CURVES), ("slope", CURVES), "error"),
-    *("drive", "begin_energy", "begin_omega2", ("lost", MOTIONS * CAUSES)),
+# averaged: the map has a column for each speed ratio, for each sign of omega1 (averaged.torque_map). In a
+# column are, for each slowness, the mean torque over V^2, kg m^2, the mean of omega2 over |omega1|, and for
+# each cause the power lost over |omega1| V^2, kg m^2. At infinite speed it has twice the mean energy over
+# omega1^2 less J1, and RMS and peak of the output torque over omega1^2, kg m^2
+COLUMN = (
+    *(("torque", SLOWNESSES), ("link2", SLOWNESSES), ("lost", SLOWNESSES * LOSSES)),
+    *("inertia", "ripple", "peak"),
 )
-# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; where
-# a period begins and the largest momentum of link 2 at rest; with losses the speed at which friction takes
-# the stall torque
-SIDE = ("direction", "count", "end", "locks", "start", "thrown", "slow", ("knots", KNOT, KNOTS))
+# direction: sign of omega1; end: last ratio; locks: 1 if link 2 reaches link 1 there; slow: V0, rad/s
+SIDE = ("direction", "end", "locks", "slow", ("columns", COLUMN, RATIOS))
+# means of the steady motion at a speed and a ratio: torque, N m; omega2, rad/s; energy inertia, kg m^2, and
+# its slope over the ratio; power lost over |omega1|, N m, in all and by cause
+STEADY = ("torque", "omega2", "inertia", "slope", "resistance", ("lost", CAUSES))
+# rates of the mean motion: two states; angles of link 1, link 2 and the output; torques at the input, the
+# mesh and the output; powers lost, W
+MEAN = (
+    *("omega1", "omega3", "theta1", "theta2", "theta3", "drive", "mesh", "output"),
+    ("lost", CAUSES),
+)
 
 # equations of motion: torques of weights and of losses that go by speeds, powers of these by cause; of the
 # satellites journals and mesh, of links that stick together the torque at the drives that is needed and the
@@ -132,36 +134,32 @@ CONSTANTS = (
     *("plays", "turning"),
     *("turn_across", "turn_along"),
     ("machine", MACHINE),
-    # averaged: rates of an instant (see averaged.rates); the map
-    ("mean", FOLLOWED),
-    *("map_ready", "map_lock", "map_inertia", "map_evaluations"),
+    # averaged: means and rates of an instant; the map, which is ready (1), absent (0) or lost (-1), the
+    # largest torque of lock-up over omega1^2, kg m^2, and the right-hand-side evaluations of the map
+    *(("steady", STEADY), ("mean", MEAN)),
+    *("map_ready", "map_lock", "map_evaluations"),
     *(("forward", SIDE), ("backward", SIDE)),
 )
 
-# w, before a copy of d for the mechanism of a map, and two of the outputs that have rates: nothing in it
-# outlives the call
+# w, before two of the outputs that have rates: nothing in it outlives the call
 WORKSPACE = (
     # whether a step ends at a switch; the tolerance that holds
     *("stops", "tolerance"),
     # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
     # length, angular momentum and kinetic energy at its beginning
     *("pair", "prescribed", "load", "step", "momentum", "energy", "potential"),
-    # averaged: speed that counts as zero beside those at the beginning of the communication step
-    "at_rest",
     # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
     *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
     ("weights", STAGES),
     # by events: scale of the error of each integrated quantity, 0 if it does not count (events.error)
     ("scale", FOLLOWED),
-    # averaged: changes at the stages of the stiff step, derivatives of all rates
-    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, 2)),
-    # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
-    *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
-    # ... and sums over it
-    *("sum_time", "sum_torque", "sum_square", "sum_energy"),
-    *("sum_gain", "sum_omega1", "sum_omega2", "sum_peak"),
-    ("sum_lost", CAUSES),
+    # periodic orbit: angle of the pinion shaft at its beginning, input torque, mean kinetic energy
+    *("orbit_start", "orbit_torque", "orbit_energy"),
+    # mean motion: rates at the beginning and at the second stage of a step, derivatives by omega1 and omega3,
+    # stages, changes over the step
+    *(("means", MEAN, 2), ("mean_slopes", MEAN, 2), ("mean_stages", MEAN, 2), ("mean_change", MEAN)),
+    "mean_length",
     # state at the beginning of the call, of two short steps for rates, of a part of a step
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
 )

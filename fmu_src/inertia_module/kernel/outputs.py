@@ -4,7 +4,7 @@ Late outputs take longer to compute. The FMU computes them when they are read.
 """
 
 from .accumulate import TWO_PI, total
-from .averaged.run import averaged_energy, write_averaged
+from .averaged.mean_motion import averaged_energy, write_averaged
 from .codes import AVERAGED, KINEMATIC, RIGID
 from .engine import solve_now
 from .equations.losses import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE

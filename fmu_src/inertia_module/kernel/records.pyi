@@ -111,46 +111,43 @@ class Machine:
     b: float
     g: float
 
-class Followed:
+class Steady:
     numbers: Doubles
-    q: float
-    omega1: float
+    torque: float
     omega2: float
-    omega3: float
-    drive: float
-    housing: float
-    output: float
-    square: float
-    theta1: float
-    turned3: float
-    work_in: float
+    inertia: float
+    slope: float
+    resistance: float
     lost: Doubles
-    twist: float
-    relative: float
-    wound_housing: float
-    wound_output: float
 
-class Knot:
+class Mean:
     numbers: Doubles
-    ratio: float
-    value: Doubles
-    slope: Doubles
-    error: float
+    omega1: float
+    omega3: float
+    theta1: float
+    theta2: float
+    theta3: float
     drive: float
-    begin_energy: float
-    begin_omega2: float
+    mesh: float
+    output: float
     lost: Doubles
+
+class Column:
+    numbers: Doubles
+    torque: Doubles
+    link2: Doubles
+    lost: Doubles
+    inertia: float
+    ripple: float
+    peak: float
 
 class Side:
     numbers: Doubles
     direction: float
-    count: float
     end: float
     locks: float
-    start: float
-    thrown: float
     slow: float
-    knots: Records[Knot]
+    columns: Records[Column]
 
 class Constants:
     numbers: Doubles
@@ -265,10 +262,10 @@ class Constants:
     turn_across: float
     turn_along: float
     machine: Machine
-    mean: Followed
+    steady: Steady
+    mean: Mean
     map_ready: float
     map_lock: float
-    map_inertia: float
     map_evaluations: float
     forward: Side
     backward: Side
@@ -342,7 +339,6 @@ class State:
     drive_torque: float
     step_size: float
     short_size: float
-    sizes: Doubles
     energy_in: float
     energy_out: float
     lost: Doubles
@@ -372,8 +368,7 @@ class State:
     ended: float
     slip_reached_zero: float
     switching: float
-    map_knot: float
-    map_speed: float
+    mean_step: float
     torques_continue: float
     prescribed: float
     load_prescribed: float
@@ -448,6 +443,25 @@ class Outputs:
     torque_ripple: float
     torque_peak: float
 
+class Followed:
+    numbers: Doubles
+    q: float
+    omega1: float
+    omega2: float
+    omega3: float
+    drive: float
+    housing: float
+    output: float
+    square: float
+    theta1: float
+    turned3: float
+    work_in: float
+    lost: Doubles
+    twist: float
+    relative: float
+    wound_housing: float
+    wound_output: float
+
 class Watched:
     numbers: Doubles
     value: Doubles
@@ -520,32 +534,23 @@ class Workspace:
     momentum: float
     energy: float
     potential: float
-    at_rest: float
     rates: Records[Followed]
     change: Followed
     inside: Followed
     watched: Records[Watched]
     weights: Doubles
     scale: Followed
-    stages: Records[Followed]
-    slopes: Records[Followed]
-    drive: float
-    begin_energy: float
-    begin_omega2: float
-    knot: Knot
-    sum_time: float
-    sum_torque: float
-    sum_square: float
-    sum_energy: float
-    sum_gain: float
-    sum_omega1: float
-    sum_omega2: float
-    sum_peak: float
-    sum_lost: Doubles
+    orbit_start: float
+    orbit_torque: float
+    orbit_energy: float
+    means: Records[Mean]
+    mean_slopes: Records[Mean]
+    mean_stages: Records[Mean]
+    mean_change: Mean
+    mean_length: float
     before: State
     kept: State
     part: State
-    held: Constants
     outputs_0: Outputs0
     outputs_1: Outputs0
 

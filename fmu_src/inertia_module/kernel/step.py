@@ -8,7 +8,9 @@ import math
 
 from . import codes
 from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angle
-from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
+from .averaged.integrate import run_averaged
+from .averaged.mean_motion import end_step, jump_averaged, takes_up_jump
+from .averaged.periodic_orbit import find_orbit, hold_output, release_angle
 from .averaged.torque_map import build_map
 from .checks import check_parameters
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
@@ -45,6 +47,14 @@ def check(p, d, u):
     return check_inputs(u) if status == codes.OK else status
 
 
+def restore(p, d, u, w):
+    """Check as check does; a map that a rejected change of parameters has cost is built again."""
+    status = check(p, d, u)
+    if status == codes.OK and d.fidelity == codes.AVERAGED and d.map_ready < 0.0:
+        status = build_map(p, d, w)
+    return status
+
+
 def start(p, d, u, x, y, w):
     """Derive the constants and set state and outputs at the end of initialisation. Returns a status."""
     status = check(p, d, u)
@@ -67,9 +77,7 @@ def start(p, d, u, x, y, w):
     x.play_housing = d.housing_engagement_angle if x.omega2 > 0.0 else 0.0
     x.play_output = d.output_engagement_angle if x.omega3 > x.omega2 else 0.0
     if d.fidelity == codes.AVERAGED:
-        x.omega1 = speed_at_start(d, x)
         end_step(d, x)
-        x.omega1 = x.held_input  # the map has it but for rounding
         x.switches = 0.0
     else:
         follow_parameters(d, x)
@@ -96,6 +104,41 @@ def tune(p, d, x, w):
         x.torques_continue = 0.0
         x.rates_cached = 0.0
     return status
+
+
+def start_steady(p, d, u, x, y, w, length):
+    """Start the module in its periodic orbit with the output held at its starting speed.
+
+    Sums and means are of one period.
+
+    Args:
+        p: parameters
+        d: constants, derived here; the output is heavy from then on
+        u: inputs
+        x: state
+        y: outputs
+        w: workspace
+        length: angle of the pinion shaft that counts as a period, rad
+
+    Returns:
+        Status: OK, or NO_CYCLIC_STEADY_STATE if links 1 and 2 stick together.
+    """
+    status = check(p, d, u)
+    if status != codes.OK:
+        return status
+    hold_output(d)
+    w.tolerance = d.tolerance
+    d.map_evaluations = w.orbit_torque = 0.0
+    w.orbit_start = release_angle(d, 1.0 if u.omega1 > 0.0 else -1.0)
+    time = find_orbit(d, x, w, u.omega1, d.omega_out_start / abs(u.omega1), length)
+    if time < 0.0:
+        return codes.NO_CYCLIC_STEADY_STATE
+    x.length = time
+    end(d, x, time, 0.0, 0.0, 0.0)
+    x.energy_stored = stored_energy(d, x)
+    write_outputs(x, y)
+    write_late_outputs(d, x, y)
+    return codes.OK
 
 
 def is_instant(d, x, h):
@@ -244,4 +287,7 @@ def run(d, u, x, w, h):
         x.twist = shaft_twist(d, x)
     if not is_finite(x):
         return codes.NOT_FINITE
-    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if has_energy_check(d) else codes.OK
+    if not has_energy_check(d):
+        return codes.OK
+    stored = stored_energy(d, x)
+    return audit(d, x, w.before, stored, w.tolerance)
