@@ -30,6 +30,7 @@ COMPARISONS = {
 # functions of the module math by type of their result; `math.floor` is a double in C
 MATH_FUNCTIONS = {
     **dict.fromkeys(("sqrt", "floor", "ceil", "copysign", "fmod", "exp", "expm1", "log", "log1p"), DOUBLE),
+    "pow": DOUBLE,
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh"), DOUBLE),
     **dict.fromkeys(("isfinite", "isnan", "isinf"), BOOL),
 }
@@ -38,7 +39,7 @@ MATH_CONSTANTS = {math.inf: "INFINITY"}
 RESERVED = frozenset(MATH_FUNCTIONS) | frozenset(
     """
     auto bool case char const default do double enum extern false float goto inline int long register restrict
-    short signed sizeof static struct switch true typedef union unsigned void volatile pow
+    short signed sizeof static struct switch true typedef union unsigned void volatile
     """.split()  # noqa: SIM905 (a list of 28 strings is a line each)
 )
 # operations of Python that C has no operator for
@@ -216,12 +217,8 @@ class Expressions:
                 return Expression(f"{name}({left.text}, {right.text})", PRIMARY, kind)
             case ast.FloorDiv() if kind == INT:
                 return Expression(f"floor_divide({left.text}, {right.text})", PRIMARY, INT)
-            case ast.Pow() if isinstance(node.right, ast.Constant) and isinstance(node.right.value, int):
-                raise self.scope.reject(
-                    node, f"write {ast.unparse(node)} as a product: pow of C rounds differently"
-                )
             case ast.Pow():
-                return Expression(f"pow({left.text}, {right.text})", PRIMARY, DOUBLE)
+                raise self.scope.reject(node, f"write {ast.unparse(node)} as a product or with math.pow")
         if type(node.op) not in ARITHMETIC:
             raise self.scope.reject(node, f"unknown operator in {ast.unparse(node)}")
         operator, binding = ARITHMETIC[type(node.op)]

@@ -16,6 +16,8 @@ HEAD = """\
 from typing import Generic, TypeVar
 
 _Record = TypeVar("_Record")
+Position = tuple[float, float, float, float, float, float, float, float, float]
+ReducedInertia = tuple[float, float, float, float, float, float]
 
 class Doubles:
     def __len__(self) -> int: ...

@@ -2,17 +2,19 @@
 
 import math
 
+from .records import Constants, Doubles, State
+
 TWO_PI = 6.283185307179586
 TWO_PI_LOW = 2.4492935982947064e-16
 
 
-def add_loss(x, cause, lost):
+def add_loss(x: State, cause: int, lost: float) -> None:
     """Add what a cause (equations.losses) has taken, J."""
     x.lost[cause] += lost
     x.step_lost += lost
 
 
-def total(numbers):
+def total(numbers: Doubles) -> float:
     """Sum of an array."""
     found = 0.0
     for n in range(len(numbers)):
@@ -20,19 +22,19 @@ def total(numbers):
     return found
 
 
-def clear(numbers):
+def clear(numbers: Doubles) -> None:
     """Fill an array with zeros."""
     for n in range(len(numbers)):
         numbers[n] = 0.0
 
 
-def copy(target, source):
+def copy(target: Doubles, source: Doubles) -> None:
     """Fill an array with the numbers of another, at least as long."""
     for n in range(len(target)):
         target[n] = source[n]
 
 
-def wrap(angle, period, period_low):
+def wrap(angle: float, period: float, period_low: float) -> tuple[float, float]:
     """Bring an angle into [0, period], rad.
 
     Args:
@@ -44,7 +46,7 @@ def wrap(angle, period, period_low):
         (angle, number of periods removed).
     """
     rest = angle % period if angle >= 0.0 else -(-angle % period)  # of the sign of angle: exact
-    periods = math.floor((angle - rest) / period + 0.5)
+    periods = float(math.floor((angle - rest) / period + 0.5))
     rest -= periods * period_low
     if rest < 0.0:
         rest += period
@@ -55,21 +57,21 @@ def wrap(angle, period, period_low):
     return rest, periods
 
 
-def wrap_drive_angle(d, x):
+def wrap_drive_angle(d: Constants, x: State) -> None:
     """Keep q within a period; count the whole turns removed."""
     if not 0.0 <= x.q < d.period:
         x.q, periods = wrap(x.q, d.period, d.period_low)
         x.drive_turns += d.period_turns * periods
 
 
-def wrap_input_angle(x):
+def wrap_input_angle(x: State) -> None:
     """Keep theta1 within a turn; count the turns removed."""
     if not 0.0 <= x.theta1 < TWO_PI:
         x.theta1, periods = wrap(x.theta1, TWO_PI, TWO_PI_LOW)
         x.input_turns += periods
 
 
-def turn_output(x):
+def turn_output(x: State) -> None:
     """Add the angle of the step to the angle of the output shaft; keep it within a turn and count turns."""
     x.output_angle += x.turned3
     if not 0.0 <= x.output_angle < TWO_PI:

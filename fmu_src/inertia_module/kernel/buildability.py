@@ -8,11 +8,12 @@ The deprecated value of `method` has a warning, too.
 import math
 
 from . import codes
+from .records import Parameters
 
 OVERLAP_RTOL = 1e-12  # Relative overlap below which parts touch
 
 
-def satellites_overlap(p, reach):
+def satellites_overlap(p: Parameters, reach: float) -> bool:
     """Return True if neighbouring satellites overlap.
 
     Args:
@@ -22,7 +23,7 @@ def satellites_overlap(p, reach):
     return p.satellites > 1.0 and reach * math.sin(math.pi / p.satellites) < 1.0 - OVERLAP_RTOL
 
 
-def planar_warnings(p):
+def planar_warnings(p: Parameters) -> int:
     """Return the sum of the warnings of a planar mechanism.
 
     Args:
@@ -36,7 +37,7 @@ def planar_warnings(p):
     return total
 
 
-def bevel_warnings(p):
+def bevel_warnings(p: Parameters) -> int:
     """Return the sum of the warnings of a bevel mechanism.
 
     Args:
@@ -56,7 +57,7 @@ def bevel_warnings(p):
     return total
 
 
-def buildability_warnings(p):
+def buildability_warnings(p: Parameters) -> int:
     """Return the sum of all warnings (codes.PLANAR_OVERLAP and so on); 0 means none.
 
     Args:

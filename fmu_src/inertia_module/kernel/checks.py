@@ -4,12 +4,13 @@ from . import codes
 from .averaged.torque_map import is_light_input
 from .equations.satellites import is_self_locking
 from .parameters import min_inertia_ratio
+from .records import Constants
 
 SINGULAR_RATIO = 1e-12  # An inertia below this fraction of its maximum counts as zero
 MIN_STIFFNESS = 1e-2  # N m/rad, of a freewheel that winds up
 
 
-def check_torque_drive(d):
+def check_torque_drive(d: Constants) -> int:
     """Return the status of parameters that a given torque of link 1 requires.
 
     Args:
@@ -24,7 +25,7 @@ def check_torque_drive(d):
     return codes.OK
 
 
-def check_level(d):
+def check_level(d: Constants) -> int:
     """Return the status of parameters that fidelity averaged does not support.
 
     Args:
@@ -39,7 +40,7 @@ def check_level(d):
     return codes.OK
 
 
-def check_start_speeds(d):
+def check_start_speeds(d: Constants) -> int:
     """Return the status of the initial speeds: freewheels allow one sign of their relative speed.
 
     Args:
@@ -57,7 +58,7 @@ def check_start_speeds(d):
     return codes.OK
 
 
-def check_combinations(d):
+def check_combinations(d: Constants) -> int:
     """Return the status of parameters together, except for self-locking meshes.
 
     Args:
@@ -78,7 +79,7 @@ def check_combinations(d):
     return check_start_speeds(d)
 
 
-def check_parameters(d):
+def check_parameters(d: Constants) -> int:
     """Return OK, or the status of parameters that are rejected together.
 
     Args:

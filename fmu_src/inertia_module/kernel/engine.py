@@ -11,6 +11,7 @@ from .equations.states import RATIO_PRESCRIBED
 from .events.advance import advance_general
 from .events.kinematic import advance_kinematic, impose_ratio, prescribe_motion
 from .links import fastest_own_rate, prescribed_at_input
+from .records import Constants, State, Workspace
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
@@ -22,7 +23,7 @@ SWITCHES_ALLOWED, SWITCHES_PER_PULSE = 1000.0, 64.0
 STALLS_ALLOWED = 100
 
 
-def solve_now(d, x):
+def solve_now(d: Constants, x: State) -> None:
     """Accelerations and torques in the present mode, into d.machine."""
     if x.output_state == RATIO_PRESCRIBED:
         prescribe_motion(d, x, 0.0)
@@ -34,14 +35,14 @@ def solve_now(d, x):
         evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
 
 
-def follow_torque(d, x):
+def follow_torque(d: Constants, x: State) -> None:
     """Take over the acceleration of link 1 that its torque gives it now, where that is given."""
     if d.by_torque != 0.0:
         solve_now(d, x)
         x.alpha1 = d.machine.alpha1
 
 
-def follow_parameters(d, x):
+def follow_parameters(d: Constants, x: State) -> None:
     """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
     if d.fidelity == KINEMATIC:
         impose_ratio(d, x)
@@ -51,7 +52,7 @@ def follow_parameters(d, x):
         follow_torque(d, x)
 
 
-def switch_now(d, x):
+def switch_now(d: Constants, x: State) -> None:
     """Carry out the switch that the last step has stopped at, if it has."""
     if x.switching == 0.0:
         return
@@ -63,7 +64,7 @@ def switch_now(d, x):
     follow_torque(d, x)
 
 
-def begin_events(d, x, w):
+def begin_events(d: Constants, x: State, w: Workspace) -> None:
     """Take the inputs of the step; choose the contact mode again if they have changed."""
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
@@ -77,7 +78,7 @@ def begin_events(d, x, w):
     x.load_prescribed = w.load
 
 
-def switch_or_stop(d, x, w, can_stop):
+def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> tuple[bool, bool]:
     """Select the contact mode after an event, or stop just before it changes.
 
     Args:
@@ -103,7 +104,7 @@ def switch_or_stop(d, x, w, can_stop):
     return has_changed, stops
 
 
-def phase_passed(d, x, passed, speeds):
+def phase_passed(d: Constants, x: State, passed: float, speeds: float) -> float:
     """Return the phase by which pinion shafts and elastic shaft have advanced, rad.
 
     Args:
@@ -116,7 +117,7 @@ def phase_passed(d, x, passed, speeds):
     return phase + passed * fastest_own_rate(d, x) if d.elastic != 0.0 else phase
 
 
-def run_events(d, x, w, h):
+def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
     """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
     if h > MAX_EVALUATIONS * d.max_step:
         return TOO_MUCH_WORK  # each internal step takes an evaluation or more

@@ -18,6 +18,7 @@ from .codes import (
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
 from .outputs import write_late_outputs, write_outputs
+from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 from .step import advance, restore, start, start_steady, tune
 
 DIFFERENCING_PHASE = 1e-4  # rad of the fastest motion, length of a differencing step
@@ -26,7 +27,7 @@ DIFFERENCING_RETRY_FACTOR = 0.01  # On the length of the steps
 MIN_FREQUENCY = 1.0  # rad/s
 
 
-def fastest_rate(d, x):
+def fastest_rate(d: Constants, x: State) -> float:
     """Return the angular frequency of the fastest motion, at least MIN_FREQUENCY, rad/s.
 
     Args:
@@ -39,7 +40,7 @@ def fastest_rate(d, x):
     return rate if rate > MIN_FREQUENCY else MIN_FREQUENCY
 
 
-def extrapolate_inputs(u, x):
+def extrapolate_inputs(u: Inputs, x: State) -> None:
     """Continue the inputs of the last step: its final speed and slope, and its torques.
 
     Args:
@@ -55,7 +56,7 @@ def extrapolate_inputs(u, x):
     u.drive_torque_rate_given = 0.0
 
 
-def write_output_rates(d, u, x, y, w):
+def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace) -> int:
     """Write the time derivative of each output to y, 1/s, from two short steps forward in time.
 
     With steps of length h the derivative is (4 (y(h) - y(0)) - (y(2 h) - y(0))) / (2 h), which is of order 2.
@@ -108,7 +109,9 @@ def write_output_rates(d, u, x, y, w):
     return OK
 
 
-def call(operation, p, d, u, x, y, w, h):
+def call(
+    operation: int, p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: float
+) -> int:
     """Execute an operation.
 
     Args:

@@ -11,19 +11,28 @@ from .equations.losses import FREEWHEEL, SHAFT
 from .equations.states import RATIO_PRESCRIBED
 from .inertia import reduced_inertia
 from .links import inertia_of_link1, inertia_of_link2
+from .records import Constants, State
 
 
-def has_rigid_housing_contact(d, x):
+def has_rigid_housing_contact(d: Constants, x: State) -> bool:
     """Return True if the housing freewheel can transmit an impulse: it is rigid and without backlash now."""
     return d.housing != 0.0 and d.housing_stiffness == 0.0 and x.play_housing == 0.0
 
 
-def has_rigid_output_contact(d, x):
+def has_rigid_output_contact(d: Constants, x: State) -> bool:
     """Return True if the output freewheel can transmit an impulse: it is rigid and without backlash now."""
     return d.freewheel_stiffness == 0.0 and x.play_output == 0.0
 
 
-def solve_impact(d, inertia2, free2, inertia3, free3, housing_contact, output_contact):
+def solve_impact(
+    d: Constants,
+    inertia2: float,
+    free2: float,
+    inertia3: float,
+    free3: float,
+    housing_contact: bool,
+    output_contact: bool,
+) -> tuple[float, float, float, int]:
     """Solve for the velocities after an impact (Newton's law with the restitution 0, by cases).
 
         0 <= omega2          _|_ housing impulse >= 0
@@ -61,7 +70,7 @@ def solve_impact(d, inertia2, free2, inertia3, free3, housing_contact, output_co
     return 0.0, 0.0, -inertia3 * free3, HELD_DRIVING
 
 
-def jump_driven_mass(d, x, change3):
+def jump_driven_mass(d: Constants, x: State, change3: float) -> None:
     """Apply a jump of the hub speed to the elastic output.
 
     The balancer passes the fraction beta of the jump to the driven mass.
@@ -80,7 +89,9 @@ def jump_driven_mass(d, x, change3):
     add_loss(x, SHAFT, loss)
 
 
-def apply_speed_step(d, x, inertia, change1, change2):
+def apply_speed_step(
+    d: Constants, x: State, inertia: tuple[float, float, float], change1: float, change2: float
+) -> tuple[float, float]:
     """Apply a jump in which the speeds of links 1 and 2 change in proportion.
 
     Args:
@@ -103,7 +114,7 @@ def apply_speed_step(d, x, inertia, change1, change2):
     return drive, mesh
 
 
-def set_speeds(d, x, end2, end3):
+def set_speeds(d: Constants, x: State, end2: float, end3: float) -> None:
     """Set the speeds of link 2 and the hub after an impact.
 
     Args:
@@ -121,7 +132,7 @@ def set_speeds(d, x, end2, end3):
         x.omega3 = end3
 
 
-def jump_input(d, x, jump):
+def jump_input(d: Constants, x: State, jump: float) -> tuple[float, float]:
     """Apply a jump of omega1. If the speed ratio is prescribed, the ratio may have changed, too.
 
     Args:
@@ -170,7 +181,7 @@ def jump_input(d, x, jump):
     return drive, output
 
 
-def apply_plastic_impact(d, x):
+def apply_plastic_impact(d: Constants, x: State) -> None:
     """Apply the plastic impact of freewheels that have reached the end of their engagement angle.
 
     A relative speed that would close the contact becomes 0. Momentum is conserved. With a prescribed input

@@ -1,10 +1,11 @@
 """Reduced inertia I, B, G of all imbalances and its derivatives in q in closed form (docs/mechanics.md)."""
 
 from .layout import bevel_imbalance_position
+from .records import Constants, ReducedInertia
 from .sine import sine_cosine, sines_cosines
 
 
-def reduced_inertia(d, q):
+def reduced_inertia(d: Constants, q: float) -> ReducedInertia:
     """Return the reduced inertia of imbalances, pinion shafts and satellite gears, and its derivatives in q.
 
         I = sum m (y^2 + z^2)        B = sum m (y z' - z y')        G = sum m |r'|^2 + J16

@@ -6,6 +6,7 @@ The first input is a speed, the others are torques (contract.models.interface ch
 
 from .codes import BAD_HOLD, BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
 from .fields import OF_MOTION, OF_SUMS, STATE, SUMS
+from .records import Constants, Inputs, ShaftInputs, ShaftState, State
 
 MAX_SPEED = 1e5  # rad/s
 MAX_TORQUE = 1e7  # N m
@@ -17,7 +18,7 @@ MAX_INPUTS = (MAX_SPEED, MAX_TORQUE, MAX_TORQUE)  # Maximum magnitude of each in
 assert STATE[OF_MOTION : OF_MOTION + OF_SUMS] == SUMS
 
 
-def check_inputs(u):
+def check_inputs(u: Inputs | ShaftInputs) -> int:
     """Return OK if all inputs are finite and within their range, otherwise BAD_INPUT + number of the input.
 
     Args:
@@ -29,7 +30,7 @@ def check_inputs(u):
     return OK
 
 
-def check_step(u, h):
+def check_step(u: Inputs | ShaftInputs, h: float) -> int:
     """Return the status of a communication step: its length, its inputs, and inputs with a rate at its end.
 
     Args:
@@ -49,7 +50,7 @@ def check_step(u, h):
     return OK
 
 
-def check_hold(hold, x, speed, has_rate, h):
+def check_hold(hold: float, x: ShaftState | State, speed: float, has_rate: float, h: float) -> int:
     """Return BAD_HOLD if a linearly extrapolated speed exceeds its range in the step, otherwise OK.
 
     Args:
@@ -66,7 +67,9 @@ def check_hold(hold, x, speed, has_rate, h):
     return OK if extrapolated <= MAX_SPEED * x.length else BAD_HOLD
 
 
-def update_held_speed(hold, x, speed, has_rate, rate):
+def update_held_speed(
+    hold: float, x: ShaftState | State, speed: float, has_rate: float, rate: float
+) -> float:
     """Store the input speed for the next extrapolation and return its slope over the step, rad/s^2.
 
     The slope is the rate of the input if it is set, or the slope over the last step with linear hold, or 0.
@@ -87,7 +90,7 @@ def update_held_speed(hold, x, speed, has_rate, rate):
     return slope
 
 
-def mean_torque(torque, has_rate, rate, h):
+def mean_torque(torque: float, has_rate: float, rate: float, h: float) -> float:
     """Return the mean of an input torque over the step, N m.
 
     Args:
@@ -99,7 +102,7 @@ def mean_torque(torque, has_rate, rate, h):
     return torque + 0.5 * h * rate if has_rate != 0.0 else torque
 
 
-def read_inputs(d, u, x, h):
+def read_inputs(d: Constants, u: Inputs, x: State, h: float) -> float:
     """Copy the inputs of a communication step to the state and reset its sums.
 
     Args:
@@ -122,7 +125,7 @@ def read_inputs(d, u, x, h):
     return jump
 
 
-def reset_sums(x):
+def reset_sums(x: State) -> None:
     """Store the motion at the beginning of a step (or period) and set the sums over it to 0.
 
     Args:

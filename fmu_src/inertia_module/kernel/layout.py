@@ -5,10 +5,11 @@ Source: Karetin (2020), equation 2, with U5 U4 corrected to U3 cos(phi + psi); L
 
 import math
 
+from .records import Constants, Position
 from .sine import sine_cosine, sines_cosines
 
 
-def imbalance_position(d, q, azimuth):
+def imbalance_position(d: Constants, q: float, azimuth: float) -> Position:
     """Return the position of an imbalance of module 0 in the frame of link 1, and its derivatives in q.
 
     Args:
@@ -28,7 +29,9 @@ def imbalance_position(d, q, azimuth):
     return bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b)
 
 
-def bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b):
+def bevel_imbalance_position(
+    d: Constants, sin_a: float, cos_a: float, sin_b: float, cos_b: float
+) -> Position:
     """Return the position of a bevel imbalance and its derivatives in q from two angles.
 
     A is the angle of the satellite axis about the pinion shaft, B the angle of the imbalance about that axis:
@@ -69,14 +72,20 @@ def bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b):
     )
 
 
-def to_fixed_frame(theta1, x, y, z):
+def to_fixed_frame(theta1: float, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Rotate a vector of the frame of link 1 by ``theta1``, rad, about the central axis Ox."""
     sine = math.sin(theta1)
     cosine = math.cos(theta1)
     return x, y * cosine - z * sine, y * sine + z * cosine
 
 
-def imbalance_acceleration(position, omega1, alpha1, rate_q, rate2_q):
+def imbalance_acceleration(
+    position: Position,
+    omega1: float,
+    alpha1: float,
+    rate_q: float,
+    rate2_q: float,
+) -> tuple[float, float, float]:
     """Return the absolute acceleration of an imbalance in the frame of link 1, m/s^2.
 
         a = r'' q'^2 + r' q'' + 2 w x r' q' + alpha x r + w x (w x r)        w, alpha: of link 1, along Ox
@@ -99,7 +108,16 @@ def imbalance_acceleration(position, omega1, alpha1, rate_q, rate2_q):
     )
 
 
-def imbalance_motion(d, q, theta1, omega1, alpha1, rate_q, rate2_q, azimuth):
+def imbalance_motion(
+    d: Constants,
+    q: float,
+    theta1: float,
+    omega1: float,
+    alpha1: float,
+    rate_q: float,
+    rate2_q: float,
+    azimuth: float,
+) -> Position:
     """Return position, velocity and acceleration of an imbalance of module 0 in the fixed frame Oxyz.
 
     Args:

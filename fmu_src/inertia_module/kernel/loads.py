@@ -11,6 +11,7 @@ import math
 
 from .accumulate import TWO_PI
 from .layout import imbalance_acceleration, imbalance_motion, imbalance_position, to_fixed_frame
+from .records import Constants, Moment, Outputs, State
 
 MIDSTEP_SAMPLE_PHASE = 1.0  # rad of the highest harmonic; a longer internal step has samples inside
 MAX_FULL_SAMPLES = 64.0  # Samples of a communication step that are all evaluated
@@ -18,7 +19,7 @@ SAMPLE_DECIMATION = 5.0  # After these, one sample in SAMPLE_DECIMATION is evalu
 MAX_SATELLITE_TERMS = 3.0  # Satellites that represent any larger number in sums up to the second harmonic
 
 
-def squared_acceleration(d, moment):
+def squared_acceleration(d: Constants, moment: Moment) -> float:
     """Return |a|^2 of imbalance 0 of module 0 at a sample, (m/s^2)^2.
 
     Args:
@@ -32,7 +33,7 @@ def squared_acceleration(d, moment):
     return ax * ax + ay * ay + az * az
 
 
-def max_squared_acceleration(d, x):
+def max_squared_acceleration(d: Constants, x: State) -> float:
     """Return the maximum of |a|^2 of imbalance 0 over the samples of the step, (m/s^2)^2.
 
     Args:
@@ -45,7 +46,9 @@ def max_squared_acceleration(d, x):
     return maximum
 
 
-def include_load(d, x, q, omega1, omega2, alpha1, alpha2):
+def include_load(
+    d: Constants, x: State, q: float, omega1: float, omega2: float, alpha1: float, alpha2: float
+) -> None:
     """Include the instant before an event in the maximum of |a|^2, independently of the ring buffer.
 
     Args:
@@ -63,7 +66,9 @@ def include_load(d, x, q, omega1, omega2, alpha1, alpha2):
     x.largest_square = max(x.largest_square, ax * ax + ay * ay + az * az)
 
 
-def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
+def sample_load(
+    d: Constants, x: State, q: float, omega1: float, omega2: float, alpha1: float, alpha2: float
+) -> None:
     """Store a sample in the ring buffer; the maximum of |a|^2 keeps the sample that it replaces.
 
     Args:
@@ -91,7 +96,9 @@ def sample_load(d, x, q, omega1, omega2, alpha1, alpha2):
     moment.alpha2 = alpha2
 
 
-def gear_momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
+def gear_momentum_rate(
+    d: Constants, omega1: float, alpha1: float, rate_q: float, rate2_q: float, azimuth: float
+) -> tuple[float, float, float]:
     """Return the rate of the angular momentum of a satellite gear about its centre, N m (bevel layout).
 
         L = Jt v + h e      h = Ja s q' + (Ja - Jt) v e      v = omega1 x + q' z
@@ -125,7 +132,7 @@ def gear_momentum_rate(d, omega1, alpha1, rate_q, rate2_q, azimuth):
     )
 
 
-def write_loads(d, x, y, alpha2):
+def write_loads(d: Constants, x: State, y: Outputs, alpha2: float) -> None:
     """Write the motion of imbalance 0 of module 0, its bearing force, and the forces on the mounting.
 
     Vectors are in the fixed frame. Modules are evenly spaced around Ox, so two or more modules leave only

@@ -11,9 +11,10 @@ from .equations.losses import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
 from .equations.motion import potential_energy
 from .links import kinetic_energy
 from .loads import write_loads
+from .records import Constants, Outputs, State
 
 
-def has_energy_check(d):
+def has_energy_check(d: Constants) -> bool:
     """Return True if the energy balance of each step is checked.
 
     Averaged steps have a check of their own.
@@ -24,7 +25,7 @@ def has_energy_check(d):
     return d.fidelity >= RIGID
 
 
-def stored_energy(d, x):
+def stored_energy(d: Constants, x: State) -> float:
     """Return the stored energy, J: kinetic energy, weights and springs.
 
     Args:
@@ -45,7 +46,7 @@ def stored_energy(d, x):
     return stored
 
 
-def shaft_twist(d, x):
+def shaft_twist(d: Constants, x: State) -> float:
     """Return the twist of a shaft that is rigid: its torque over its stiffness, rad.
 
     Args:
@@ -57,7 +58,7 @@ def shaft_twist(d, x):
     return torque / d.shaft_stiffness
 
 
-def write_torques(d, x, y):
+def write_torques(d: Constants, x: State, y: Outputs) -> float:
     """Write the instantaneous torques and the acceleration of the output.
 
     Args:
@@ -80,7 +81,7 @@ def write_torques(d, x, y):
     return m.alpha2
 
 
-def write_step_means(d, x, y):
+def write_step_means(d: Constants, x: State, y: Outputs) -> None:
     """Write the means over the last step, impulses included.
 
     Args:
@@ -97,7 +98,7 @@ def write_step_means(d, x, y):
     y.loss_power_mean = x.step_lost / length
 
 
-def write_outputs(x, y):
+def write_outputs(x: State, y: Outputs) -> None:
     """Write the outputs and local variables that are copies of fields of the state.
 
     Args:
@@ -135,7 +136,7 @@ def write_outputs(x, y):
     y.energy_lost_windage = x.lost[WINDAGE]
 
 
-def write_late_outputs(d, x, y):
+def write_late_outputs(d: Constants, x: State, y: Outputs) -> None:
     """Write the late outputs and local variables: torques, energy balance, reaction forces.
 
     Args:

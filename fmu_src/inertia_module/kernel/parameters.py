@@ -10,6 +10,7 @@ from . import codes
 from .accumulate import TWO_PI, TWO_PI_LOW
 from .equations.losses import add_loss_bounds, general_loss_coefficient
 from .links import slowest_rate
+from .records import Constants, Parameters
 
 TWO_PI_HI = 6.283185303211212  # Leading 30 bits of 2 pi: its product with an integer below 2**23 is exact
 STEP_TOLERANCE_FACTOR = 0.1  # Tolerance of an internal step over the parameter tolerance
@@ -20,7 +21,7 @@ RIGID_RATE = 1e6  # rad/s, own rate above which a shaft is rigid: far above the 
 UNLIMITED_STEP = 1e300  # s
 
 
-def greatest_common_divisor(m, n):
+def greatest_common_divisor(m: float, n: float) -> float:
     """Return the greatest common divisor by Euclid's algorithm.
 
     Args:
@@ -34,7 +35,7 @@ def greatest_common_divisor(m, n):
     return m
 
 
-def derive_period(turns, d):
+def derive_period(turns: float, d: Constants) -> None:
     """Set the period of the motion in q, in two doubles.
 
     Args:
@@ -48,7 +49,7 @@ def derive_period(turns, d):
     d.period_turns = turns
 
 
-def derive_bevel(d):
+def derive_bevel(d: Constants) -> None:
     """Set ratios, lengths, period and bounds of the bevel layout from teeth, shaft angle and a, b, c.
 
     Args:
@@ -90,7 +91,7 @@ def derive_bevel(d):
         d.harmonic = 2.0 + 2.0 * d.s
 
 
-def derive_planar(d):
+def derive_planar(d: Constants) -> None:
     """Set ratios, lengths, period and bounds of the planar layout.
 
     Link 1 is the carrier, link 2 the sun gear on which the satellites roll.
@@ -112,7 +113,7 @@ def derive_planar(d):
     d.F_by_alpha1 = d.k * arm * arm + arm * (arm + centre)
 
 
-def derive_inertias(d):
+def derive_inertias(d: Constants) -> None:
     """Set masses, inertias and viscous friction under their symbols of docs/mechanics.md.
 
     Args:
@@ -131,7 +132,7 @@ def derive_inertias(d):
     d.b3 = d.output_friction if d.fidelity != codes.KINEMATIC else 0.0
 
 
-def derive_shaft(d):
+def derive_shaft(d: Constants) -> None:
     """Decide whether an elastic shaft is integrated or rigid, and set whether there is viscous friction.
 
     The shaft is rigid if its slowest natural frequency with a locked hub exceeds RIGID_RATE. Pulses with
@@ -151,7 +152,7 @@ def derive_shaft(d):
     d.viscous = 1.0 if d.b1 + d.bq + d.b2 + d.b3 > 0.0 else 0.0
 
 
-def derive_freewheels(d):
+def derive_freewheels(d: Constants) -> None:
     """Set the parameters of absent freewheels and of absent springs to 0.
 
     Args:
@@ -176,7 +177,7 @@ def derive_freewheels(d):
     d.turning = 1.0 if d.plays + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
 
 
-def derive_losses(d):
+def derive_losses(d: Constants) -> None:
     """Set loss coefficients and weight, and the flags that select the general equations of motion.
 
     Args:
@@ -199,7 +200,7 @@ def derive_losses(d):
         d.weight = 0.0
 
 
-def add_gear_inertia(d):
+def add_gear_inertia(d: Constants) -> None:
     """Add the rotation of the satellite gears to J1, J16, I, B and the bounds of |F| (docs/mechanics.md).
 
     The part of their kinetic energy that is the same at every angle becomes part of J1 and J16. The part that
@@ -237,7 +238,7 @@ def add_gear_inertia(d):
     d.F_by_alpha1 += d.k * (abs(d.body_b) + (1.0 + d.k) * own)
 
 
-def min_inertia_ratio(d):
+def min_inertia_ratio(d: Constants) -> float:
     """Return the minimum over the maximum of the inertia J2 + k^2 G at link 2, in a period.
 
     G is minimal where B = 0. There |r'| is pole_offset, which is 0 if a = b (docs/mechanics.md).
@@ -256,7 +257,7 @@ def min_inertia_ratio(d):
     return (fixed + moving * offset * offset) / maximum if maximum > 0.0 else 0.0
 
 
-def derive_bounds(d):
+def derive_bounds(d: Constants) -> None:
     """Set bounds of the mesh torque |F| and the minimum inertia ratio.
 
     |F| <= F_by_slip slip^2 + F_by_speed omega1^2 + F_by_alpha1 |alpha1|, with slip = omega1 - omega2.
@@ -275,7 +276,7 @@ def derive_bounds(d):
         d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
 
 
-def derive_constants(p, d):
+def derive_constants(p: Parameters, d: Constants) -> None:
     """Fill d from p.
 
     Args:

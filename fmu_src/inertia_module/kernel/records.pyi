@@ -2,6 +2,8 @@
 from typing import Generic, TypeVar
 
 _Record = TypeVar("_Record")
+Position = tuple[float, float, float, float, float, float, float, float, float]
+ReducedInertia = tuple[float, float, float, float, float, float]
 
 class Doubles:
     def __len__(self) -> int: ...

@@ -17,7 +17,7 @@ ROUND_TO_INTEGER = 6755399441055744.0  # Adding and subtracting it rounds to a w
 MAX_ANGLE = 1e6  # rad; beyond it the multiples of the parts are not exact, and the library is used
 
 
-def fast_sine_cosine(x):
+def fast_sine_cosine(x: float) -> tuple[float, float]:
     """Return (sin x, cos x) for |x| < MAX_ANGLE, x in rad."""
     quadrant = (x * QUADRANTS_PER_RAD + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
     r = ((x - quadrant * HALF_PI_1) - quadrant * HALF_PI_2) - quadrant * HALF_PI_3
@@ -43,14 +43,14 @@ def fast_sine_cosine(x):
     return -first if turn & 2 else first, -second if (turn + 1) & 2 else second
 
 
-def sine_cosine(x):
+def sine_cosine(x: float) -> tuple[float, float]:
     """Return (sin x, cos x), x in rad."""
     if not abs(x) < MAX_ANGLE:
         return math.sin(x), math.cos(x)
     return fast_sine_cosine(x)
 
 
-def sines_cosines(x, y):
+def sines_cosines(x: float, y: float) -> tuple[float, float, float, float]:
     """Return (sin x, sin y, cos x, cos y), x and y in rad, which a processor computes in parallel."""
     if not (abs(x) < MAX_ANGLE and abs(y) < MAX_ANGLE):
         return math.sin(x), math.sin(y), math.cos(x), math.cos(y)

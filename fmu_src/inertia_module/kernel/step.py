@@ -20,6 +20,7 @@ from .inputs import check_hold, check_inputs, check_step, read_inputs
 from .links import fastest_own_rate
 from .outputs import has_energy_check, shaft_twist, stored_energy, write_late_outputs, write_outputs
 from .parameters import derive_constants
+from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 
 # share of the tolerance that a step is tried again with whose energies do not balance
 MORE_CARE = 1e-3
@@ -40,14 +41,14 @@ INSTANT = 1e-8
 SAME_SPEED = 1e-14
 
 
-def check(p, d, u):
+def check(p: Parameters, d: Constants, u: Inputs) -> int:
     """Derive the constants and check parameters and inputs. Returns a status."""
     derive_constants(p, d)
     status = check_parameters(d)
     return check_inputs(u) if status == codes.OK else status
 
 
-def restore(p, d, u, w):
+def restore(p: Parameters, d: Constants, u: Inputs, w: Workspace) -> int:
     """Check as check does; a map that a rejected change of parameters has cost is built again."""
     status = check(p, d, u)
     if status == codes.OK and d.fidelity == codes.AVERAGED and d.map_ready < 0.0:
@@ -55,7 +56,7 @@ def restore(p, d, u, w):
     return status
 
 
-def start(p, d, u, x, y, w):
+def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace) -> int:
     """Derive the constants and set state and outputs at the end of initialisation. Returns a status."""
     status = check(p, d, u)
     if status != codes.OK:
@@ -90,7 +91,7 @@ def start(p, d, u, x, y, w):
     return codes.OK
 
 
-def tune(p, d, x, w):
+def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
     """Derive the constants anew from parameters that have changed between steps. Returns a status.
 
     What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
@@ -106,7 +107,9 @@ def tune(p, d, x, w):
     return status
 
 
-def start_steady(p, d, u, x, y, w, length):
+def start_steady(
+    p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, length: float
+) -> int:
     """Start the module in its periodic orbit with the output held at its starting speed.
 
     Sums and means are of one period.
@@ -141,7 +144,7 @@ def start_steady(p, d, u, x, y, w, length):
     return codes.OK
 
 
-def is_instant(d, x, h):
+def is_instant(d: Constants, x: State, h: float) -> bool:
     """Return True if the impulses of the step are the torques at its end times its length.
 
     A host whose time is rounded leaves steps of 1e-17 s, in which changes of momenta are rounding. These
@@ -158,7 +161,7 @@ def is_instant(d, x, h):
     return missing <= SAME_SPEED * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
 
 
-def pass_mesh(d, x, output):
+def pass_mesh(d: Constants, x: State, output: float) -> None:
     """Impulse that the mesh has passed to link 2, by its momentum: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
     x.mesh_impulse = output - x.housing_impulse
     if d.fidelity != codes.AVERAGED:  # there what it gains is the pulses'
@@ -169,7 +172,7 @@ def pass_mesh(d, x, output):
         x.mesh_impulse += d.b2 * (turned1 - turned / d.k)
 
 
-def end(d, x, h, jump, input_jump, output_jump):
+def end(d: Constants, x: State, h: float, jump: float, input_jump: float, output_jump: float) -> None:
     """Write means over the step, all impulses included, or the torques at the end of a very short step."""
     pass_mesh(d, x, output_jump + x.output_impulse)
     if jump == 0.0 and is_instant(d, x, h):
@@ -186,7 +189,7 @@ def end(d, x, h, jump, input_jump, output_jump):
     x.evaluations += x.step_evaluations
 
 
-def is_finite(x):
+def is_finite(x: State) -> bool:
     """Tell whether the motion, its energies and its means are: all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
@@ -195,7 +198,7 @@ def is_finite(x):
     return (motion + shaft) + (energies + means) < 1e300
 
 
-def advance(d, u, x, y, w, h, operation):
+def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: float, operation: int) -> int:
     """Advance by the communication step h, s, or to the first switch in it (operation STEP_UNTIL_EVENT).
 
     A status other than OK leaves state and outputs as they were.
@@ -225,7 +228,7 @@ def advance(d, u, x, y, w, h, operation):
     return codes.OK
 
 
-def audit(d, x, before, stored, tolerance):
+def audit(d: Constants, x: State, before: State, stored: float, tolerance: float) -> int:
     """Tell whether the energies of the step balance: OK or NOT_BALANCED.
 
     Args:
@@ -246,7 +249,7 @@ def audit(d, x, before, stored, tolerance):
     return codes.OK if abs(missing) <= allowed + NOTHING else codes.NOT_BALANCED
 
 
-def apply_jump(d, u, x, h, jump):
+def apply_jump(d: Constants, u: Inputs, x: State, h: float, jump: float) -> tuple[float, float]:
     """Apply a jump of the speed of link 1, or of a prescribed ratio. Returns impulses of M1 and Tc, N m s."""
     if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
@@ -257,7 +260,7 @@ def apply_jump(d, u, x, h, jump):
     return jump_averaged(d, x, jump), 0.0
 
 
-def run(d, u, x, w, h):
+def run(d: Constants, u: Inputs, x: State, w: Workspace, h: float) -> int:
     """Advance the state by h under the inputs, and look at its energies. Returns a status."""
     switch_now(d, x)
     jump = read_inputs(d, u, x, h)

@@ -14,13 +14,16 @@ Sources: E. Hairer, S. P. Norsett, G. Wanner: Solving Ordinary Differential Equa
 table 5.2 and code DOP853; J. R. Dormand, P. J. Prince (1980), J. Comput. Appl. Math. 6, 19.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+
+from .records import Doubles
 
 # Relative tolerance of the checks of a tableau
 CHECK_RTOL = 1e-14
 
 
-def check_sum(name, terms, value):
+def check_sum(name: str, terms: Iterable[float], value: float) -> None:
     """Raise ValueError unless the terms add up to the value, up to round-off.
 
     Args:
@@ -28,9 +31,9 @@ def check_sum(name, terms, value):
         terms: Numbers to add.
         value: Expected sum.
     """
-    terms = list(terms)
-    difference = sum(terms) - value
-    if abs(difference) > CHECK_RTOL * (1.0 + sum(map(abs, terms))):
+    numbers = list(terms)
+    difference = sum(numbers) - value
+    if abs(difference) > CHECK_RTOL * (1.0 + sum(map(abs, numbers))):
         raise ValueError(f"{name} must be {value} (got {value + difference})")
 
 
@@ -51,12 +54,12 @@ class Tableau:
     name: str
     order: int
     last_stage: int
-    A: tuple
-    C: tuple
-    E: dict = field(default_factory=dict)
-    D: tuple = ()
+    A: tuple[tuple[float, ...], ...]
+    C: tuple[float, ...]
+    E: dict[int, tuple[float, ...]] = field(default_factory=dict)
+    D: tuple[tuple[float, ...], ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Check row sums, quadrature conditions of b and E, and sums of D."""
         for i, row in enumerate(self.A):
             check_sum(f"{self.name}: sum of row {i} of A", row, self.C[i])
@@ -200,7 +203,7 @@ for power in range(2 * N_GAUSS_NODES):
     )
 
 
-def stage_order_range(pair):
+def stage_order_range(pair: int) -> tuple[int, int]:
     """Return the place of a pair in STAGES_BY_TIME.
 
     Args:
@@ -214,7 +217,7 @@ def stage_order_range(pair):
     return N_DOP853_BY_TIME, N_DOPRI5_BY_TIME
 
 
-def last_stage(pair):
+def last_stage(pair: int) -> int:
     """Return the number of the stage at the end of the step.
 
     Args:
@@ -223,7 +226,7 @@ def last_stage(pair):
     return DOP853_LAST_STAGE if pair == DOP853_ROW else DOPRI5_LAST_STAGE
 
 
-def parabola_extremum(t0, t1, t2, y0, y1, y2, end):
+def parabola_extremum(t0: float, t1: float, t2: float, y0: float, y1: float, y2: float, end: float) -> float:
     """Return the extremum of the parabola through three points, or y1 if it is not between them.
 
     Args:
@@ -245,7 +248,7 @@ def parabola_extremum(t0, t1, t2, y0, y1, y2, end):
     return y0 + (time - t0) * (slope + curve * (time - t1))
 
 
-def weighted_sum(row, count, values):
+def weighted_sum(row: int, count: int, values: Doubles) -> float:
     """Return the weighted sum of values at the stages.
 
     Args:
@@ -259,7 +262,7 @@ def weighted_sum(row, count, values):
     return total
 
 
-def fit_dense_output(h, rates, dense):
+def fit_dense_output(h: float, rates: Doubles, dense: Doubles) -> None:
     """Write the coefficients of the dense output of DOP853 for one quantity.
 
     Args:
@@ -275,7 +278,7 @@ def fit_dense_output(h, rates, dense):
         dense[3 + n] = h * weighted_sum(DOP853_D_ROW + n, N_STAGES, rates)
 
 
-def dense_change(dense, sigma):
+def dense_change(dense: Doubles, sigma: float) -> float:
     """Return the change of a quantity since the beginning of the step, by dense output of order 7.
 
     Args:
@@ -291,7 +294,7 @@ def dense_change(dense, sigma):
     return (dense[0] + y) * sigma
 
 
-def dense_rate(dense, sigma):
+def dense_rate(dense: Doubles, sigma: float) -> float:
     """Return the derivative of dense_change with respect to sigma.
 
     Args:
@@ -312,7 +315,7 @@ def dense_rate(dense, sigma):
     return slope * sigma + dense[0] + y * rest
 
 
-def write_dense_weights(sigma, weights):
+def write_dense_weights(sigma: float, weights: Doubles) -> None:
     """Write the weights of the stages in the dense output: change = h sum_i weights_i k_i.
 
     Args:

@@ -174,5 +174,5 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
     module.check(**{**parameters, "fidelity": 2.0})
     turns = int(module.derived.period_turns)
     angles = np.linspace(0.0, 2.0 * math.pi * turns, 180 * turns, endpoint=False)
-    values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
+    values = [inertia_at_input(module.derived, float(q)) for q in angles]  # type: ignore[no-untyped-call]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))

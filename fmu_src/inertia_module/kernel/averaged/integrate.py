@@ -13,6 +13,7 @@ import math
 
 from ..accumulate import clear, wrap_drive_angle, wrap_input_angle
 from ..codes import OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from ..records import Constants, Doubles, Side, State, Workspace
 from .mean_motion import (
     COASTING,
     LOCKED,
@@ -46,7 +47,7 @@ MAX_CORRECTION = 1e-3
 OMEGA1, OMEGA3 = 0, 1
 
 
-def differentiate(d, side, x, w, regime, h):
+def differentiate(d: Constants, side: Side, x: State, w: Workspace, regime: int, h: float) -> None:
     """Write the derivatives of all rates by omega1 and omega3 at the beginning of a step, by differences.
 
     Args:
@@ -70,7 +71,7 @@ def differentiate(d, side, x, w, regime, h):
         by3[n] = (by3[n] - start[n]) / change3
 
 
-def solve_stage(w, h, k):
+def solve_stage(w: Workspace, h: float, k: Doubles) -> None:
     """Solve (1 - gamma h J) k = r for all that is integrated; r is in k.
 
     Args:
@@ -89,7 +90,7 @@ def solve_stage(w, h, k):
         k[n] += c * (by1[n] * k1 + by3[n] * k3)
 
 
-def make_step(d, side, x, w, regime, h):
+def make_step(d: Constants, side: Side, x: State, w: Workspace, regime: int, h: float) -> None:
     """Make a step from w.means[0] and the derivatives: changes in w.mean_change, stages in w.mean_stages.
 
     Args:
@@ -119,7 +120,7 @@ def make_step(d, side, x, w, regime, h):
         change[OMEGA3] = change[OMEGA1]
 
 
-def step_error(x, w, tolerance):
+def step_error(x: State, w: Workspace, tolerance: float) -> float:
     """Return the embedded error of both speeds over the tolerance times the largest speed."""
     first, second = w.mean_stages[0], w.mean_stages[1]
     omega1, omega3 = x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3
@@ -128,12 +129,12 @@ def step_error(x, w, tolerance):
     return 0.5 * w.mean_length * max(abs(error1), abs(error3)) / (tolerance * fastest + 1e-300)
 
 
-def beyond_step(d, side, x, w, regime):
+def beyond_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> float:
     """Return the event indicator of the regime at the end of the step in hand."""
     return beyond_regime(d, side, x, regime, x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3)
 
 
-def end_at_event(d, side, x, w, regime, beyond):
+def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, beyond: float) -> None:
     """Shorten the step in hand to the end of the regime by the Illinois method; it ends just beyond.
 
     Args:
@@ -171,7 +172,9 @@ def end_at_event(d, side, x, w, regime, beyond):
     make_step(d, side, x, w, regime, high)
 
 
-def advance_regime(d, side, x, w, regime, limit):
+def advance_regime(
+    d: Constants, side: Side, x: State, w: Workspace, regime: int, limit: float
+) -> tuple[bool, bool]:
     """Make one step within the tolerance, or its part up to the end of the regime.
 
     Args:
@@ -212,7 +215,7 @@ def advance_regime(d, side, x, w, regime, limit):
     return False, False
 
 
-def energy_gained(d, side, x, omega1, omega3):
+def energy_gained(d: Constants, side: Side, x: State, omega1: float, omega3: float) -> float:
     """Return the kinetic energy, J, that a step to these speeds adds to the mechanism and the output shaft.
 
     Args:
@@ -227,7 +230,9 @@ def energy_gained(d, side, x, omega1, omega3):
     return gained + 0.5 * d.J3 * (omega3 - x.omega3) * (x.omega3 + omega3)
 
 
-def balanced_speed(d, side, x, regime, omega1, omega3, gain):
+def balanced_speed(
+    d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float, gain: float
+) -> float:
     """Return the input speed, rad/s, at which a step by torque has gained the energy: one Newton iteration.
 
     Args:
@@ -248,7 +253,7 @@ def balanced_speed(d, side, x, regime, omega1, omega3, gain):
     return omega1 + correction if abs(correction) < MAX_CORRECTION * abs(omega1) else omega1
 
 
-def take_step(d, side, x, w, regime):
+def take_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> None:
     """Add the step in hand to the state and its sums; energies balance.
 
     By speed the balance gives the input work, by torque a small correction of the input speed.
@@ -287,7 +292,7 @@ def take_step(d, side, x, w, regime):
     x.housing_impulse += change.output + d.b2 * change.theta2 - change.mesh
 
 
-def meet_limits(side, x, regime, ends):
+def meet_limits(side: Side, x: State, regime: int, ends: bool) -> None:
     """Set speeds at the end of a regime exactly to its limit.
 
     Args:
@@ -307,7 +312,7 @@ def meet_limits(side, x, regime, ends):
         x.omega3 = limit
 
 
-def run_averaged(d, x, w, h):
+def run_averaged(d: Constants, x: State, w: Workspace, h: float) -> int:
     """Advance the mean motion by a communication step.
 
     Args:

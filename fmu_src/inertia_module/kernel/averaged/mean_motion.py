@@ -11,6 +11,7 @@ locked to link 1, coasts beyond the last ratio of the map, or slips under the me
 from ..accumulate import clear, total
 from ..codes import DRIVING, FREE, HELD_DRIVING
 from ..equations.losses import FREEWHEEL, VISCOUS
+from ..records import Constants, Mean, Outputs, Side, State, Steady
 from .torque_map import look_up, look_up_pulses
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
@@ -22,30 +23,30 @@ DIFFERENCE = 1e-6
 ENDLESS = 1e30
 
 
-def side_of(d, omega1, trend):
+def side_of(d: Constants, omega1: float, trend: float) -> Side:
     """Return the map for the sign of omega1, at rest for the sign of its trend."""
     direction = omega1 if omega1 != 0.0 else trend
     return d.forward if direction >= 0.0 else d.backward
 
 
-def side_now(d, x):
+def side_now(d: Constants, x: State) -> Side:
     """Return the map for the present state."""
     return side_of(d, x.omega1, x.drive_torque if d.by_torque != 0.0 else x.alpha1)
 
 
-def speed_ratio(omega3, speed):
+def speed_ratio(omega3: float, speed: float) -> float:
     """Return omega3 / |omega1|; where link 1 rests, 0 or beyond any map."""
     if omega3 <= 0.0:
         return 0.0
     return omega3 / speed if omega3 < ENDLESS * speed else ENDLESS
 
 
-def reaches_link1(side):
+def reaches_link1(side: Side) -> bool:
     """Return True if link 2 turns with link 1 at the last ratio."""
     return side.end == 1.0 and side.direction > 0.0
 
 
-def free_torque(d, side, torque):
+def free_torque(d: Constants, side: Side, torque: float) -> float:
     """Return the torque on an output shaft that overruns at the last ratio, N m.
 
     Args:
@@ -56,7 +57,7 @@ def free_torque(d, side, torque):
     return 0.0 - d.output_drag if reaches_link1(side) else min(torque, 0.0)
 
 
-def write_locked_losses(d, speed, steady):
+def write_locked_losses(d: Constants, speed: float, steady: Steady) -> None:
     """Write the losses while link 2 turns with link 1: its friction and the drag of the housing freewheel.
 
     Args:
@@ -71,7 +72,7 @@ def write_locked_losses(d, speed, steady):
     steady.omega2 = speed
 
 
-def write_steady(d, side, regime, speed, s):
+def write_steady(d: Constants, side: Side, regime: int, speed: float, s: float) -> None:
     """Write the steady means of a regime at an input speed and a speed ratio into d.steady.
 
     Args:
@@ -89,7 +90,9 @@ def write_steady(d, side, regime, speed, s):
         d.steady.slope = 0.0
 
 
-def write_mean_rates(d, side, x, regime, omega1, omega3, m):
+def write_mean_rates(
+    d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float, m: Mean
+) -> None:
     """Write rates and torques of the mean motion in a regime.
 
     Args:
@@ -146,7 +149,7 @@ def write_mean_rates(d, side, x, regime, omega1, omega3, m):
         m.lost[FREEWHEEL] -= torque * (omega3 - side.end * forward)
 
 
-def most_locked_torque(d, side, x, speed):
+def most_locked_torque(d: Constants, side: Side, x: State, speed: float) -> float:
     """Return the largest torque, N m, that a shaft locked to link 1 can take from it.
 
     The ideal mechanism without the resistance of link 2; at least the mean torque towards ratio 1.
@@ -165,7 +168,7 @@ def most_locked_torque(d, side, x, speed):
     return max(held, d.steady.torque)
 
 
-def torque_at_rest(d, side, x, speed):
+def torque_at_rest(d: Constants, side: Side, x: State, speed: float) -> float:
     """Return the mean torque that drives a resting shaft against its load, N m; it rests at 0 and below.
 
     Args:
@@ -179,7 +182,7 @@ def torque_at_rest(d, side, x, speed):
     return d.steady.torque - x.load_torque
 
 
-def beyond_regime(d, side, x, regime, omega1, omega3):
+def beyond_regime(d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float) -> float:
     """Return a number that is positive where speeds are beyond a regime: its event indicator.
 
     Args:
@@ -205,12 +208,12 @@ def beyond_regime(d, side, x, regime, omega1, omega3):
     return max(stopped, excess, -torque - d.output_drag)
 
 
-def can_lock(side, x):
+def can_lock(side: Side, x: State) -> bool:
     """Return True if the output shaft turns with link 1 and may be locked to it."""
     return reaches_link1(side) and x.omega1 > 0.0 and x.omega3 == x.omega1
 
 
-def choose_regime(d, side, x):
+def choose_regime(d: Constants, side: Side, x: State) -> int:
     """Return the regime from now on: by the speeds, and where two meet by the torques and accelerations.
 
     Args:
@@ -235,7 +238,7 @@ def choose_regime(d, side, x):
     return COASTING if gap > 0.0 else SLIPPING
 
 
-def set_regime(d, side, x):
+def set_regime(d: Constants, side: Side, x: State) -> int:
     """Choose the regime and set the contact mode that stands for it; another mode counts as a switch."""
     regime = choose_regime(d, side, x)
     mode = MODES[regime]
@@ -245,7 +248,7 @@ def set_regime(d, side, x):
     return regime
 
 
-def energy_of_mechanism(d, side, x, omega1, omega3):
+def energy_of_mechanism(d: Constants, side: Side, x: State, omega1: float, omega3: float) -> float:
     """Return the mean kinetic energy of links 1 and 2 and the imbalances, J.
 
     Args:
@@ -260,13 +263,13 @@ def energy_of_mechanism(d, side, x, omega1, omega3):
     return 0.5 * speed * speed * (d.J1 + d.steady.inertia)
 
 
-def averaged_energy(d, x):
+def averaged_energy(d: Constants, x: State) -> float:
     """Return the mean kinetic energy of the mechanism and the output shaft, J."""
     links = energy_of_mechanism(d, side_now(d, x), x, x.omega1, x.omega3)
     return links + 0.5 * d.J3 * x.omega3 * x.omega3
 
 
-def takes_up_jump(d, x, jump, h):
+def takes_up_jump(d: Constants, x: State, jump: float, h: float) -> bool:
     """Return True if a shaft locked to link 1 can follow a jump of omega1 as a ramp over the step h, s."""
     if not (can_lock(d.forward, x) and min(x.omega1, x.omega1 + x.alpha1 * h + jump) > 0.0):
         return False
@@ -278,7 +281,7 @@ def takes_up_jump(d, x, jump, h):
     return locked
 
 
-def jump_averaged(d, x, jump):
+def jump_averaged(d: Constants, x: State, jump: float) -> float:
     """Apply a jump of omega1: the output shaft keeps its speed, the mechanism takes up its mean energy.
 
     Args:
@@ -300,7 +303,7 @@ def jump_averaged(d, x, jump):
     return impulse - (2.0 * before / start if start != 0.0 else 0.0)
 
 
-def end_step(d, x):
+def end_step(d: Constants, x: State) -> None:
     """Set the mean speed of link 2, and by torque the acceleration of link 1, at the end of a step."""
     side = side_now(d, x)
     regime = set_regime(d, side, x)
@@ -310,7 +313,7 @@ def end_step(d, x):
         x.alpha1 = d.mean.omega1
 
 
-def write_averaged(d, x, y):
+def write_averaged(d: Constants, x: State, y: Outputs) -> float:
     """Write mean torques, ripple and peak at the present speeds. Returns the mean acceleration of link 2.
 
     The mesh transmits its share of the mean output torque, the housing supports the rest.

@@ -17,6 +17,7 @@ from ..events.advance import advance_general
 from ..inertia import reduced_inertia
 from ..inputs import reset_sums
 from ..links import energy_of_links, kinetic_energy
+from ..records import Constants, State, Workspace
 
 # inertia of the output shaft over the inertia of the mechanism
 HELD_INERTIA_RATIO = 1e12
@@ -48,20 +49,20 @@ HEAD_START = 0.5
 INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED, FLIGHT_SLIP = 0, 1, 2, 3, 4
 
 
-def hold_output(d):
+def hold_output(d: Constants) -> None:
     """Set constants in which no torque changes the speed of the output shaft."""
     d.J3 = HELD_INERTIA_RATIO * (d.J2 + d.F_by_alpha1)
     d.max_step = NO_LIMIT
 
 
-def period_length(d):
+def period_length(d: Constants) -> float:
     """Return the angle of the pinion shaft, rad, after which the reduced inertia repeats."""
     # with three or more satellites it depends only on the angle of the satellite
     length = TWO_PI / d.s if d.satellites > 2.0 and d.planar == 0.0 else d.period
     return min(length, TWO_PI * MAX_REVOLUTIONS)
 
 
-def quantity(d, kind, direction, momentum, q):
+def quantity(d: Constants, kind: int, direction: float, momentum: float, q: float) -> float:
     """Return a quantity (INERTIA to FLIGHT_SLIP) at the angle q, input speed 1.
 
     In free flight from rest at constant input speed Jacobi's integral holds:
@@ -88,7 +89,7 @@ def quantity(d, kind, direction, momentum, q):
     return direction * (1.0 - math.sqrt(max(square, 0.0)))
 
 
-def maximum(d, kind, direction, momentum):
+def maximum(d: Constants, kind: int, direction: float, momentum: float) -> tuple[float, float]:
     """Find the maximum of a quantity over the period by samples and the parabola through the highest three.
 
     Args:
@@ -119,7 +120,7 @@ def maximum(d, kind, direction, momentum):
     return best_q, best
 
 
-def release_angle(d, direction):
+def release_angle(d: Constants, direction: float) -> float:
     """Return the angle of the pinion shaft, rad, where link 2 is still at rest in each period.
 
     The strongest pulse releases link 2 where the momentum of links 1 and 2 is largest.
@@ -127,12 +128,12 @@ def release_angle(d, direction):
     return maximum(d, MOMENTUM, direction, 0.0)[0] - direction * HEAD_START / d.harmonic
 
 
-def angle_travelled(x):
+def angle_travelled(x: State) -> float:
     """Return the angle of the pinion shaft since the sums of the state began, rad."""
     return x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
 
 
-def energy_midway(d, before, after, time):
+def energy_midway(d: Constants, before: State, after: State, time: float) -> float:
     """Return the kinetic energy of links 1 and 2, J, at the middle of a step by cubic Hermite interpolation.
 
     Args:
@@ -149,7 +150,7 @@ def energy_midway(d, before, after, time):
     return energy_of_links(d, i, b, g, omega1, omega1 - slip)
 
 
-def follow_period(d, x, w, length):
+def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
     """Follow the motion over an angle of the pinion shaft; the mean energy is left in w.orbit_energy.
 
     A step beyond the end is repeated with the share of its time that a constant slip needs.
@@ -202,7 +203,7 @@ def follow_period(d, x, w, length):
     return -1.0
 
 
-def begin_period(d, x, w, omega1, omega2, omega3):
+def begin_period(d: Constants, x: State, w: Workspace, omega1: float, omega2: float, omega3: float) -> None:
     """Set the state at the beginning of a period; what is left of the engagement angles stays.
 
     Args:
@@ -228,12 +229,12 @@ def begin_period(d, x, w, omega1, omega2, omega3):
     reset_sums(x)
 
 
-def input_angle(x):
+def input_angle(x: State) -> float:
     """Return the angle of link 1 since the sums of the state began, rad."""
     return x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
 
 
-def find_orbit(d, x, w, omega1, ratio, length):
+def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float, length: float) -> float:
     """Find the periodic orbit at a mean input speed and a ratio; the state ends with the sums of a period.
 
     The fixed point of the return map is bracketed. Its ends are the first two guesses after a period from

@@ -20,6 +20,7 @@ from ..accumulate import clear, total
 from ..codes import NO_CYCLIC_STEADY_STATE, OK
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH, VISCOUS
 from ..parameters import derive_constants
+from ..records import Column, Constants, Parameters, Side, State, Steady, Workspace
 from .periodic_orbit import (
     FLIGHT_SLIP,
     FLIGHT_SPEED,
@@ -70,13 +71,13 @@ REST_SPEED_RATIO = 1e-6
 MIN_INPUT_INERTIA_RATIO = 5.0
 
 
-def is_light_input(d):
+def is_light_input(d: Constants) -> bool:
     """Return True if link 1, driven by torque, is too light beside the imbalances for a mean motion."""
     largest = maximum(d, INERTIA, 1.0, 0.0)[1]
     return d.by_torque != 0.0 and d.J1 < MIN_INPUT_INERTIA_RATIO * largest
 
 
-def cubic_weights(z):
+def cubic_weights(z: float) -> tuple[int, tuple[float, float, float, float]]:
     """Return the first of CUBIC slownesses around z and the Lagrange weights of their values."""
     n = 0
     for m in range(1, len(SLOWNESS) - CUBIC + 1):
@@ -92,7 +93,7 @@ def cubic_weights(z):
     )
 
 
-def inner_slope(left, right, s0, s1):
+def inner_slope(left: float, right: float, s0: float, s1: float) -> float:
     """Return the slope at a point by the secants to its neighbours: their weighted harmonic mean.
 
     Args:
@@ -107,7 +108,7 @@ def inner_slope(left, right, s0, s1):
     return (w0 + w1) * s0 * s1 / (w0 * s1 + w1 * s0)
 
 
-def end_slope(near, far, s0, s1):
+def end_slope(near: float, far: float, s0: float, s1: float) -> float:
     """Return the slope at the first or last point by the next two secants, shape-preserving.
 
     Args:
@@ -122,7 +123,7 @@ def end_slope(near, far, s0, s1):
     return 3.0 * s0 if s0 * s1 < 0.0 and abs(slope) > 3.0 * abs(s0) else slope
 
 
-def pchip(side, n, s, a, b, c, e):
+def pchip(side: Side, n: int, s: float, a: float, b: float, c: float, e: float) -> tuple[float, float]:
     """Interpolate a curve of the map between points n and n + 1 of RATIOS.
 
     Args:
@@ -150,7 +151,7 @@ def pchip(side, n, s, a, b, c, e):
     return b + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
-def interval(side, s):
+def interval(side: Side, s: float) -> int:
     """Return the number of the interval of the map that contains the ratio s."""
     n = 0
     while n < len(RATIOS) - 2 and s >= side.end * RATIOS[n + 1]:
@@ -158,7 +159,7 @@ def interval(side, s):
     return n
 
 
-def curve(side, n, s, place):
+def curve(side: Side, n: int, s: float, place: int) -> tuple[float, float]:
     """Return value and slope at ratio s, in interval n, of a number of each column.
 
     Args:
@@ -173,7 +174,9 @@ def curve(side, n, s, place):
     return pchip(side, n, s, a, b, c, e)
 
 
-def surface(side, n, s, first, weights, place):
+def surface(
+    side: Side, n: int, s: float, first: int, weights: tuple[float, float, float, float], place: int
+) -> float:
     """Return the value at ratio s and a slowness of numbers that each column has for all slownesses.
 
     Args:
@@ -204,7 +207,7 @@ def surface(side, n, s, first, weights, place):
     return value
 
 
-def look_up(d, side, speed, ratio, means):
+def look_up(d: Constants, side: Side, speed: float, ratio: float, means: Steady) -> None:
     """Write the means of the steady motion at an input speed and a speed ratio up to the last one.
 
     Args:
@@ -234,7 +237,7 @@ def look_up(d, side, speed, ratio, means):
     means.resistance = total(means.lost)
 
 
-def look_up_pulses(side, speed, ratio):
+def look_up_pulses(side: Side, speed: float, ratio: float) -> tuple[float, float]:
     """Return RMS about the mean and peak of the output torque, N m, of the ideal motion.
 
     Args:
@@ -253,7 +256,7 @@ def look_up_pulses(side, speed, ratio):
 # --- building ---
 
 
-def set_friction(p, d, share):
+def set_friction(p: Parameters, d: Constants, share: float) -> None:
     """Set friction and drag of the satellites, link 2 and the freewheels to a share of the parameters.
 
     Args:
@@ -270,7 +273,7 @@ def set_friction(p, d, share):
     d.output_drag_viscous = share * p.output_drag_viscous
 
 
-def balance_speed(p, d, stall):
+def balance_speed(p: Parameters, d: Constants, stall: float) -> float:
     """Return the input speed, rad/s, at which friction and drag take the stall torque; 0 without any.
 
     Args:
@@ -286,7 +289,7 @@ def balance_speed(p, d, stall):
     return (viscous + math.sqrt(viscous * viscous + 4.0 * stall * drag)) / (2.0 * stall)
 
 
-def last_ratio(d, direction):
+def last_ratio(d: Constants, direction: float) -> tuple[float, float]:
     """Return the last ratio of the map, and 1 if free flight takes link 2 to link 1 there, else 0.
 
     Forwards no torque is transmitted above ratio 1, because the housing only pushes. Losses may take link 2
@@ -300,7 +303,9 @@ def last_ratio(d, direction):
     return max(flight, MIN_LAST_RATIO), 0.0
 
 
-def write_orbit(d, x, w, column, m, omega1, scale, time):
+def write_orbit(
+    d: Constants, x: State, w: Workspace, column: Column, m: int, omega1: float, scale: float, time: float
+) -> None:
     """Write the means of an orbit for slowness m into a column of the map.
 
     Args:
@@ -326,7 +331,7 @@ def write_orbit(d, x, w, column, m, omega1, scale, time):
         column.peak = x.torque_peak / square
 
 
-def copy_orbit(column, before, m):
+def copy_orbit(column: Column, before: Column, m: int) -> None:
     """Copy the means for slowness m from the column of the ratio before.
 
     Args:
@@ -342,7 +347,7 @@ def copy_orbit(column, before, m):
         column.inertia, column.ripple, column.peak = before.inertia, before.ripple, before.peak
 
 
-def write_even(d, side, column, m, ratio):
+def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -> None:
     """Write the means of slow links for slowness m: friction and drag alone act, and link 2 turns evenly.
 
     Link 2 rests, turns with the output shaft, or at the speed between at which its torques balance.
@@ -378,12 +383,12 @@ def write_even(d, side, column, m, ratio):
     column.lost[3 * len(SLOWNESS) + m] = drag / power
 
 
-def grid_ratio(side, n):
+def grid_ratio(side: Side, n: int) -> float:
     """Return the speed ratio of the orbit for point n of RATIOS."""
     return min(max(side.end * RATIOS[n], FIRST_RATIO * side.end), side.end * (1.0 - LAST_SLIP))
 
 
-def add_orbits(d, w, side, m, omega1):
+def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) -> bool:
     """Write the orbits of all ratios for slowness m; a ratio without one has the means of the ratio before.
 
     Args:
@@ -410,7 +415,7 @@ def add_orbits(d, w, side, m, omega1):
     return True
 
 
-def shift_orbits(column, m):
+def shift_orbits(column: Column, m: int) -> None:
     """Add to the orbits at constant input speed the change that the oscillation of the input speed makes.
 
     The change is the change without friction: the orbit by torque is at slowness 0, the orbit at constant
@@ -427,7 +432,7 @@ def shift_orbits(column, m):
         column.lost[n + m] += share * (column.lost[n] - column.lost[n + EVEN])
 
 
-def add_friction(p, d, w, side):
+def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
     """Fill the map at all slownesses above 0. Returns True if there are periodic orbits.
 
     The orbits have constant input speed, because friction may stop a link 1 that is driven by torque.
@@ -455,7 +460,7 @@ def add_friction(p, d, w, side):
     return complete
 
 
-def extend(d, w, side):
+def extend(d: Constants, w: Workspace, side: Side) -> None:
     """Let the last ratio of a mechanism with losses grow while the orbit there transmits a torque.
 
     Args:
@@ -471,7 +476,7 @@ def extend(d, w, side):
         side.end *= GROWTH
 
 
-def build_side(p, d, w, side):
+def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
     """Fill the map for one sign of omega1. Returns True if there are periodic orbits.
 
     Args:
@@ -496,7 +501,7 @@ def build_side(p, d, w, side):
     return side.slow == 0.0 or add_friction(p, d, w, side)
 
 
-def is_map_of(p, d):
+def is_map_of(p: Parameters, d: Constants) -> bool:
     """Return True if the map in d belongs to these parameters: to the first numbers of p."""
     for n in range(len(d.map_key)):
         if d.map_key[n] != p.numbers[n]:
@@ -504,7 +509,7 @@ def is_map_of(p, d):
     return d.map_ready > 0.0
 
 
-def build_map(p, d, w):
+def build_map(p: Parameters, d: Constants, w: Workspace) -> int:
     """Fill d with the map of these parameters, unless it is there.
 
     Args:

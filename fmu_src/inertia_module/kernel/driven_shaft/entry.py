@@ -13,6 +13,7 @@ omega4 because each can be small when the other is not.
 from ..accumulate import clear, copy
 from ..codes import CHECK, NOT_FINITE, OK, OUTPUT_DERIVATIVES, OUTPUTS, START, UPDATE_PARAMETERS
 from ..inputs import check_hold, check_inputs, check_step, mean_torque, update_held_speed
+from ..records import ShaftConstants, ShaftInputs, ShaftOutputs, ShaftParameters, ShaftState, ShaftWorkspace
 from .motion import cache_step, characteristic_rates, end_value, integral, square_integral, write_row
 
 # Records (see kernel.fields for their form).
@@ -38,7 +39,7 @@ WORKSPACE = (
 OVERFLOW = 1e300  # Magnitude from which a number of the state counts as not finite
 
 
-def driven_acceleration(p, x):
+def driven_acceleration(p: ShaftParameters, x: ShaftState) -> tuple[float, float]:
     """Return the acceleration of the driven mass without and with the balancer, rad/s^2.
 
     Args:
@@ -50,7 +51,7 @@ def driven_acceleration(p, x):
     return own, own + p.balancer * x.hub_slope
 
 
-def shaft_energy(p, x):
+def shaft_energy(p: ShaftParameters, x: ShaftState) -> float:
     """Return the stored energy of the driven mass and the spring, J.
 
     Args:
@@ -61,7 +62,7 @@ def shaft_energy(p, x):
     return 0.5 * (kinetic + p.shaft_stiffness * x.twist * x.twist)
 
 
-def write_shaft_outputs(p, x, y):
+def write_shaft_outputs(p: ShaftParameters, x: ShaftState, y: ShaftOutputs) -> None:
     """Write all outputs and local variables.
 
     Args:
@@ -82,7 +83,7 @@ def write_shaft_outputs(p, x, y):
     y.energy_residual = net - (y.energy_stored - x.energy_start)
 
 
-def derive_shaft(p, d):
+def derive_shaft(p: ShaftParameters, d: ShaftConstants) -> None:
     """Fill d from p. All combinations of parameters within their ranges are valid.
 
     Args:
@@ -95,7 +96,7 @@ def derive_shaft(p, d):
     d.step = 0.0
 
 
-def start_shaft(p, d, u, x, y):
+def start_shaft(p: ShaftParameters, d: ShaftConstants, u: ShaftInputs, x: ShaftState, y: ShaftOutputs) -> int:
     """Set constants, state and outputs at the end of the initialisation.
 
     Args:
@@ -123,7 +124,7 @@ def start_shaft(p, d, u, x, y):
     return OK
 
 
-def begin_shaft_step(p, u, x, h):
+def begin_shaft_step(p: ShaftParameters, u: ShaftInputs, x: ShaftState, h: float) -> None:
     """Copy the inputs of a step to the state; the balancer transmits a jump of the hub speed at once.
 
     Args:
@@ -148,7 +149,7 @@ def begin_shaft_step(p, u, x, h):
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
 
 
-def write_motions(p, d, x, w):
+def write_motions(p: ShaftParameters, d: ShaftConstants, x: ShaftState, w: ShaftWorkspace) -> None:
     """Write z1 to z4 (:mod:`.motion`) of twist, slip and speed, and of the rates of slip and speed.
 
     Args:
@@ -187,7 +188,7 @@ def write_motions(p, d, x, w):
     )
 
 
-def move_shaft(p, d, x, w, h):
+def move_shaft(p: ShaftParameters, d: ShaftConstants, x: ShaftState, w: ShaftWorkspace, h: float) -> None:
     """Advance motion, mean torque and energies over a step whose inputs are in the state.
 
     Each energy is an integral of its own, so their balance is a check.
@@ -217,7 +218,15 @@ def move_shaft(p, d, x, w, h):
     x.shaft_torque_mean = momentum / h
 
 
-def advance_shaft(p, d, u, x, y, w, h):
+def advance_shaft(
+    p: ShaftParameters,
+    d: ShaftConstants,
+    u: ShaftInputs,
+    x: ShaftState,
+    y: ShaftOutputs,
+    w: ShaftWorkspace,
+    h: float,
+) -> int:
     """Advance by a communication step. Unless the status is OK, state and outputs are unchanged.
 
     Args:
@@ -248,7 +257,7 @@ def advance_shaft(p, d, u, x, y, w, h):
     return OK
 
 
-def write_shaft_rates(p, x, y):
+def write_shaft_rates(p: ShaftParameters, x: ShaftState, y: ShaftOutputs) -> None:
     """Write the time derivative of each output to y, 1/s; it is 0 for the step mean.
 
     Args:
@@ -264,7 +273,16 @@ def write_shaft_rates(p, x, y):
     y.twist = x.slip
 
 
-def call(operation, p, d, u, x, y, w, h):
+def call(
+    operation: int,
+    p: ShaftParameters,
+    d: ShaftConstants,
+    u: ShaftInputs,
+    x: ShaftState,
+    y: ShaftOutputs,
+    w: ShaftWorkspace,
+    h: float,
+) -> int:
     """Execute an operation.
 
     Args:

@@ -26,12 +26,13 @@ Automatic Control 23 (1978).
 import math
 
 from ..accumulate import clear
+from ..records import Doubles, ShaftConstants, ShaftWorkspace
 from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 
 MAX_QUADRATURE_PHASE = 1.0 / 64.0  # fast_rate * t up to which a Gauss sum over t is exact to round-off
 
 
-def characteristic_rates(damping_rate, frequency_squared):
+def characteristic_rates(damping_rate: float, frequency_squared: float) -> tuple[float, float, float]:
     """Return the characteristic rates of z'' + damping_rate z' + frequency_squared z = 0, 1/s.
 
     Args:
@@ -53,7 +54,9 @@ def characteristic_rates(damping_rate, frequency_squared):
     return 0.0, frequency_squared / fast_rate, fast_rate
 
 
-def free_response(damped_frequency, slow_rate, fast_rate, t):
+def free_response(
+    damped_frequency: float, slow_rate: float, fast_rate: float, t: float
+) -> tuple[float, float, float]:
     """Return the responses at a time to an initial displacement of 1 and to an initial rate of 1.
 
     Args:
@@ -78,7 +81,7 @@ def free_response(damped_frequency, slow_rate, fast_rate, t):
     return decay + fast_rate * impulse, impulse, decay - slow_rate * impulse
 
 
-def impulse_integrals(d, t):
+def impulse_integrals(d: ShaftConstants, t: float) -> tuple[float, float, float, float]:
     """Return the first to fourth integral of the impulse response from 0 to t.
 
     Args:
@@ -97,7 +100,7 @@ def impulse_integrals(d, t):
     return first, second, third, fourth
 
 
-def write_row(matrix, row, a, b, c, d):
+def write_row(matrix: Doubles, row: int, a: float, b: float, c: float, d: float) -> None:
     """Write a row of a 4 x 4 matrix.
 
     Args:
@@ -114,7 +117,7 @@ def write_row(matrix, row, a, b, c, d):
     matrix[4 * row + 3] = d
 
 
-def write_transition(d, w, t, first, second):
+def write_transition(d: ShaftConstants, w: ShaftWorkspace, t: float, first: float, second: float) -> None:
     """Write the transition matrix E(t) to w.transition.
 
     Args:
@@ -134,7 +137,7 @@ def write_transition(d, w, t, first, second):
     write_row(w.transition, 3, 0.0, 0.0, 0.0, 1.0)
 
 
-def double_gramian(d, w):
+def double_gramian(d: ShaftConstants, w: ShaftWorkspace) -> None:
     """Double the time of the Gramian: W + E^T W E.
 
     Args:
@@ -150,7 +153,7 @@ def double_gramian(d, w):
             d.gramian[i] += w.transition[4 * k + i // 4] * w.product[4 * k + i % 4]
 
 
-def cache_step(d, w, h):
+def cache_step(d: ShaftConstants, w: ShaftWorkspace, h: float) -> None:
     """Compute the Gramian and the responses of a step, unless the last step had the same length.
 
     Args:
@@ -192,7 +195,7 @@ def cache_step(d, w, h):
     d.responses[5] = fourth
 
 
-def integral(d, z, order):
+def integral(d: ShaftConstants, z: Doubles, order: int) -> float:
     """Return the integral of a motion over the step that cache_step has computed.
 
     Args:
@@ -206,7 +209,7 @@ def integral(d, z, order):
     return total
 
 
-def square_integral(d, z):
+def square_integral(d: ShaftConstants, z: Doubles) -> float:
     """Return the integral of the square of a motion over the step that cache_step has computed.
 
     Args:
@@ -219,7 +222,7 @@ def square_integral(d, z):
     return total
 
 
-def end_value(d, z, rate):
+def end_value(d: ShaftConstants, z: Doubles, rate: Doubles) -> float:
     """Return a motion at the end of the step that cache_step has computed, with its round-off.
 
     A small change is added to the initial value. After a large change the value is computed directly, because

@@ -11,6 +11,7 @@ Inside its engagement angle a freewheel transmits only its drag, and its slip ca
 import math
 
 from ..links import prescribed_at_input, torque_scale
+from ..records import Constants, Machine, State
 from . import states
 from .motion import copy_accelerations, evaluate, load_state
 
@@ -26,7 +27,15 @@ N_FREEWHEEL_MODES = 9  # For each sign of the slip: 0, 1, -1
 N_MODES = 3 * N_FREEWHEEL_MODES
 
 
-def complementarity_violation(state, drag, torque, speed, slip_torque, wind_up, backlash):
+def complementarity_violation(
+    state: float,
+    drag: float,
+    torque: float,
+    speed: float,
+    slip_torque: float,
+    wind_up: float,
+    backlash: float,
+) -> float:
     """Return the violation of the complementarity condition of one freewheel, N m.
 
     A spring with a deflection violates nothing: it relaxes to less than the drag or releases the freewheel.
@@ -49,7 +58,7 @@ def complementarity_violation(state, drag, torque, speed, slip_torque, wind_up, 
     return slip_torque if wind_up == 0.0 and speed == 0.0 and drag == 0.0 else 0.0
 
 
-def spring_violation(state, drag, wind_up, speed):
+def spring_violation(state: float, drag: float, wind_up: float, speed: float) -> float:
     """Return the relative violation of a relaxed spring: TIE_BREAK if drag can hold the freewheel instead.
 
     Args:
@@ -62,7 +71,7 @@ def spring_violation(state, drag, wind_up, speed):
     return TIE_BREAK if is_relaxed and drag > 0.0 else 0.0
 
 
-def torque_magnitude(d, m, prescribed, load):
+def torque_magnitude(d: Constants, m: Machine, prescribed: float, load: float) -> float:
     """Return the sum of the torque magnitudes at an instant, the scale of the zero test, N m.
 
     Args:
@@ -75,7 +84,7 @@ def torque_magnitude(d, m, prescribed, load):
     return abs(m.mesh) + abs(m.housing) + abs(m.output) + abs(load) + bound
 
 
-def slip_violation(d, x, m, inertia, torques):
+def slip_violation(d: Constants, x: State, m: Machine, inertia: float, torques: float) -> float:
     """Return the relative violation of the condition of the slip of links 1 and 2.
 
     Args:
@@ -92,7 +101,7 @@ def slip_violation(d, x, m, inertia, torques):
     return 0.0
 
 
-def mode_violation(d, x, prescribed, load):
+def mode_violation(d: Constants, x: State, prescribed: float, load: float) -> float:
     """Evaluate ``d.machine`` in the mode in ``x`` and return the violation of its conditions.
 
     Each condition is relative to the torques that act on its contact. Links 1 and 2 are therefore compared
@@ -131,7 +140,7 @@ def mode_violation(d, x, prescribed, load):
     return violation
 
 
-def enforce_equal_speeds(x):
+def enforce_equal_speeds(x: State) -> None:
     """Make the speeds of parts that are locked together bitwise identical."""
     if x.slip_sign == 0.0:
         x.omega2 = x.omega1
@@ -139,12 +148,12 @@ def enforce_equal_speeds(x):
         x.omega3 = x.omega2
 
 
-def state_in_backlash(state, backlash):
+def state_in_backlash(state: float, backlash: float) -> float:
     """Return IN_BACKLASH for an engaged spring inside the engagement angle, otherwise ``state``."""
     return states.IN_BACKLASH if state == states.ENGAGED_COMPLIANT and backlash > 0.0 else state
 
 
-def set_mode(d, x, number):
+def set_mode(d: Constants, x: State, number: int) -> bool:
     """Set contact mode ``number`` in ``x`` and return True if speeds, wind-up and backlash admit it.
 
     The order of the modes breaks ties: sticking before slipping, and link 2 held before free. If link 2 is
@@ -165,7 +174,7 @@ def set_mode(d, x, number):
     return states.is_mode_admissible(d, x)
 
 
-def extrapolate_motion(d, x):
+def extrapolate_motion(d: Constants, x: State) -> None:
     """Advance the motion in ``d.machine`` by a small explicit step, to see which quantities grow.
 
     The step is LOOKAHEAD_PHASE of the fastest angle. The accelerations in ``d.machine`` must be valid.
@@ -187,7 +196,15 @@ def extrapolate_motion(d, x):
     m.omega3 += time * m.alpha3
 
 
-def enumerate_modes(d, x, housing_before, output_before, slip_before, bias, use_lookahead):
+def enumerate_modes(
+    d: Constants,
+    x: State,
+    housing_before: float,
+    output_before: float,
+    slip_before: float,
+    bias: float,
+    use_lookahead: bool,
+) -> tuple[int, int]:
     """Return the mode with the smallest violation, now or LOOKAHEAD_PHASE later.
 
     Args:
@@ -230,7 +247,7 @@ def enumerate_modes(d, x, housing_before, output_before, slip_before, bias, use_
     return best, n_satisfied
 
 
-def select_mode(d, x, bias):
+def select_mode(d: Constants, x: State, bias: float) -> None:
     """Select the contact mode for the motion in ``x`` and write it with its accelerations and torques.
 
     If several modes satisfy their conditions, the mode is selected that satisfies them a moment later.
@@ -254,7 +271,7 @@ def select_mode(d, x, bias):
     x.mode = states.contact_mode(x)
 
 
-def switch_mode(d, x, bias):
+def switch_mode(d: Constants, x: State, bias: float) -> None:
     """Select the contact mode during a motion, and count the evaluation and the freewheel switching events.
 
     Args:
@@ -273,7 +290,7 @@ def switch_mode(d, x, bias):
     states.count_switch(x, mode, x.mode, housing, output)
 
 
-def select_mode_after_event(d, x):
+def select_mode_after_event(d: Constants, x: State) -> bool:
     """Select the contact mode after an event and return True if it has changed.
 
     Args:

@@ -7,6 +7,7 @@ import math
 
 from ..accumulate import TWO_PI
 from ..links import friction_power
+from ..records import Constants, Followed, Machine, Position, State
 from ..sine import sine_cosine
 from .satellites import gravity_potential
 from .states import ENGAGED_COMPLIANT, OVERRUNNING
@@ -17,24 +18,29 @@ CAUSES = ("viscous", "shaft", "mesh", "journal", "freewheel", "windage")
 VISCOUS, SHAFT, MESH, JOURNAL, FREEWHEEL, WINDAGE = range(len(CAUSES))
 
 
-def total_windage(d):
+def total_windage(d: Constants) -> float:
     """Return the windage coefficient of all satellites of all modules, kg m^2."""
     return d.windage * d.modules * d.satellites
 
 
-def general_loss_coefficient(d):
+def general_loss_coefficient(d: Constants) -> float:
     """Return the sum of the coefficients that require the general equations; 0 if there are none."""
     return d.mesh_loss + d.satellite_loss + d.journal_friction + d.weight + total_windage(d)
 
 
-def add_loss_bounds(d):
+def add_loss_bounds(d: Constants) -> None:
     """Add windage to the bounds of the mesh torque by the squares of slip and speed (fields.CONSTANTS)."""
     reach = 1.0 + d.s
     d.F_by_slip += 4.0 * d.k * total_windage(d) * reach * reach * reach
     d.F_by_speed += 4.0 * d.k * total_windage(d) * reach
 
 
-def applied_torques(d, x, m, position):
+def applied_torques(
+    d: Constants,
+    x: State,
+    m: Machine,
+    position: Position,
+) -> None:
     """Write the torques of gravity and windage on link 1 and q, N m, and the windage power, W, into ``m``.
 
     Args:
@@ -54,7 +60,7 @@ def applied_torques(d, x, m, position):
         m.weight_q += by_q
 
 
-def windage_torques(d, q, omega1, rate_q):
+def windage_torques(d: Constants, q: float, omega1: float, rate_q: float) -> tuple[float, float, float]:
     """Return the windage torques against link 1 and q, and the windage power.
 
     The air exerts the torque -c |w| w on each satellite, with its absolute angular velocity
@@ -92,7 +98,7 @@ def windage_torques(d, q, omega1, rate_q):
     return by_theta1, by_q, power
 
 
-def freewheel_power(d, x, m):
+def freewheel_power(d: Constants, x: State, m: Machine) -> float:
     """Return the power lost to drag and damping of both freewheels, W (never negative)."""
     slip = m.omega3 - m.omega2
     power = 0.0
@@ -107,7 +113,7 @@ def freewheel_power(d, x, m):
     return power
 
 
-def write_loss_powers(d, x, m, rates, lossy):
+def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed, lossy: int) -> None:
     """Write the power of each cause of loss into ``rates.lost``, W.
 
     Args:

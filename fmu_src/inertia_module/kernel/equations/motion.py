@@ -14,6 +14,7 @@
 from ..fields import OF_MOTION, OF_NOW
 from ..inertia import reduced_inertia
 from ..layout import imbalance_position
+from ..records import Constants, Machine, Now, Position, ReducedInertia, State
 from .losses import applied_torques
 from .satellites import (
     RESOLVE_SIGNS,
@@ -26,7 +27,7 @@ from .states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY, OVERRUNNING, RATIO_
 MAX_SIGN_ITERATIONS = 50  # Sign patterns of the mesh torques; each one is closer to the solution
 
 
-def load_state(d, x):
+def load_state(d: Constants, x: State) -> None:
     """Copy the present motion into ``d.machine``. Both records begin with the fields of fields.MOTION."""
     for n in range(OF_MOTION):
         d.machine.numbers[n] = x.numbers[n]
@@ -34,7 +35,7 @@ def load_state(d, x):
         d.machine.play_housing, d.machine.play_output = x.play_housing, x.play_output
 
 
-def copy_accelerations(target, source):
+def copy_accelerations(target: Machine | Now, source: Machine | Now) -> None:
     """Copy accelerations, torques and reduced inertia. Both records end with the fields of fields.NOW.
 
     Args:
@@ -46,7 +47,7 @@ def copy_accelerations(target, source):
         target.numbers[first_target + n] = source.numbers[first_source + n]
 
 
-def freewheel_torques(d, x, m, lossy):
+def freewheel_torques(d: Constants, x: State, m: Machine, lossy: int) -> None:
     """Write Th and Tc of freewheels that overrun or are engaged through their springs into ``m``, N m.
 
     The torque of a freewheel that is locked follows from the accelerations; it is 0 here.
@@ -71,7 +72,21 @@ def freewheel_torques(d, x, m, lossy):
         m.output = -d.output_drag - d.output_drag_viscous * (m.omega3 - m.omega2)
 
 
-def solve_links(d, x, m, prescribed, inertia1, inertia2, b, b_s, g_s, f_k, r1, r, r2):
+def solve_links(
+    d: Constants,
+    x: State,
+    m: Machine,
+    prescribed: float,
+    inertia1: float,
+    inertia2: float,
+    b: float,
+    b_s: float,
+    g_s: float,
+    f_k: float,
+    r1: float,
+    r: float,
+    r2: float,
+) -> tuple[float, float, float]:
     """Solve for the accelerations of links 1 and 2 with the signs of all mesh torques fixed.
 
         [ J1 + I + k B + f k (B_s + k G_s)   -k (B + f k G_s) ] [ alpha1 ]   [ M1 - R1 - f k R ]
@@ -124,7 +139,21 @@ def solve_links(d, x, m, prescribed, inertia1, inertia2, b, b_s, g_s, f_k, r1, r
     return alpha1, alpha2, r + by_alpha1 * alpha1 - k * g_s * alpha2
 
 
-def solve_mesh_signs(d, x, m, prescribed, position, inertia1, inertia2, b, g, r1, r, r2, keep_signs):
+def solve_mesh_signs(
+    d: Constants,
+    x: State,
+    m: Machine,
+    prescribed: float,
+    position: Position,
+    inertia1: float,
+    inertia2: float,
+    b: float,
+    g: float,
+    r1: float,
+    r: float,
+    r2: float,
+    keep_signs: bool,
+) -> None:
     """Solve for the accelerations of links that slip, with load-dependent losses.
 
     The losses depend on the signs of the mesh torques: tau, and tau6 of each satellite. The system is linear
@@ -194,7 +223,18 @@ def solve_mesh_signs(d, x, m, prescribed, position, inertia1, inertia2, b, g, r1
     m.margin = sigma * (m.omega1 - m.omega2)
 
 
-def solve_slipping(d, x, m, prescribed, inertia, position, inertia2, r2, keep_signs, lossy):
+def solve_slipping(
+    d: Constants,
+    x: State,
+    m: Machine,
+    prescribed: float,
+    inertia: ReducedInertia,
+    position: Position,
+    inertia2: float,
+    r2: float,
+    keep_signs: bool,
+    lossy: int,
+) -> None:
     """Write the accelerations of links 1 and 2 while they slip, and the torques between them, into ``m``.
 
     Args:
@@ -226,7 +266,16 @@ def solve_slipping(d, x, m, prescribed, inertia, position, inertia2, r2, keep_si
     m.drive = inertia1 * m.alpha1 + d.k * b * (m.alpha1 - m.alpha2) + r1 + m.mesh
 
 
-def solve_sticking(d, x, m, prescribed, inertia, position, inertia2, r2):
+def solve_sticking(
+    d: Constants,
+    x: State,
+    m: Machine,
+    prescribed: float,
+    inertia: ReducedInertia,
+    position: Position,
+    inertia2: float,
+    r2: float,
+) -> None:
     """Write accelerations, torques and the friction reserve of links that stick together into ``m``.
 
     The links stick while the pinion shafts need no more torque than the friction provides (stiction):
@@ -279,7 +328,7 @@ def solve_sticking(d, x, m, prescribed, inertia, position, inertia2, r2):
         m.margin = -(d.J2 + d.F_by_alpha1) * abs(prescribed)  # Link 1 accelerates whatever the friction
 
 
-def evaluate(d, x, prescribed, load, keep_signs):
+def evaluate(d: Constants, x: State, prescribed: float, load: float, keep_signs: bool) -> None:
     """Evaluate the equations of motion at the motion in ``d.machine`` and write the results there.
 
     Results are accelerations, torques, powers of windage, and the quantities of the event indicators.
@@ -298,7 +347,9 @@ def evaluate(d, x, prescribed, load, keep_signs):
         equations_of_motion(d, x, prescribed, load, keep_signs, IDEAL)
 
 
-def equations_of_motion(d, x, prescribed, load, keep_signs, lossy):
+def equations_of_motion(
+    d: Constants, x: State, prescribed: float, load: float, keep_signs: bool, lossy: int
+) -> None:
     """Solve the equations of motion with or without losses, drag, gravity and wind-up (see evaluate).
 
     Args:
@@ -349,7 +400,7 @@ def equations_of_motion(d, x, prescribed, load, keep_signs, lossy):
         m.rate_relative = (1.0 - d.balancer) * m.alpha3 - driven / d.J4
 
 
-def potential_energy(d, x):
+def potential_energy(d: Constants, x: State) -> float:
     """Return the potential energy of gravity and of the freewheel springs, J."""
     potential, _, _ = gravity_potential(d, imbalance_position(d, x.q, 0.0), x.theta1)
     housing = 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing

@@ -9,6 +9,7 @@ import math
 from ..accumulate import TWO_PI
 from ..inertia import reduced_inertia
 from ..layout import imbalance_acceleration, imbalance_position
+from ..records import Constants, Position, ReducedInertia
 from ..sine import sine_cosine
 
 # Angles checked for self-locking per cycle of the highest harmonic of q.
@@ -18,7 +19,7 @@ RESOLVE_SIGNS = -1.0  # Instead of the bits of the signs (1: negative): take the
 DOMINANT_ACCELERATION = 1e150  # rad/s^2, makes all other terms of tau6 negligible
 
 
-def single_satellite_inertia(d, position):
+def single_satellite_inertia(d: Constants, position: Position) -> ReducedInertia:
     """Return the reduced inertia of a single bevel satellite without gear inertia from its position.
 
     This is the part of inertia.reduced_inertia that motion.equations_of_motion needs.
@@ -42,7 +43,16 @@ def single_satellite_inertia(d, position):
     )
 
 
-def satellite_friction(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
+def satellite_friction(
+    d: Constants,
+    q: float,
+    first: Position,
+    omega1: float,
+    rate_q: float,
+    alpha1: float,
+    rate2_q: float,
+    signs: float,
+) -> tuple[float, float, float, float]:
     """Return the friction torque of all satellites against q (docs/mechanics.md, "Load-dependent losses").
 
         C = mu r s sum m |a|                      bearings; a without the terms of alpha1 and q''
@@ -107,7 +117,7 @@ def satellite_friction(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
     )
 
 
-def toggle_bit(signs, n):
+def toggle_bit(signs: float, n: int) -> float:
     """Return ``signs`` with the sign of satellite ``n`` reversed.
 
     Args:
@@ -121,7 +131,11 @@ def toggle_bit(signs, n):
     return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
 
 
-def gravity_potential(d, position, theta1):
+def gravity_potential(
+    d: Constants,
+    position: Position,
+    theta1: float,
+) -> tuple[float, float, float]:
     """Return the potential energy of the imbalances and its derivatives (gravity along -Oz).
 
         V = m g sum (y sin theta1 + z cos theta1)
@@ -148,7 +162,7 @@ def gravity_potential(d, position, theta1):
     )
 
 
-def is_self_locking(d):
+def is_self_locking(d: Constants) -> bool:
     """Return True if the equations of motion have no unique solution at some angle and for some mesh signs.
 
     If the speed is prescribed, only the loss of the meshes 17-6 can cause it. It then depends only on the
@@ -162,7 +176,7 @@ def is_self_locking(d):
     return is_self_locking_within(d, d.period, ANGLES_PER_CYCLE * d.harmonic * n_turns)
 
 
-def is_self_locking_within(d, length, count):
+def is_self_locking_within(d: Constants, length: float, count: float) -> bool:
     """Return True if the meshes are self-locking at one of ``count`` evenly spaced angles.
 
     Args:
@@ -189,7 +203,7 @@ def is_self_locking_within(d, length, count):
     return False
 
 
-def is_self_locking_at(d, i, b, b_s, g_s, f_k):
+def is_self_locking_at(d: Constants, i: float, b: float, b_s: float, g_s: float, f_k: float) -> bool:
     """Return True if the mass matrix of motion.solve_links is not positive for one angle and sign pattern.
 
     Args:

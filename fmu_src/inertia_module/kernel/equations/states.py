@@ -1,6 +1,7 @@
 """Contact states: two freewheels and the slip of links 1 and 2, and the motions that admit each state."""
 
 from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
+from ..records import Constants, State
 
 # Compile-time argument ``lossy``: equations without or with losses, drag, gravity and wind-up
 IDEAL, LOSSY = 0, 1
@@ -13,29 +14,31 @@ IN_BACKLASH = -1.0  # Rotates backward through its engagement angle and transmit
 RATIO_PRESCRIBED = 3.0  # Fidelity kinematic: link 2 follows the prescribed ratio, without freewheels
 
 
-def is_open(state):
+def is_open(state: float) -> bool:
     """Return True if a freewheel in this state transmits no torque except its drag."""
     return state <= OVERRUNNING
 
 
-def contact_mode(x):
+def contact_mode(x: State) -> int:
     """Return the contact mode (codes.HELD to HELD_DRIVING) of the freewheel states in ``x``."""
     if not is_open(x.housing_state):
         return HELD if is_open(x.output_state) else HELD_DRIVING
     return FREE if is_open(x.output_state) else DRIVING
 
 
-def is_housing_engaged(mode):
+def is_housing_engaged(mode: float) -> bool:
     """Return True if the housing freewheel is engaged in this contact mode."""
     return mode == HELD or mode == HELD_DRIVING
 
 
-def is_output_engaged(mode):
+def is_output_engaged(mode: float) -> bool:
     """Return True if the output freewheel is engaged in this contact mode."""
     return mode == DRIVING or mode == HELD_DRIVING
 
 
-def count_switch(x, mode_before, mode, is_housing_loaded, is_output_loaded):
+def count_switch(
+    x: State, mode_before: float, mode: float, is_housing_loaded: bool, is_output_loaded: bool
+) -> None:
     """Count a change of the contact mode and the freewheels that engage with it.
 
     Args:
@@ -52,7 +55,7 @@ def count_switch(x, mode_before, mode, is_housing_loaded, is_output_loaded):
         x.output_engagements += 1.0
 
 
-def engages_at_once(state, drag, engagement_angle, torque):
+def engages_at_once(state: float, drag: float, engagement_angle: float, torque: float) -> bool:
     """Return True if a freewheel transmits torque as soon as it changes to ``state``.
 
     A freewheel with an engagement angle transmits torque only at the end of this angle
@@ -67,17 +70,17 @@ def engages_at_once(state, drag, engagement_angle, torque):
     return engagement_angle == 0.0 and not (state == LOCKED and drag > 0.0 and torque <= 0.0)
 
 
-def has_engaged_spring(x):
+def has_engaged_spring(x: State) -> bool:
     """Return True if a freewheel is engaged through its spring."""
     return x.housing_state == ENGAGED_COMPLIANT or x.output_state == ENGAGED_COMPLIANT
 
 
-def has_friction(d):
+def has_friction(d: Constants) -> bool:
     """Return True if friction opposes the slip of links 1 and 2 at any speed, so that they can stick."""
     return d.mesh_loss + d.satellite_loss + d.journal_friction > 0.0
 
 
-def is_housing_admissible(d, x):
+def is_housing_admissible(d: Constants, x: State) -> bool:
     """Return True if the speeds admit the state of the housing freewheel."""
     if d.housing == 0.0:
         return x.housing_state == OVERRUNNING
@@ -86,7 +89,7 @@ def is_housing_admissible(d, x):
     return is_admissible(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
 
 
-def is_output_admissible(d, x):
+def is_output_admissible(d: Constants, x: State) -> bool:
     """Return True if the speeds admit the state of the output freewheel.
 
     Without an output freewheel link 2 is locked to the output.
@@ -98,7 +101,7 @@ def is_output_admissible(d, x):
     return is_admissible(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
 
 
-def is_admissible_in_backlash(speed, drag, state):
+def is_admissible_in_backlash(speed: float, drag: float, state: float) -> bool:
     """Return True if a freewheel inside its engagement angle may be in ``state``; only its drag can lock it.
 
     Args:
@@ -111,7 +114,7 @@ def is_admissible_in_backlash(speed, drag, state):
     return speed >= 0.0 if state == OVERRUNNING else speed <= 0.0
 
 
-def is_admissible(speed, stiffness, wind_up, state):
+def is_admissible(speed: float, stiffness: float, wind_up: float, state: float) -> bool:
     """Return True if a freewheel at the end of its engagement angle may be in ``state``.
 
     Args:
@@ -129,7 +132,7 @@ def is_admissible(speed, stiffness, wind_up, state):
     return (stiffness != 0.0) == (state == ENGAGED_COMPLIANT)
 
 
-def is_slip_admissible(d, x):
+def is_slip_admissible(d: Constants, x: State) -> bool:
     """Return True if the speeds admit the sign of the slip; the sign is 0 for links that stick together."""
     if not has_friction(d):
         return x.slip_sign > 0.0
@@ -137,6 +140,6 @@ def is_slip_admissible(d, x):
     return slip == 0.0 or x.slip_sign * slip > 0.0
 
 
-def is_mode_admissible(d, x):
+def is_mode_admissible(d: Constants, x: State) -> bool:
     """Return True if speeds, wind-up and backlash admit the states of both freewheels and of the slip."""
     return is_housing_admissible(d, x) and is_output_admissible(d, x) and is_slip_admissible(d, x)

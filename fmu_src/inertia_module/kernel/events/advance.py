@@ -12,6 +12,7 @@ from ..impulse import apply_plastic_impact, has_rigid_housing_contact
 from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
 from ..loads import MIDSTEP_SAMPLE_PHASE, include_load, sample_load
+from ..records import Constants, Followed, State, Workspace
 from ..tableau import (
     DOP853_ROW,
     DOPRI5_ROW,
@@ -36,7 +37,7 @@ MAX_ENERGY_MADE, MAX_REPEATS = 4.0, 20
 ENERGY_ROUNDING = 1e-13
 
 
-def balance(d, x, w):
+def balance(d: Constants, x: State, w: Workspace) -> None:
     """Impulses and work of the step in hand by the balances, exact in its ends, without losses by load.
 
     M1 - Tc + Th is the rate of the angular momentum; what M1 does while link 2 is held is kinetic energy. A
@@ -61,7 +62,7 @@ def balance(d, x, w):
         change.work_in = x.omega1 * change.drive
 
 
-def left_of_play(state, play, turned, engagement_angle):
+def left_of_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
     """Play of a freewheel, rad, that has turned back by so much.
 
     One that overruns has its whole play at most; one that closes has some left until that is an event. One
@@ -72,7 +73,7 @@ def left_of_play(state, play, turned, engagement_angle):
     return max(NO_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
 
 
-def turn_back(d, x, change):
+def turn_back(d: Constants, x: State, change: Followed) -> None:
     """Take over by how much freewheels have turned back: into their springs, or out of their play."""
     housing, output = x.housing_state, x.output_state
     if housing == ENGAGED_COMPLIANT:
@@ -83,12 +84,12 @@ def turn_back(d, x, change):
     x.play_output = left_of_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
 
 
-def work_of_balancer(d, x, change):
+def work_of_balancer(d: Constants, x: State, change: Followed) -> float:
     """Return the work of the balancer at the speed of the hub in the step in hand, J."""
     return d.balancer * d.J4 * (x.omega3 + 0.5 * change.omega3) * change.omega3
 
 
-def commit(d, x, w):
+def commit(d: Constants, x: State, w: Workspace) -> None:
     """Take the step in hand over, with its sums."""
     change = w.change
     x.q += change.q
@@ -120,13 +121,13 @@ def commit(d, x, w):
     x.turned3 += change.turned3
 
 
-def see_torques(x, output, housing):
+def see_torques(x: State, output: float, housing: float) -> None:
     """Take torques of the freewheels at a moment into their peaks."""
     x.torque_peak = max(x.torque_peak, abs(output))
     x.housing_torque_peak = max(x.housing_torque_peak, abs(housing))
 
 
-def see_slips(x, housing, output):
+def see_slips(x: State, housing: float, output: float) -> None:
     """Take slips of the freewheels that overrun into their peaks."""
     if x.housing_state == OVERRUNNING:
         x.housing_slip_peak = max(x.housing_slip_peak, housing)
@@ -134,7 +135,7 @@ def see_slips(x, housing, output):
         x.output_slip_peak = max(x.output_slip_peak, output)
 
 
-def see_peaks(x, w, sigma):
+def see_peaks(x: State, w: Workspace, sigma: float) -> None:
     """Take torques and slips of the freewheels up to this part of the step in hand into their peaks.
 
     They are those at its stages, and the extrema of parabolas through three stages in a row.
@@ -163,7 +164,7 @@ def see_peaks(x, w, sigma):
             )
 
 
-def see_end(d, x, w):
+def see_end(d: Constants, x: State, w: Workspace) -> None:
     """Include the moment before an event, which d.machine holds, in all peaks."""
     m = d.machine
     omega2 = x.omega2 + w.change.omega2
@@ -173,7 +174,7 @@ def see_end(d, x, w):
     include_load(d, x, x.q + w.change.q, omega1, omega2, m.alpha1, m.alpha2)
 
 
-def count_loaded(d, x, w):
+def count_loaded(d: Constants, x: State, w: Workspace) -> None:
     """Count freewheels that only their drag has held and that carry at the end of the step in hand."""
     begin, end = w.rates[0], w.rates[last_stage(int(w.pair))]
     if d.housing_drag > 0.0 and x.housing_state == LOCKED and d.housing_engagement_angle == 0.0:
@@ -182,7 +183,7 @@ def count_loaded(d, x, w):
         x.output_engagements += 1.0 if begin.output <= 0.0 < end.output else 0.0
 
 
-def meet(d, x, which):
+def meet(d: Constants, x: State, which: int) -> None:
     """Set a speed that has met its limit there exactly."""
     x.rates_cached = 0.0
     if which == guards.HOUSING or which == guards.HOUSING_BACK:
@@ -200,7 +201,7 @@ def meet(d, x, which):
         x.omega2 = x.omega1
 
 
-def meet_limits(d, x):
+def meet_limits(d: Constants, x: State) -> None:
     """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
     if d.housing != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
         meet(d, x, guards.HOUSING)
@@ -208,7 +209,7 @@ def meet_limits(d, x):
         meet(d, x, guards.OUTPUT)
 
 
-def unwind(d, x, which):
+def unwind(d: Constants, x: State, which: int) -> None:
     """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
     if which == guards.HOUSING and x.housing_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
@@ -218,7 +219,7 @@ def unwind(d, x, which):
         x.wound_output = 0.0
 
 
-def see_inside(d, x, w, sigma):
+def see_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """See the bearing's force at stages inside this part of the step, where the drive turns far."""
     if w.pair == DOPRI5_ROW or d.harmonic * abs(w.change.q) < MIDSTEP_SAMPLE_PHASE:
         return
@@ -230,7 +231,7 @@ def see_inside(d, x, w, sigma):
             sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
-def begin_step(d, x, w):
+def begin_step(d: Constants, x: State, w: Workspace) -> None:
     """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
     enforce_equal_speeds(x)
@@ -252,7 +253,7 @@ def begin_step(d, x, w):
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
 
 
-def energy_lost(d, x, change):
+def energy_lost(d: Constants, x: State, change: Followed) -> float:
     """Return the energy that all causes take in the step in hand, J."""
     lost = 0.0
     if d.viscous != 0.0:
@@ -267,7 +268,7 @@ def energy_lost(d, x, change):
     return lost
 
 
-def energy_made(d, x, w):
+def energy_made(d: Constants, x: State, w: Workspace) -> float:
     """Return the energy that the step in hand makes, over the allowed energy.
 
     The error estimate of a step far too long can be zero by chance. The energy balance does not depend on it.
@@ -309,7 +310,7 @@ def energy_made(d, x, w):
     return abs(made) / allowed if allowed > 0.0 else 0.0
 
 
-def end_step(d, x, w, sigma):
+def end_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Bring the step in hand, or its part up to an event, to its end: changes, and d.machine there."""
     if sigma < 0.0:
         copy_accelerations(d.machine, x.now)
@@ -319,7 +320,7 @@ def end_step(d, x, w, sigma):
         balance(d, x, w)
 
 
-def take_over(d, x, w, sigma):
+def take_over(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Take the step in hand over, with its peaks and sums."""
     see_inside(d, x, w, sigma if sigma >= 0.0 else 1.0)
     if sigma < 0.0:
@@ -332,7 +333,7 @@ def take_over(d, x, w, sigma):
     see_peaks(x, w, sigma if sigma >= 0.0 else 1.0)
 
 
-def engage(d, x, which):
+def engage(d: Constants, x: State, which: int) -> None:
     """Let a freewheel whose play is used up carry: a rigid one by an impact, a spring begins to wind up."""
     x.rates_cached = 0.0
     if which == guards.HOUSING:
@@ -347,7 +348,7 @@ def engage(d, x, which):
         apply_plastic_impact(d, x)
 
 
-def pass_event(d, x, which):
+def pass_event(d: Constants, x: State, which: int) -> None:
     """Change what an event changes at once, and tell of what kind it was."""
     x.ended = 0.0
     x.slip_reached_zero = 0.0
@@ -368,7 +369,7 @@ def pass_event(d, x, which):
             unwind(d, x, which)
 
 
-def advance_general(d, x, w, remaining):
+def advance_general(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
     """Advance by one step, or to the first event in it.
 
     Returns:

@@ -10,6 +10,7 @@ import math
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, has_engaged_spring
 from ..links import response, shaft_frequency
+from ..records import Constants, Followed, State, Workspace
 from ..tableau import (
     DOP853_E3_ROW,
     DOP853_E5_ROW,
@@ -24,13 +25,13 @@ from .stages import weighed_rate
 OVERFLOW = 1e300
 
 
-def fastest_link(x, change):
+def fastest_link(x: State, change: Followed) -> float:
     """Return the largest speed of links 1 and 2 at the ends of the step, rad/s."""
     speed1 = max(abs(x.omega1), abs(x.omega1 + change.omega1))
     return max(speed1, abs(x.omega2), abs(x.omega2 + change.omega2))
 
 
-def fastest_output(d, x, change):
+def fastest_output(d: Constants, x: State, change: Followed) -> float:
     """Return the largest speed of the output in the step, or the speed that its twist can drive, rad/s."""
     speed = max(abs(x.omega3), abs(x.omega3 + change.omega3))
     if d.elastic != 0.0:
@@ -40,7 +41,7 @@ def fastest_output(d, x, change):
     return speed
 
 
-def write_scales(d, x, w):
+def write_scales(d: Constants, x: State, w: Workspace) -> None:
     """Write the scale of each integrated quantity into w.scale, 0 for a quantity whose error does not count.
 
     A heavy link hardly changes its speed, but these small changes are its torque. The scale of a speed is the
@@ -77,7 +78,7 @@ def write_scales(d, x, w):
             scale.lost[MESH] = scale.lost[JOURNAL] = work
 
 
-def error_norm(w):
+def error_norm(w: Workspace) -> float:
     """Return the estimated error of the step in hand over the allowed one.
 
     Of pair 8(5,3) it is the mix of the errors of orders 5 and 3 by Hairer, Norsett and Wanner, II.10.

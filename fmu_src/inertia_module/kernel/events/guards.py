@@ -9,6 +9,7 @@
 """
 
 from ..equations.states import ENGAGED_COMPLIANT, IN_BACKLASH, LOCKED, OVERRUNNING, has_friction, is_open
+from ..records import Constants, Doubles, Machine, State, Workspace
 from ..tableau import NODES, dense_change, dense_rate, last_stage
 
 HOUSING = 0
@@ -23,7 +24,7 @@ SPIN = 6
 CLEAR = 0.25
 
 
-def how_many_guards(d):
+def how_many_guards(d: Constants) -> int:
     """How many guards there are: the torques of the meshes 17-6 are the last ones."""
     if d.losses == 0.0:
         return SLIP
@@ -32,7 +33,7 @@ def how_many_guards(d):
     return SPIN + int(d.satellites)
 
 
-def is_watched(d, x, which):
+def is_watched(d: Constants, x: State, which: int) -> bool:
     """Tell whether this guard can end what is."""
     if which == SLIP:
         return has_friction(d)
@@ -45,34 +46,34 @@ def is_watched(d, x, which):
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
-def state_of(x, which):
+def state_of(x: State, which: int) -> float:
     """State of the freewheel that the guard is of."""
     return x.housing_state if which == HOUSING or which == HOUSING_BACK else x.output_state
 
 
-def is_play(x, which):
+def is_play(x: State, which: int) -> bool:
     """Tell whether the guard is the play that is left of a freewheel."""
     return which < SLIP and state_of(x, which) == IN_BACKLASH
 
 
-def is_speed(x, which):
+def is_speed(x: State, which: int) -> bool:
     """Tell whether the guard is a speed or an angle, whose rate is known, else a torque."""
     if which == SLIP:
         return x.slip_sign != 0.0
     return which < FLOW and is_open(state_of(x, which))
 
 
-def is_spring(x, which):
+def is_spring(x: State, which: int) -> bool:
     """Tell whether the guard is the torque of a freewheel's spring."""
     return which < SLIP and state_of(x, which) == ENGAGED_COMPLIANT
 
 
-def is_exact(x, which):
+def is_exact(x: State, which: int) -> bool:
     """Return True if an indicator is a torque that ends a contact mode: it is evaluated by the equations."""
     return which < FLOW and not is_speed(x, which)
 
 
-def value_and_rate(d, x, m, which):
+def value_and_rate(d: Constants, x: State, m: Machine, which: int) -> tuple[float, float]:
     """A guard, and its rate if it is a speed, else itself once more; m: d.machine after motion.evaluate."""
     if which == FLOW:
         return x.flow_sign * m.torque, x.flow_sign * m.torque
@@ -101,7 +102,7 @@ def value_and_rate(d, x, m, which):
     return -m.output, -m.output
 
 
-def ends_of(values, last):
+def ends_of(values: Doubles, last: int) -> tuple[float, float]:
     """The least and the largest of the values up to stage last."""
     low = high = values[0]
     for n in range(1, last + 1):
@@ -110,7 +111,7 @@ def ends_of(values, last):
     return low, high
 
 
-def is_clear(x, w, which):
+def is_clear(x: State, w: Workspace, which: int) -> bool:
     """Tell whether a guard does not fall in the step, by its stages.
 
     It is far above zero at all of them, or grows away from its beginning, or it is a speed that only grows or
@@ -135,7 +136,7 @@ def is_clear(x, w, which):
     return start >= 0.0 and least > CLEAR * (most - least)
 
 
-def fitted_guard(x, w, which, sigma):
+def fitted_guard(x: State, w: Workspace, which: int, sigma: float) -> float:
     """Return an indicator at the fraction sigma of the step by its dense output.
 
     A value below zero at the beginning is rounding and is left out, except for a spring.

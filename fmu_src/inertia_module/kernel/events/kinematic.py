@@ -9,6 +9,7 @@ import math
 from ..equations.motion import evaluate
 from ..equations.states import OVERRUNNING, RATIO_PRESCRIBED
 from ..loads import sample_load
+from ..records import Constants, State, Workspace
 from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from .advance import commit
 from .stages import keep_rates, set_changes
@@ -23,7 +24,7 @@ SIGN_CHANGE_RTOL = 1e-9  # Distance of the samples from the ends of the interval
 REVERSAL_RTOL = 1e-12  # A reversal of link 1 before this fraction of the interval counts as present
 
 
-def set_prescribed_contacts(x, omega1, omega2):
+def set_prescribed_contacts(x: State, omega1: float, omega2: float) -> None:
     """Set the states of the freewheels and the sign of the slip for prescribed speeds.
 
     Args:
@@ -36,7 +37,7 @@ def set_prescribed_contacts(x, omega1, omega2):
     x.slip_sign = math.copysign(1.0, omega1 - omega2) if omega1 != omega2 else 0.0
 
 
-def impose_ratio(d, x):
+def impose_ratio(d: Constants, x: State) -> None:
     """Set the speed of link 2 and of the output to ratio omega1.
 
     Args:
@@ -47,7 +48,7 @@ def impose_ratio(d, x):
     set_prescribed_contacts(x, x.omega1, x.omega2)
 
 
-def prescribe_motion(d, x, t):
+def prescribe_motion(d: Constants, x: State, t: float) -> None:
     """Write the prescribed motion and its torques to d.machine.
 
     Args:
@@ -66,7 +67,7 @@ def prescribe_motion(d, x, t):
     evaluate(d, x, x.alpha1, 0.0, False)
 
 
-def loss_signs(d, x, t):
+def loss_signs(d: Constants, x: State, t: float) -> tuple[float, float]:
     """Return the signs of the mesh torques on which the mesh losses depend.
 
     Args:
@@ -82,7 +83,7 @@ def loss_signs(d, x, t):
     return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
 
 
-def has_signs(d, x, t, flow, spin):
+def has_signs(d: Constants, x: State, t: float, flow: float, spin: float) -> bool:
     """Return True if the mesh torques have the signs flow and spin.
 
     Args:
@@ -96,7 +97,7 @@ def has_signs(d, x, t, flow, spin):
     return flow_at_t == flow and spin_at_t == spin
 
 
-def until_next_kink(d, x, h):
+def until_next_kink(d: Constants, x: State, h: float) -> float:
     """Return the time to a reversal of link 1 or just after a sign change of a mesh torque, at most h, s.
 
     Args:
@@ -125,7 +126,7 @@ def until_next_kink(d, x, h):
     return h
 
 
-def advance_kinematic(d, x, w, remaining):
+def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) -> float:
     """Advance by one interval.
 
     Args:

@@ -8,6 +8,7 @@ contact mode is evaluated by the equations of motion, because the dense output i
 from ..codes import NO_EVENT
 from ..equations.choice import torque_magnitude
 from ..links import response
+from ..records import Constants, State, Workspace
 from ..tableau import DOP853_LAST_STAGE, N_STAGES, fit_dense_output
 from . import guards
 from .error import fastest_link
@@ -22,14 +23,25 @@ TORQUE_ROUNDING = 1e-13
 PLAY_ROUNDING = 1e-12
 
 
-def guard_inside(d, x, w, which, sigma, by_equations):
+def guard_inside(d: Constants, x: State, w: Workspace, which: int, sigma: float, by_equations: bool) -> float:
     """Return an indicator at the part sigma of the step, by the equations or by its dense output."""
     if by_equations:
         return exact_guard(d, x, w, which, sigma)
     return guards.fitted_guard(x, w, which, sigma)
 
 
-def illinois(d, x, w, which, zero, low, value_low, high, value_high, by_equations):
+def illinois(
+    d: Constants,
+    x: State,
+    w: Workspace,
+    which: int,
+    zero: float,
+    low: float,
+    value_low: float,
+    high: float,
+    value_high: float,
+    by_equations: bool,
+) -> float:
     """Return the part of the step at which an indicator has just fallen below -zero.
 
     Args:
@@ -69,7 +81,7 @@ def illinois(d, x, w, which, zero, low, value_low, high, value_high, by_equation
     return high
 
 
-def lowest_point(before, here, after):
+def lowest_point(before: float, here: float, after: float) -> float:
     """Return the lowest point of the parabola through three samples, in samples from the middle one.
 
     It is 0 if the middle sample is not the lowest.
@@ -79,7 +91,17 @@ def lowest_point(before, here, after):
     return 0.5 * (before - after) / (before - 2.0 * here + after)
 
 
-def fall_between(d, x, w, which, zero, low, value_low, high, value_high):
+def fall_between(
+    d: Constants,
+    x: State,
+    w: Workspace,
+    which: int,
+    zero: float,
+    low: float,
+    value_low: float,
+    high: float,
+    value_high: float,
+) -> float:
     """Return the part of the step at which an indicator falls, or -1 if its torque does not.
 
     Args:
@@ -105,7 +127,7 @@ def fall_between(d, x, w, which, zero, low, value_low, high, value_high):
     return -1.0
 
 
-def first_fall(d, x, w, which, zero):
+def first_fall(d: Constants, x: State, w: Workspace, which: int, zero: float) -> float:
     """Return the part of the step at which an indicator first falls below -zero, or -1.
 
     A dip between two samples is looked for at the lowest point of the parabola through three samples.
@@ -131,7 +153,7 @@ def first_fall(d, x, w, which, zero):
     return -1.0
 
 
-def guard_tolerance(d, x, w, which):
+def guard_tolerance(d: Constants, x: State, w: Workspace, which: int) -> float:
     """Return the threshold below which an indicator counts as zero."""
     links = fastest_link(x, w.change)
     if guards.is_play(x, which):
@@ -151,7 +173,7 @@ def guard_tolerance(d, x, w, which):
     return zero
 
 
-def first_event(d, x, w):
+def first_event(d: Constants, x: State, w: Workspace) -> tuple[float, int]:
     """Return the part of the step in hand at which the first event occurs, or -1, and its indicator."""
     earliest = -1.0
     which = NO_EVENT

@@ -9,6 +9,7 @@ from ..equations.motion import equations_of_motion, evaluate
 from ..equations.states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY
 from ..fields import CAUSES
 from ..links import energy_of_links
+from ..records import Constants, Doubles, Followed, Machine, Records, State, Workspace
 from ..tableau import (
     DOP853_LAST_STAGE,
     FIRST_ERROR_STAGE,
@@ -31,13 +32,13 @@ RIGID_OUTPUT = 4
 FEWEST = 12
 
 
-def solve_motion(d, x, w):
+def solve_motion(d: Constants, x: State, w: Workspace) -> None:
     """Solve the equations for the motion in d.machine, signs of the loads as in the step in hand; counted."""
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
 
-def keep_rates(d, x, w, n):
+def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
     """Keep the rates of all that is followed as those of stage n, from d.machine after motion.evaluate."""
     if d.losses != 0.0:
         rates_of(d, x, w, n, LOSSY)
@@ -45,7 +46,7 @@ def keep_rates(d, x, w, n):
         rates_of(d, x, w, n, IDEAL)
 
 
-def rates_of(d, x, w, n, lossy):
+def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
     """Rates at stage n for keep_rates, with or without losses by load, drag, weights or wind-up."""
     m = d.machine
     rates = w.rates[n]
@@ -84,7 +85,7 @@ def rates_of(d, x, w, n, lossy):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
-def turn_freewheels(x, m, housing, output):
+def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None:
     """Write wind-up and play into m, rad, freewheels turned back by so much since x (one of both counts)."""
     m.wound_housing = x.wound_housing + housing
     m.wound_output = x.wound_output + output
@@ -92,7 +93,7 @@ def turn_freewheels(x, m, housing, output):
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w, row, count, which, after):
+def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
     """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau.
 
     Args:
@@ -104,7 +105,14 @@ def weighed_rate(w, row, count, which, after):
     return total
 
 
-def weighed_four(stages, weights, begin, after, count, first):
+def weighed_four(
+    stages: Records[Followed],
+    weights: Doubles | tuple[float, ...],
+    begin: int,
+    after: int,
+    count: int,
+    first: int,
+) -> tuple[float, float, float, float]:
     """Weighed sums of four quantities at stage 0 and others (w.rates ...), weights from place begin on."""
     weight, numbers = weights[begin], stages[0].numbers
     a, b = weight * numbers[first], weight * numbers[first + 1]
@@ -119,7 +127,17 @@ def weighed_four(stages, weights, begin, after, count, first):
     return a, b, c, d
 
 
-def weigh(stages, weights, begin, after, count, factor, sums, first, end):
+def weigh(
+    stages: Records[Followed],
+    weights: Doubles,
+    begin: int,
+    after: int,
+    count: int,
+    factor: float,
+    sums: Doubles,
+    first: int,
+    end: int,
+) -> None:
     """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
     for begins in range(first, end, 4):
         which = min(begins, end - 4)
@@ -130,7 +148,16 @@ def weigh(stages, weights, begin, after, count, factor, sums, first, end):
         sums[which + 3] = factor * four
 
 
-def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
+def weigh_motion(
+    d: Constants,
+    stages: Records[Followed],
+    weights: Doubles,
+    begin: int,
+    after: int,
+    count: int,
+    factor: float,
+    sums: Doubles,
+) -> None:
     """Write weighed sums of what moves (see weigh)."""
     weigh(stages, weights, begin, after, count, factor, sums, 0, RIGID_OUTPUT)
     if d.elastic + d.losses != 0.0:
@@ -141,7 +168,7 @@ def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
             sums[THETA1] += factor * weights[begin + n] * stages[n].theta1
 
 
-def evaluate_stages(d, x, w, first, last):
+def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
     """Evaluate stages of the step in hand, from the first to the last."""
     if d.losses != 0.0:
         stages_of(d, x, w, first, last, LOSSY)
@@ -149,7 +176,7 @@ def evaluate_stages(d, x, w, first, last):
         stages_of(d, x, w, first, last, IDEAL)
 
 
-def stages_of(d, x, w, first, last, lossy):
+def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy: int) -> None:
     """Rates at the stages, each from those at the stages before, for evaluate_stages."""
     h = w.step
     m = d.machine
@@ -179,7 +206,7 @@ def stages_of(d, x, w, first, last, lossy):
         x.step_evaluations += 1.0
 
 
-def set_changes(d, x, w, h, after, count):
+def set_changes(d: Constants, x: State, w: Workspace, h: float, after: int, count: int) -> None:
     """Changes of what is followed over the time h, by the weights of so many stages in w.weights."""
     changes = w.change.numbers
     followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
@@ -187,14 +214,14 @@ def set_changes(d, x, w, h, after, count):
     prescribe_link1(d, x, w, w.change, h)
 
 
-def prescribe_link1(d, x, w, changes, h):
+def prescribe_link1(d: Constants, x: State, w: Workspace, changes: Followed, h: float) -> None:
     """Change of link 1 over the time h, where its speed is given."""
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def make_step(d, x, w, pair, h):
+def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None:
     """Evaluate all stages of the step h by a pair (tableau.DOP853_ROW or DOPRI5_ROW), and the changes."""
     w.step = h
     w.pair = pair
@@ -206,13 +233,13 @@ def make_step(d, x, w, pair, h):
     set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
 
 
-def solve_changed(d, x, w, changes):
+def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
     """Solve the equations for the motion with these changes, into d.machine; counted."""
     move(d, x, changes)
     solve_motion(d, x, w)
 
 
-def move(d, x, changes):
+def move(d: Constants, x: State, changes: Followed) -> None:
     """Write the motion with these changes into d.machine."""
     m = d.machine
     m.q = x.q + changes.q
@@ -227,14 +254,14 @@ def move(d, x, changes):
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
 
 
-def set_changes_inside(d, x, w, sigma):
+def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Write the changes of the motion over the part sigma of the step in hand into w.inside (order 7)."""
     write_dense_weights(sigma, w.weights)
     weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
     prescribe_link1(d, x, w, w.inside, sigma * w.step)
 
 
-def exact_guard(d, x, w, which, sigma):
+def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
     """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
     values = w.watched[which].value
     value = values[0]
@@ -247,7 +274,7 @@ def exact_guard(d, x, w, which, sigma):
     return value - (0.0 if is_spring(x, which) else min(values[0], 0.0))
 
 
-def cut_step(d, x, w, sigma):
+def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Cut the step in hand, its dense output known, to its part sigma; d.machine is then at its end."""
     write_dense_weights(sigma, w.weights)
     set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
@@ -255,7 +282,7 @@ def cut_step(d, x, w, sigma):
     solve_changed(d, x, w, w.change)
 
 
-def keep_end(d, x, w):
+def keep_end(d: Constants, x: State, w: Workspace) -> None:
     """Keep the rates at the end of the step in hand as those of stage 0."""
     end = last_stage(int(w.pair))
     copy(w.rates[0].numbers, w.rates[end].numbers)

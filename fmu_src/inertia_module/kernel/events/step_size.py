@@ -2,6 +2,7 @@
 
 import math
 
+from ..records import Constants, State, Workspace
 from ..tableau import DOP853_ROW, DOPRI5_ROW
 from .error import error_norm, write_scales
 from .guards import how_many_guards, is_clear, is_watched
@@ -20,14 +21,14 @@ SHORT_GROWTH = 1.05
 MAX_REJECTIONS = 100
 
 
-def advance_of_phase(d, x, w):
+def advance_of_phase(d: Constants, x: State, w: Workspace) -> float:
     """Return the advance of the highest harmonic in the step in hand, rad."""
     slip = abs(x.omega1 - x.omega2)
     end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
     return w.step * d.harmonic * d.k * max(slip, end)
 
 
-def longest_step(d, x, remaining):
+def longest_step(d: Constants, x: State, remaining: float) -> float:
     """Return the longest step, s: the highest harmonic of q advances by STEP_PHASE at most."""
     m = d.machine
     step = min(remaining, d.max_step)
@@ -41,28 +42,28 @@ def longest_step(d, x, remaining):
     return step
 
 
-def limit_size_after_switch(d, x):
+def limit_size_after_switch(d: Constants, x: State) -> None:
     """Limit the size of the first step in a new contact mode: an error in it may be estimated far too low."""
     slip = d.harmonic * d.k * abs(x.omega1 - x.omega2)
     if x.step_size * slip > FIRST_PHASE:
         x.step_size = FIRST_PHASE / slip
 
 
-def first_size(size, limit):
+def first_size(size: float, limit: float) -> float:
     """Return the size to try first, s: the size of the state if there is one, at most the limit."""
     return min(limit, size) if size > 0.0 else 0.1 * limit
 
 
-def next_factor(error, order, safety, smallest):
+def next_factor(error: float, order: float, safety: float, smallest: float) -> float:
     """Return the factor from the present step size to the next one for this error over the allowed one."""
     if not error < 1e300:
         return MIN_FACTOR
     if error == 0.0:
         return MAX_FACTOR
-    return min(MAX_FACTOR, max(smallest, safety * error ** (-1.0 / order)))
+    return min(MAX_FACTOR, max(smallest, safety * math.pow(error, -1.0 / order)))
 
 
-def carried(size, h, factor):
+def carried(size: float, h: float, factor: float) -> float:
     """Return the step size to keep after an accepted step h that was tried with this size, s.
 
     A step that the end of the communication step has shortened does not reduce it.
@@ -70,7 +71,7 @@ def carried(size, h, factor):
     return max(factor * h, size) if h < size else factor * h
 
 
-def try_short_step(d, x, w, remaining):
+def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
     """Make the step to the end of the time remaining by the pair 5(4).
 
     Returns:
@@ -89,7 +90,7 @@ def try_short_step(d, x, w, remaining):
     return True
 
 
-def try_steps(d, x, w, limit):
+def try_steps(d: Constants, x: State, w: Workspace, limit: float) -> bool:
     """Make the longest step of allowed error by the pair 8(5,3). Returns whether there is one."""
     h = first_size(x.step_size, limit)
     for attempt in range(MAX_REJECTIONS):
@@ -104,7 +105,7 @@ def try_steps(d, x, w, limit):
     return False
 
 
-def make_accepted_step(d, x, w, remaining, limit):
+def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
     """Make a step of allowed error, by the pair 5(4) if it reaches the end. Returns whether there is one."""
     is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
     if is_short and try_short_step(d, x, w, remaining):
