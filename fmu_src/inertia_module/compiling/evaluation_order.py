@@ -1,7 +1,8 @@
 """Rejects expressions whose value depends on the order in which C evaluates their operands.
 
-Python evaluates operands from left to right. C leaves the order open, but for `and`, `or` and `if ... else`.
-So an operand with a call that writes to a record must stand alone among operands that read one.
+Python evaluates operands from left to right. C does not define the order, except for `and`, `or` and
+`if ... else`. Therefore, if an operand calls a function that writes to a record, the other operands must not
+read a record.
 """
 
 from __future__ import annotations
@@ -26,7 +27,12 @@ def writes(function: types.FunctionType) -> bool:
 
 
 def called_function(scope: Scope, node: ast.AST) -> types.FunctionType | None:
-    """Return the function of the kernel that a call calls; None if the node is no such call."""
+    """Return the kernel's function in a call; None if the node is no such call.
+
+    Args:
+        scope: names of the calling function.
+        node: the call.
+    """
     function = scope.look_up(node.func) if isinstance(node, ast.Call) else None
     return function if isinstance(function, types.FunctionType) else None
 
@@ -72,10 +78,14 @@ def operands(node: ast.AST) -> list[ast.expr]:
 
 
 def check_order(scope: Scope, statement: ast.AST) -> None:
-    """Reject a statement whose result depends on the order of its operands.
+    """Raise an error if the result of a statement depends on the order of its operands.
+
+    Args:
+        scope: names of the function.
+        statement: the statement, or an expression.
 
     Raises:
-        NotInLanguage: an operand writes to a record that another may read.
+        NotInLanguage: an operand writes to a record, and another operand may read it.
     """
     for node in ast.walk(statement):
         parts = operands(node)
