@@ -1,4 +1,4 @@
-"""Source text of the kernel: trees, comments, and where a name is defined."""
+"""Source text of the kernel: syntax trees, comments, and the modules that define names."""
 
 from __future__ import annotations
 
@@ -14,23 +14,34 @@ from typing import Any, NamedTuple
 
 from . import CompilationUnavailable
 
-# result of a look-up of a name that only the function knows
+# result of the look-up of a local name of a function
 LOCAL = object()
 
 
 class NotInLanguage(CompilationUnavailable):
-    """A construct of Python that is outside the language of the kernel, with file and line."""
+    """A construct of Python is outside the language of the kernel; the message contains file and line."""
 
 
 class Comment(NamedTuple):
-    """A comment: its text, and whether the line has nothing else."""
+    """A comment.
+
+    Attributes:
+        text: text without the sign #.
+        is_alone: True if the line contains nothing else.
+    """
 
     text: str
     is_alone: bool
 
 
 class SourceFile(NamedTuple):
-    """A file of Python: its path, its tree, and its comments by line."""
+    """A file of Python.
+
+    Attributes:
+        path: path of the file.
+        tree: syntax tree.
+        comments: comments by line number.
+    """
 
     path: Path
     tree: ast.Module
@@ -52,7 +63,14 @@ def source_file(module: str) -> SourceFile:
 
 @functools.cache
 def definition(function: types.FunctionType) -> ast.FunctionDef:
-    """Return the tree of a function of a module."""
+    """Return the syntax tree of a function.
+
+    Args:
+        function: function of a module.
+
+    Raises:
+        NotInLanguage: the function is not defined at the top level of a module.
+    """
     for statement in source_file(function.__module__).tree.body:
         if isinstance(statement, ast.FunctionDef) and statement.name == function.__name__:
             return statement
@@ -78,10 +96,17 @@ def defining_module(module: str, name: str) -> tuple[str, str]:
 
 
 class Scope:
-    """Names of a function: its local ones, and those of its module.
+    """Names of a function: its local names and the names of its module.
 
     Args:
         function: the function.
+
+    Attributes:
+        module: name of the module.
+        path: path of the module.
+        tree: syntax tree of the function.
+        parameters: names of the parameters.
+        local: names of parameters and local variables.
     """
 
     def __init__(self, function: types.FunctionType) -> None:
@@ -92,12 +117,17 @@ class Scope:
         self.local = {*self.parameters, *stored_names(self.tree)}
 
     def reject(self, node: ast.AST, reason: str) -> NotInLanguage:
-        """Return the error for a construct outside the language."""
+        """Return the error for a construct outside the language.
+
+        Args:
+            node: the construct.
+            reason: message.
+        """
         line = getattr(node, "lineno", self.tree.lineno)
         return NotInLanguage(f"{self.path}:{line}: {reason}")
 
     def look_up(self, node: ast.AST) -> Any:
-        """Return the value of a name, or of a name of a module, outside the function; else LOCAL."""
+        """Return the value of a global name or of an attribute of a module; otherwise LOCAL."""
         if isinstance(node, ast.Name) and node.id not in self.local:
             return vars(sys.modules[self.module]).get(node.id, LOCAL)
         if isinstance(node, ast.Attribute):
