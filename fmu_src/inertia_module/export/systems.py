@@ -253,7 +253,7 @@ def _libraries() -> dict[str, bytes]:
     folder = Path(fmpy.container_fmu.__file__).parent / "binaries"
     mac = [
         (triple, (folder / name / f"{LIBRARY}.dylib").read_bytes())
-        for triple, name in (("x86_64", "x86_64-darwin"), ("arm64", "aarch64-darwin"))
+        for triple, name in (("x86_64", "x86_64-darwin"), ("aarch64", "aarch64-darwin"))
     ]
     return {
         f"binaries/linux64/{LIBRARY}.so": (folder / "x86_64-linux" / f"{LIBRARY}.so").read_bytes(),
