@@ -29,7 +29,11 @@ def is_equal(first: Any, second: Any) -> bool:
 
 
 def hash_of(value: Any) -> int:
-    """Return the hash of a value by content: equal values (is_equal) have the same hash."""
+    """Return the hash of a value by content: equal values (is_equal) have the same hash.
+
+    Args:
+        value: a value of any type.
+    """
     if isinstance(value, np.ndarray):
         return hash(value.shape)
     if isinstance(value, Mapping):
