@@ -22,7 +22,11 @@ class Refused(ValueError):
 
 
 def sentence_of(error: BaseException) -> str:
-    """Return the message of an error in one line; a system error includes the name of its file."""
+    """Return the message of an error in one line; a system error includes the name of its file.
+
+    Args:
+        error: the error.
+    """
     text = str(error)
     if isinstance(error, OSError) and error.strerror:
         text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
@@ -43,14 +47,22 @@ def must_be(name: str, allowed: str, value: float | str) -> str:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Return a text with the first LISTED names and the number of the others."""
+    """Return a text with the first LISTED names and the number of the others.
+
+    Args:
+        names: all names.
+    """
     every = list(names)
     more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
     return f"{', '.join(every[:LISTED])}{more}"
 
 
 def alternatives(words: Sequence[str]) -> str:
-    """Return a text with words as alternatives: "a", "a or b", "a, b or c"."""
+    """Return a text with words as alternatives: "a", "a or b", "a, b or c".
+
+    Args:
+        words: at least one word.
+    """
     *others, last = words
     return " or ".join([", ".join(others), last] if others else [last])
 
