@@ -63,7 +63,11 @@ def sources(*patterns: str) -> dict[str, bytes]:
 
 
 def content_hash(files: Mapping[str, bytes]) -> str:
-    """Return a hash of names and contents, 32 hexadecimal digits."""
+    """Return a hash of names and contents, 32 hexadecimal digits.
+
+    Args:
+        files: contents by name.
+    """
     digest = hashlib.sha256()
     for name, content in sorted(files.items()):
         digest.update(name.encode() + b"\0" + len(content).to_bytes(8, "little") + content)
@@ -71,7 +75,14 @@ def content_hash(files: Mapping[str, bytes]) -> str:
 
 
 def writable_folder(folder: Path) -> Path:
-    """Return the folder if files can be written to it or it can be created; raise OSError otherwise."""
+    """Return the folder if files can be written to it or it can be created; raise OSError otherwise.
+
+    Args:
+        folder: path of the folder.
+
+    Raises:
+        OSError: the folder cannot be created or written.
+    """
     failure = f"cannot write to {folder}"
     try:
         parents = (folder, *folder.absolute().parents)
@@ -120,7 +131,11 @@ def read_text(path: Path, limit: int = MAX_TEXT_SIZE) -> str:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Add the path of a file to system errors: the error of a full disk has no path."""
+    """Add the path of a file to system errors: the error of a full disk has no path.
+
+    Args:
+        path: path of the file.
+    """
     try:
         yield
     except OSError as error:
