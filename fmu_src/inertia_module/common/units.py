@@ -220,7 +220,14 @@ def _readings(unit: str) -> Iterator[str]:
 
 
 def units_like(unit: str) -> tuple[str, ...]:
-    """Return the units of the same kind; the unit alone if its kind is not in KINDS."""
+    """Return the units of the same kind; the unit alone if its kind is not in KINDS.
+
+    Args:
+        unit: a unit.
+
+    Raises:
+        ValueError: the unit is unknown.
+    """
     dimension = parse_unit(unit)[1]
     alike = [units for units in KINDS.values() if parse_unit(units[0])[1] == dimension]
     return next((units for units in alike if unit in units), alike[0] if alike else (unit,))
