@@ -110,6 +110,10 @@ def readings(cells: Sequence[str], comma_separated: bool = False) -> list[Readin
 
 
 def booleans(cells: Sequence[str]) -> NDArray[np.float64] | None:
-    """Return 1 and 0 for a column of true and false, shape (cells,); None if a cell is neither."""
+    """Return 1 and 0 for a column of true and false, shape (cells,); None if a cell is neither.
+
+    Args:
+        cells: texts of the column.
+    """
     words = [cell.strip().lower() for cell in cells]
     return np.array([BOOLEANS[word] for word in words]) if BOOLEANS.keys() >= set(words) else None
