@@ -31,12 +31,20 @@ RUNTIME = (
 
 @functools.cache
 def kernel_source(model: Model) -> bytes:
-    """Return the kernel of a model in C."""
+    """Return the kernel of a model in C.
+
+    Args:
+        model: model of the kernel.
+    """
     return translate(model).encode()
 
 
 def dependencies(model: Model) -> dict[str, bytes]:
-    """Return contents by name that determine the machine code of a kernel, in addition to the platform."""
+    """Return contents by name that determine the machine code of a kernel, in addition to the platform.
+
+    Args:
+        model: model of the kernel.
+    """
     return (
         model.source
         | sources("compiling/*.py", "compiling/*.[ch]", "contract/records.py")
@@ -179,7 +187,11 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
 
 
 def kernel_library(model: Model) -> Path:
-    """Return the path in the cache of a shared library with a kernel only, for this platform."""
+    """Return the path in the cache of a shared library with a kernel only, for this platform.
+
+    Args:
+        model: model of the kernel.
+    """
     target = here()
     name = f"{model.name}-kernel-{target.label}{target.suffix}"
     return kept(
