@@ -92,17 +92,36 @@ class Kernel(Protocol):
     """Definitions that all functions of a kernel share."""
 
     def constant(self, module: str, name: str, value: object) -> Expression:
-        """Return a constant or a table of a module."""
+        """Return a constant or a table of a module.
+
+        Args:
+            module: module that defines the constant.
+            name: name in this module.
+            value: a number, or a tuple of numbers.
+        """
 
     def call(self, function: types.FunctionType, arguments: tuple[Type, ...]) -> tuple[str, Type]:
-        """Return the name of a function in C, and the type of its result, for types of its arguments."""
+        """Return the name of a function in C, and the type of its result, for types of its arguments.
+
+        Args:
+            function: the function.
+            arguments: types of its arguments.
+        """
 
     def tuple_name(self, kind: TupleType) -> str:
-        """Return the name of the struct of a tuple."""
+        """Return the name of the struct of a tuple.
+
+        Args:
+            kind: type of the tuple.
+        """
 
 
 def variable_name(name: str) -> str:
-    """Return the name of a variable in C."""
+    """Return the name of a variable in C.
+
+    Args:
+        name: name in Python.
+    """
     return f"{name}_" if name in RESERVED else name
 
 
@@ -142,7 +161,14 @@ class Expressions:
         return expression
 
     def scalar(self, node: ast.expr) -> Expression:
-        """Return the translation of an expression whose value must be a number or a truth value."""
+        """Return the translation of an expression whose value must be a number or a truth value.
+
+        Args:
+            node: the expression.
+
+        Raises:
+            NotInLanguage: the value has another type.
+        """
         expression = self.translate(node)
         if expression.type is not None and expression.type not in SCALARS:
             raise self.scope.reject(
