@@ -21,7 +21,14 @@ Path = tuple[int, ...]
 
 
 def wrapped(line: str) -> list[str]:
-    """Break a long line of C at spaces."""
+    """Break a long line of C at spaces.
+
+    Args:
+        line: line with its indentation.
+
+    Returns:
+        The lines.
+    """
     indent = " " * (len(line) - len(line.lstrip()))
     lines = textwrap.wrap(
         line.strip(), WIDTH, initial_indent=indent, subsequent_indent=indent + 2 * INDENT,
