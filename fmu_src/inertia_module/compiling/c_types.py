@@ -74,7 +74,11 @@ def common_type(first: Type, second: Type) -> Type:
 
 
 def type_name(kind: Type) -> str:
-    """Return the name of a type; for a tuple, the name of its struct."""
+    """Return the name of a type; for a tuple, the name of its struct.
+
+    Args:
+        kind: the type.
+    """
     if isinstance(kind, TupleType) and set(kind.items) == {DOUBLE}:
         return f"doubles_{len(kind.items)}"
     if isinstance(kind, TupleType):
