@@ -18,7 +18,11 @@ Memory = ast.Attribute | ast.Subscript
 
 @functools.cache
 def writes(function: types.FunctionType) -> bool:
-    """Return True if a function writes to a record or an array of its caller."""
+    """Return True if a function writes to a record or an array of its caller.
+
+    Args:
+        function: function of the kernel.
+    """
     scope = Scope(function)
     return any(
         (isinstance(node, Memory) and isinstance(node.ctx, ast.Store)) or calls_writer(scope, node)
@@ -38,18 +42,33 @@ def called_function(scope: Scope, node: ast.AST) -> types.FunctionType | None:
 
 
 def calls_writer(scope: Scope, node: ast.AST) -> bool:
-    """Return True if a node is a call of a function that writes."""
+    """Return True if a node is a call of a function that writes.
+
+    Args:
+        scope: names of the function that contains the node.
+        node: syntax tree of an expression.
+    """
     function = called_function(scope, node)
     return function is not None and writes(function)
 
 
 def contains_writer(scope: Scope, node: ast.AST) -> bool:
-    """Return True if an expression contains a call that writes."""
+    """Return True if an expression contains a call that writes.
+
+    Args:
+        scope: names of the function that contains the node.
+        node: syntax tree of an expression.
+    """
     return any(calls_writer(scope, part) for part in ast.walk(node))
 
 
 def reads_memory(scope: Scope, node: ast.AST) -> bool:
-    """Return True if the value of an expression may depend on records or arrays."""
+    """Return True if the value of an expression may depend on records or arrays.
+
+    Args:
+        scope: names of the function that contains the node.
+        node: syntax tree of an expression.
+    """
     return any(
         (isinstance(part, Memory) and scope.look_up(part) is LOCAL)
         or (isinstance(part, ast.Call) and called_function(scope, part) is not None)
@@ -58,7 +77,11 @@ def reads_memory(scope: Scope, node: ast.AST) -> bool:
 
 
 def operands(node: ast.AST) -> list[ast.expr]:
-    """Return the parts of an expression or an assignment that C evaluates in any order."""
+    """Return the parts of an expression or an assignment that C evaluates in any order.
+
+    Args:
+        node: the expression or assignment.
+    """
     match node:
         case ast.BinOp():
             return [node.left, node.right]
