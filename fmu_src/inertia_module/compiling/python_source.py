@@ -50,7 +50,11 @@ class SourceFile(NamedTuple):
 
 @functools.cache
 def source_file(module: str) -> SourceFile:
-    """Read the source of an imported module."""
+    """Read the source of an imported module.
+
+    Args:
+        module: name of the module.
+    """
     path = Path(str(sys.modules[module].__file__))
     text = path.read_text(encoding="utf-8")
     comments = {}
@@ -127,7 +131,11 @@ class Scope:
         return NotInLanguage(f"{self.path}:{line}: {reason}")
 
     def look_up(self, node: ast.AST) -> Any:
-        """Return the value of a global name or of an attribute of a module; otherwise LOCAL."""
+        """Return the value of a global name or of an attribute of a module; otherwise LOCAL.
+
+        Args:
+            node: the name or attribute.
+        """
         if isinstance(node, ast.Name) and node.id not in self.local:
             return vars(sys.modules[self.module]).get(node.id, LOCAL)
         if isinstance(node, ast.Attribute):
@@ -136,18 +144,31 @@ class Scope:
         return LOCAL
 
     def origin(self, node: ast.Name | ast.Attribute) -> tuple[str, str]:
-        """Return the module that defines a constant, and its name there."""
+        """Return the module that defines a constant, and its name there.
+
+        Args:
+            node: the name or attribute.
+        """
         if isinstance(node, ast.Name):
             return defining_module(self.module, node.id)
         return defining_module(self.look_up(node.value).__name__, node.attr)
 
 
 def stored_names(*nodes: ast.AST) -> list[str]:
-    """Return the names that statements assign to, in the order of the text, with repetitions."""
+    """Return the names that statements assign to, in the order of the text, with repetitions.
+
+    Args:
+        nodes: syntax trees of the statements.
+    """
     names = (name for node in nodes for name in ast.walk(node) if isinstance(name, ast.Name))
     return [name.id for name in names if isinstance(name.ctx, ast.Store)]
 
 
 def reads(node: ast.AST, name: str) -> bool:
-    """Return True if an expression or a statement mentions a name."""
+    """Return True if an expression or a statement mentions a name.
+
+    Args:
+        node: syntax tree.
+        name: the name.
+    """
     return any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))
