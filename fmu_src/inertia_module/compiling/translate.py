@@ -72,7 +72,12 @@ HEAD = """\
 
 
 def c_name(module: str, name: str) -> str:
-    """Return the name in C of a function or a constant of a module of the kernel."""
+    """Return the name in C of a function or a constant of a module of the kernel.
+
+    Args:
+        module: module that defines the name.
+        name: name in this module.
+    """
     folder = module.removeprefix(kernel.__name__).lstrip(".").replace(".", "_")
     return f"{folder.upper() if name.isupper() else folder}_{name}".lstrip("_")
 
@@ -125,7 +130,11 @@ class KernelTranslator:
         return self.records[field_list]
 
     def tuple_name(self, kind: TupleType) -> str:
-        """Return the name of the struct of a tuple."""
+        """Return the name of the struct of a tuple.
+
+        Args:
+            kind: type of the tuple.
+        """
         name = type_name(kind)
         if name not in self.structs and None not in kind.items:
             lines = [f"{INDENT}{declaration(item, f'item{n}')};" for n, item in enumerate(kind.items)]
@@ -226,7 +235,11 @@ def translate(model: Model) -> str:
 
 
 def record_names(model: Model) -> dict[int, str]:
-    """Return the names of all records of a model by the identity of their lists of fields."""
+    """Return the names of all records of a model by the identity of their lists of fields.
+
+    Args:
+        model: the model.
+    """
     names = dict(zip(map(id, model.records), RECORDS, strict=True))
     names |= {id(value): name.lower() for name, value in vars(fields).items() if isinstance(value, tuple)}
     pending = list(model.records)
