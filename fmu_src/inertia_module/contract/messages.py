@@ -19,7 +19,11 @@ _ABANDONED = "communication step = {step} s is rejected: "
 
 
 def named(*names: str) -> str:
-    """Return a text of names and placeholders for their values, separated by commas."""
+    """Return a text of names and placeholders for their values, separated by commas.
+
+    Args:
+        names: names of parameters or inputs.
+    """
     return ", ".join(f"{name} = {{{name}}}" for name in names)
 
 
