@@ -33,7 +33,11 @@ class Bound(NamedTuple):
     maximum: int
 
     def accepts(self, value: float) -> bool:
-        """Return True if the number may have a value."""
+        """Return True if the number may have a value.
+
+        Args:
+            value: the value.
+        """
         return 0.0 <= value <= self.maximum and value % 1.0 == 0.0
 
 
