@@ -184,7 +184,11 @@ def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
 
 
 def osp_structure(plan: Plan) -> bytes:
-    """Return OspSystemStructure.xml of a plan for libcosim; the FMUs describe enumerations as Integers."""
+    """Return OspSystemStructure.xml of a plan for libcosim; the FMUs describe enumerations as Integers.
+
+    Args:
+        plan: the system.
+    """
     return _filled(OSP_STRUCTURE, plan)
 
 
