@@ -60,13 +60,21 @@ def guide(name: str) -> dict[str, str]:
 
 
 def inline(text: str) -> str:
-    """Convert a text with names in `backticks` and bold text in **stars** to HTML."""
+    """Convert a text with names in `backticks` and bold text in **stars** to HTML.
+
+    Args:
+        text: text in Markdown.
+    """
     code = re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text, quote=False))
     return re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", code)
 
 
 def blocks(section: str) -> str:
-    """Convert the paragraphs and lists of a section to HTML; the guides use no other Markdown."""
+    """Convert the paragraphs and lists of a section to HTML; the guides use no other Markdown.
+
+    Args:
+        section: section in Markdown.
+    """
     lines = []
     for block in section.split("\n\n"):
         kind = "ul" if block.startswith("-") else "ol"
@@ -98,7 +106,11 @@ def _table(heading: str, variables: Iterable[table.Variable]) -> Table:
 
 
 def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
-    """Yield the heading of each causality and the tables of its groups."""
+    """Yield the heading of each causality and the tables of its groups.
+
+    Args:
+        model: the model.
+    """
     for causality, heading in HEADINGS.items():
         of_causality = list(model.with_causality(causality))
         by_group = {group: [v for v in of_causality if v.group == group] for group in table.Group}
@@ -106,7 +118,11 @@ def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
 
 
 def flanges(model: Model) -> Table:
-    """Return the table of the flanges of a model, with variable names in backticks."""
+    """Return the table of the flanges of a model, with variable names in backticks.
+
+    Args:
+        model: the model.
+    """
     rows = []
     for end in model.terminals:
         names = [f"`{name}`" if name else "" for name in (end.speed, end.torque, end.angle)]
