@@ -82,7 +82,11 @@ class NativeFmu(NamedTuple):
         return f"{self.identifier}.fmu"
 
     def library_path(self, target: Target) -> str:
-        """Return the path of the shared library for a target within the FMU."""
+        """Return the path of the shared library for a target within the FMU.
+
+        Args:
+            target: the platform.
+        """
         folder = target.folder if self.fmi == 2 else target.platform
         return f"binaries/{folder}/{self.identifier}{target.suffix}"
 
