@@ -84,7 +84,11 @@ class Table(NamedTuple):
 
 
 def size_of(variable: Any) -> int:
-    """Return the number of elements of a variable."""
+    """Return the number of elements of a variable.
+
+    Args:
+        variable: variable of fmpy.
+    """
     return math.prod(variable.shape)
 
 
