@@ -64,21 +64,33 @@ class Report:
 
 
 def line_of(text: str) -> str:
-    """Convert a text of an FMU to one line with a maximum of MAX_LENGTH printable characters."""
+    """Convert a text of an FMU to one line with a maximum of MAX_LENGTH printable characters.
+
+    Args:
+        text: the text.
+    """
     line = " ".join(text.split())
     line = "".join(letter if letter.isprintable() else "\ufffd" for letter in line)
     return line if len(line) <= MAX_LENGTH else f"{line[:MAX_LENGTH]}…"
 
 
 def listed(messages: Iterable[str]) -> list[str]:
-    """Return the first MAX_MESSAGES different messages as lines, and a line with the number of the others."""
+    """Return the first MAX_MESSAGES different messages as lines, and a line with the number of the others.
+
+    Args:
+        messages: the messages.
+    """
     different = list(dict.fromkeys(map(line_of, messages)))
     more = len(different) - MAX_MESSAGES
     return different[:MAX_MESSAGES] + [f"and {more} more messages"] * (more > 0)
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the reason of a failure as one line."""
+    """Return the reason of a failure as one line.
+
+    Args:
+        error: the error.
+    """
     if isinstance(error, MemoryError):
         return "the memory limit is exceeded"
     return " ".join(str(error).split()) or type(error).__name__
