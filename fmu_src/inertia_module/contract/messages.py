@@ -1,8 +1,8 @@
 """Messages for invalid values, rejected steps and warnings: names, values and allowed values.
 
-Each status of the kernels and each warning has one message. {name} stands for the value of that parameter
-or input, {omega1_rate} and the like for the input rates, {step} for the communication step. Python, the
-native FMU and the viewer insert the values.
+Each status of the kernels and each warning has one message. {name} is replaced by the value of the parameter
+or input, {omega1_rate} by the rate of the input omega1, {step} by the communication step. Python, the native
+FMU and the viewer insert the values.
 """
 
 from __future__ import annotations
@@ -19,32 +19,40 @@ _ABANDONED = "communication step = {step} s is rejected: "
 
 
 def named(*names: str) -> str:
-    """Return names and values, separated by commas."""
+    """Return a text of names and placeholders for their values, separated by commas.
+
+    Args:
+        names: names of parameters or inputs.
+    """
     return ", ".join(f"{name} = {{{name}}}" for name in names)
 
 
 def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
-    """Sentences for inputs, rates and steps that are not finite or absurd, and for an overflow."""
-    sentences = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
+    """Return the messages for inputs, rates and steps out of range and for an overflow, by status.
+
+    Args:
+        table: variables of the model.
+    """
+    messages = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
     inputs = list(with_causality(INPUT, table=table))
     for n, variable in enumerate(inputs):
         name, allowed = variable.name, variable.allowed
-        sentences[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
-        sentences[codes.BAD_RATE + n] = (
+        messages[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
+        messages[codes.BAD_RATE + n] = (
             f"the rate of {name} must keep {name} {allowed} over {{step}} s (got {{{name}_rate}}"
             f" {variable.unit}/s from {named(name)})"
         )
     speed = inputs[0]
-    sentences[codes.BAD_HOLD] = (
+    messages[codes.BAD_HOLD] = (
         f"{speed.name} must stay {speed.allowed} over {{step}} s with input_hold = linear (got"
         f" {{{speed.name}}}). The extrapolation of its change in a far shorter step leaves this range. Use"
         " steps of similar length, or input_hold = zero_order."
     )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
-    sentences[codes.NOT_FINITE] = (
+    messages[codes.NOT_FINITE] = (
         f"{_ABANDONED}numerical overflow (magnitude above 1e300) with {', '.join(others)} and {last}"
     )
-    return sentences
+    return messages
 
 
 _LINK_INERTIAS = ("link2_inertia", "input_inertia", "drive_inertia")
@@ -126,7 +134,7 @@ MESSAGES: Mapping[int, str] = {
     ),
 }
 
-# warnings on accepted parameters, by their numbers in kernel.codes
+# warnings about accepted parameters, by their numbers in kernel.codes
 WARNINGS: Mapping[int, str] = {
     codes.PLANAR_OVERLAP: (
         "the {satellites} satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites)"
