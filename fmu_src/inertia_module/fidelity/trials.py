@@ -470,7 +470,7 @@ def window_errors(record: Result, exact: Result, window: float, fidelity: int) -
 
 def at_level(scene: Scene, level: Level, communication_step: float | None = None) -> Scene:
     """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub."""
-    values = {**at_fidelity(scene.given, level.fidelity), "method": None, "max_step": None, **level.values}
+    values = {**at_fidelity(scene.explicit_parameters, level.fidelity), "method": None, "max_step": None, **level.values}
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
     return scene.replaced(
@@ -480,7 +480,7 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
 
 def reference_level(scene: Scene) -> Level:
     """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
-    return event(ELASTIC if is_elastic(scene.given) else RIGID, 1e-12)
+    return event(ELASTIC if is_elastic(scene.explicit_parameters) else RIGID, 1e-12)
 
 
 def measure_scene(
@@ -533,7 +533,7 @@ def measured_from(scene: Scene) -> dict[str, bytes]:
 
 def candidates(scene: Scene) -> list[Level]:
     """List the levels that are tried for a scene."""
-    return list(all_levels(is_elastic(scene.given), few=True))
+    return list(all_levels(is_elastic(scene.explicit_parameters), few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
@@ -596,5 +596,5 @@ def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
     """Measure a scene at all levels, in its own communication step and in longer ones."""
     longer = (factor * scene.run.communication_step for factor in (1, 10, 100))
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
-    levels = list(all_levels(is_elastic(scene.given)))
+    levels = list(all_levels(is_elastic(scene.explicit_parameters)))
     return measure_scene(scene, levels, steps, progress)
