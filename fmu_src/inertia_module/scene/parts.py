@@ -408,12 +408,12 @@ class TorqueLoad(ConstantOrTable):
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
 
-    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
         """Make the load as a system.
 
         Args:
             step: Communication step, s.
-            one_way: True if the shaft cannot rotate backward.
+            prevents_reverse: True if the shaft cannot rotate backward.
             start_speed: Initial speed of the shaft, rad/s.
         """
         return loops.Load(loops.source("load_torque", self.one_signal(), step))
@@ -435,12 +435,12 @@ class ShaftLoad(Strict):
     torque: Torque = 0.0
     coupling: Coupling | None = None
 
-    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
         """Make the shaft as a load as a system.
 
         Args:
             step: Communication step, s.
-            one_way: True if the shaft cannot rotate backward.
+            prevents_reverse: True if the shaft cannot rotate backward.
             start_speed: Initial speed of the shaft, rad/s.
         """
         return loops.shaft_load(
@@ -502,12 +502,12 @@ class VehicleLoad(Strict):
             return None
         return self.friction_coefficient * (self.driven_axle_load or self.mass * STANDARD_GRAVITY)
 
-    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
         """Make the vehicle as a load as a system.
 
         Args:
             step: Communication step, s.
-            one_way: True if the shaft cannot rotate backward.
+            prevents_reverse: True if the shaft cannot rotate backward.
             start_speed: Initial speed of the shaft, rad/s.
         """
         table, coupling = self.slope_over_distance, _coupling(self.coupling)
@@ -515,7 +515,7 @@ class VehicleLoad(Strict):
         own = self.model_dump(exclude=others | {"friction_coefficient", "driven_axle_load"})
         slope = self.slope if table is None else table.signal()
         return loops.vehicle_load(
-            step, **own, slope=slope, one_way=one_way, coupling=coupling, start_speed=start_speed
+            step, **own, slope=slope, one_way=prevents_reverse, coupling=coupling, start_speed=start_speed
         )
 
 
