@@ -225,11 +225,11 @@ class Scene(Strict):
     def built_load(self) -> loops.Load:
         """Return the load as a system."""
         # Two freewheels prevent the output shaft from rotating backward.
-        one_way = all(
+        prevents_reverse = all(
             self.explicit_parameters.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel")
         )
         start_speed = self.explicit_parameters.get("omega_out_start", 0.0)
-        return self.load.build(self.run.communication_step, one_way, start_speed)
+        return self.load.build(self.run.communication_step, prevents_reverse, start_speed)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
