@@ -71,7 +71,7 @@ Workers = Annotated[
 ]
 
 
-def print_to_stderr(text: str) -> None:
+def aside(text: str) -> None:
     """Print a line to the error output; a closed or full error output is ignored.
 
     Args:
@@ -90,7 +90,7 @@ class LogOfStages(logging.Handler):
         Args:
             record: The message.
         """
-        print_to_stderr(record.getMessage())
+        aside(record.getMessage())
 
 
 LOG = logging.getLogger("inertia_module")
@@ -99,7 +99,7 @@ LOG.setLevel(logging.INFO)
 
 
 # part of the output: a line, a title with values by heading, or a function that prints
-Output = str | tuple[str, dict[str, str]] | Callable[[], None]
+Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
 
 
 @dataclass
@@ -115,7 +115,7 @@ class Answer:
     """
 
     data: dict[str, Any]
-    output: Sequence[Output] = ()
+    output: Sequence[Shown] = ()
     files: Mapping[str, Path] = field(default_factory=dict)
     failed: bool = False
     warnings: Sequence[str] = ()
@@ -137,18 +137,16 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         try:
             answer = work(**options)
         except (ValueError, RuntimeError, OSError, MemoryError) as error:
-            print_to_stderr(f"error: {sentence_of(error)}")
+            aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
         except KeyboardInterrupt:
-            print_to_stderr(
-                "stopped; the same command continues" if work.__name__ in CONTINUED else "stopped"
-            )
+            aside("stopped; the same command continues" if work.__name__ in CONTINUED else "stopped")
             raise typer.Exit(128 + signal.SIGINT) from None
         try:
             present(answer, as_json)
         except OSError as error:
             error.filename = STANDARD_OUTPUT
-            print_to_stderr(f"error: {sentence_of(error)}")
+            aside(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
         if answer.failed:
             raise typer.Exit(1)
@@ -174,14 +172,14 @@ def present(answer: Answer, as_json: bool) -> None:
         typer.echo(json.dumps(answer.data | ({"files": listed} if listed else {})))
         return
     for warning in answer.warnings:
-        print_to_stderr(f"warning: {warning}")
+        aside(f"warning: {warning}")
     for part in answer.output:
         show(part)
     for name, file in listed.items():
         typer.echo(f"{name}: {file}")
 
 
-def show(part: Output) -> None:
+def show(part: Shown) -> None:
     """Print one part of the output.
 
     Args:
@@ -241,7 +239,7 @@ def speed_of(text: str) -> float:
     if not 0.0 < abs(omega1) <= LARGEST_SPEED:
         raise ValueError(message)
     if not split_quantity(text)[1]:
-        print_to_stderr(f"warning: --speed {text} has no unit; rad/s is used: {speed_text(omega1)}")
+        aside(f"warning: --speed {text} has no unit; rad/s is used: {speed_text(omega1)}")
     return omega1
 
 
@@ -265,12 +263,12 @@ def build(output: OutputFolder = None) -> Answer:
     """
     from .fmu.builder import build as build_fmus
 
-    built = build_fmus(output or BUILD_FOLDER, print_to_stderr)
+    built = build_fmus(output or BUILD_FOLDER, aside)
     fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
 
     for name, reason in built.skipped.items():
-        print_to_stderr(f"skipped {name}: {reason}")
+        aside(f"skipped {name}: {reason}")
     lines = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
     data = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
     return Answer(data, lines, failed=bool(built.skipped))
@@ -296,7 +294,7 @@ def check(
     rows = {
         f"{reference.experiment}: {reference.variable}": str(reference) for reference in report.references
     }
-    parts: list[Output] = [(str(fmu), report.facts)]
+    parts: list[Shown] = [(str(fmu), report.facts)]
     parts += [("deviation from reference results", rows)] if rows else []
     parts += [f"problem: {problem}" for problem in report.problems]
     parts.append(f"{len(report.problems) or 'no'} problems found")
@@ -316,7 +314,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .scene.run import scene_plan
 
     folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
-    paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, print_to_stderr)
+    paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
 
     lines = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, lines)
@@ -403,7 +401,7 @@ def run(
     if page is not None:
         files["page"] = write_atomically(folder / "page.html", page)
 
-    parts: list[Output] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
+    parts: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
     return Answer(data, parts, files, warnings=result.warnings)
 
 
@@ -575,7 +573,7 @@ def tradeoff(
 
     step = (rows[0] if choice is None else choice.row).communication_step
     printed = [row for row in rows if row.communication_step == step]
-    parts: list[Output] = [partial(trials.print_levels, title, printed, names, allowed)]
+    parts: list[Shown] = [partial(trials.print_levels, title, printed, names, allowed)]
     parts += trials.failure_lines(rows)
     parts += [] if choice is None else choice.lines()
     data: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
@@ -621,7 +619,7 @@ def chart(
     make = partial(inertia_module.torque_converter_chart, omega1=reference_speed, engagements=True)
     charts = {name: make(scene.parameters()) for name, scene in read.items()}
     with_losses = [name for name, result in charts.items() if not result.lossless]
-    files, parts, maps, allowed = list[Path](), list[Output](), {}, {}
+    files, parts, maps, allowed = list[Path](), list[Shown](), {}, {}
     limits_of_drives = {name: scene.drive_torque_limit(reference_speed) for name, scene in read.items()}
     drive_warnings = [
         f"{name}: {beyond}"
@@ -728,7 +726,7 @@ def orders(
     files |= {"uff": result.write_uff(folder / "orders.uff")} if uff else {}
     files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
 
-    parts: list[Output] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
+    parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
     if result.step < read.run.communication_step * (1.0 - 1e-9):
         steps = f"{result.step * 1e3:.3g} ms instead of {read.run.communication_step * 1e3:.3g} ms"
         parts.append(f"recorded in steps of {steps}, for orders up to {result.highest:.4g} without aliases")
@@ -786,7 +784,7 @@ def fit(
         )
     files = {**result.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(result))}
 
-    parts: list[Output] = [
+    parts: list[Shown] = [
         (f"{result.scene.title}: fitted values with 95 % intervals", result.lines()),
         ("fixed parameters, released one at a time", result.candidate_lines()),
     ]
@@ -843,7 +841,7 @@ def sweep(
 
     runs = len(result.rows)
     counts = {"runs": f"{runs} ({result.new} new)", "failed": str(len(result.refused))}
-    parts: list[Output] = [(f"sweep of {scene.name}", counts)]
+    parts: list[Shown] = [(f"sweep of {scene.name}", counts)]
     parts += [f"first failure: {row.point}: {row.refused}" for row in result.refused[:1]]
     parts += [f"{name}: not reached in {count} of {runs} runs" for name, count in result.unreached.items()]
     return Answer({"scene": str(scene), **numbers, "unreached": result.unreached}, parts, files)
@@ -881,7 +879,7 @@ def design(
     files = {**result.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(result))}
     files |= {finalist.file.stem.replace("_", " "): finalist.file for finalist in result.finalists}
 
-    parts: list[Output] = [
+    parts: list[Shown] = [
         (finalist.file.stem.replace("_", " "), result.lines(finalist)) for finalist in result.finalists
     ]
     parts.append(result.verdict())
@@ -965,11 +963,11 @@ def main() -> None:
     except SystemExit as leave:
         code = leave.code
     except KeyboardInterrupt:
-        print_to_stderr("stopped")
+        aside("stopped")
         code = 128 + signal.SIGINT
     except OSError as error:  # of the help, which is printed before any command runs
         error.filename = STANDARD_OUTPUT
-        print_to_stderr(f"error: {sentence_of(error)}")
+        aside(f"error: {sentence_of(error)}")
         code = 1
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
