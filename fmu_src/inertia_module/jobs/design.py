@@ -60,7 +60,7 @@ class Mechanism(SteadyMachine):
         rim.check(**{**self._values, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
         return 2.0 * max(_maximum_radius(self.module.derived), _maximum_radius(rim.derived))
 
-    def least_torque(self, speed: float) -> float:
+    def minimum_torque(self, speed: float) -> float:
         """Return the minimum mean output torque over all speed ratios, N.m; 0 without lock-up.
 
         Args:
@@ -79,7 +79,7 @@ class Mechanism(SteadyMachine):
         pulses = self.pulses(speed, ratio)
         return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
 
-    def largest(self, names: tuple[str, ...], speed: float, ratio: float) -> float:
+    def maximum(self, names: tuple[str, ...], speed: float, ratio: float) -> float:
         """Return the maximum magnitude of a vector of outputs in the steady state.
 
         Args:
@@ -128,13 +128,13 @@ _INPUT = ("input_torque",)
 NAMED = {
     "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
     "steady_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
-    "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.least_torque(w)),
+    "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.minimum_torque(w)),
     "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).summary(w)["lock_up_torque"]),
     "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
     "greatest_input_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).input_torque.max() * w**2),
     "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.sampled(_INPUT, w, i).std()),
-    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(_INPUT, w, i)),
+    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.maximum(_INPUT, w, i)),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
@@ -146,8 +146,8 @@ NAMED = {
     "bearing_force_peak": Named("N", _SPEED, lambda m, w, i: max(m.pulses(w, r).bearing_force for r in _ALL)),
     # speed of the satellites with link 2 at rest
     "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.module.derived.k * m.module.derived.s * w),
-    "mount_force": Named("N", _BOTH, lambda m, w, i: m.largest(_FORCE, w, i)),
-    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.largest(_MOMENT, w, i)),
+    "mount_force": Named("N", _BOTH, lambda m, w, i: m.maximum(_FORCE, w, i)),
+    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.maximum(_MOMENT, w, i)),
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
     "total_imbalance_mass": Named(
         "kg", (), lambda m, w, i: math.prod(m.module.read(("modules", "satellites", "imbalance_mass")))
