@@ -116,7 +116,14 @@ def unit_of(field: FieldInfo) -> str:
 def quantity(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> InUnit:
-    """Make a pydantic validator of a quantity within a range; arguments as in checked."""
+    """Make a pydantic validator of a quantity within a range.
+
+    Args:
+        unit: SI unit, "1" for none.
+        minimum: Minimum, in the unit.
+        maximum: Maximum, in the unit.
+        above: Exclusive lower limit, in the unit.
+    """
     return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit)
 
 
