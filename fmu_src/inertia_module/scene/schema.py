@@ -44,7 +44,11 @@ Mechanism: type[BaseModel] = create_model(
 
 
 def is_elastic(values: Mapping[str, float]) -> bool:
-    """Return True if parameters (values by name) describe an elastic output."""
+    """Return True if parameters describe an elastic output.
+
+    Args:
+        values: Parameters, SI, by name.
+    """
     return any(BY_NAME[name].group == variables.Group.ELASTIC for name in values)
 
 
