@@ -167,15 +167,15 @@ def present(answer: Answer, as_json: bool) -> None:
         answer: The outcome.
         as_json: True to print one JSON object instead of text.
     """
-    listed = {name: str(file) for name, file in answer.files.items()}
+    file_names = {name: str(file) for name, file in answer.files.items()}
     if as_json:
-        typer.echo(json.dumps(answer.data | ({"files": listed} if listed else {})))
+        typer.echo(json.dumps(answer.data | ({"files": file_names} if file_names else {})))
         return
     for warning in answer.warnings:
         aside(f"warning: {warning}")
     for part in answer.output:
         show(part)
-    for name, file in listed.items():
+    for name, file in file_names.items():
         typer.echo(f"{name}: {file}")
 
 
@@ -263,15 +263,15 @@ def build(output: OutputFolder = None) -> Answer:
     """
     from .fmu.builder import build as build_fmus
 
-    built = build_fmus(output or BUILD_FOLDER, aside)
-    fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
-    kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
+    result = build_fmus(output or BUILD_FOLDER, aside)
+    fmus = [str(path) for path in result.paths if path.suffix == ".fmu"]
+    kernels = [str(path) for path in result.paths if path.suffix != ".fmu"]
 
-    for name, reason in built.skipped.items():
+    for name, reason in result.skipped.items():
         aside(f"skipped {name}: {reason}")
-    lines = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
-    data = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
-    return Answer(data, lines, failed=bool(built.skipped))
+    lines = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in result.paths]
+    data = {"fmus": fmus, "kernels": kernels, "skipped": result.skipped}
+    return Answer(data, lines, failed=bool(result.skipped))
 
 
 @command
@@ -391,8 +391,8 @@ def run(
     read, choice = _read_scene(scene, keys, fidelity, error, view)
     result, _ = _run_scene(read, fmu, COMPUTED if view else ())
     page = html_file(result.scene, result) if view else None
-    chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
-    data = {"scene": str(scene), **result.as_dict(), **chosen}
+    choice_data = {} if choice is None else {"fidelity_choice": choice.as_dict()}
+    data = {"scene": str(scene), **result.as_dict(), **choice_data}
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
         "summary": write_atomically(folder / "summary.json", f"{json.dumps(data, indent=2)}\n".encode()),
@@ -533,13 +533,13 @@ def report(
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "--output")
     read, choice = _read_scene(scene, keys)
-    chosen = choice.lines() if choice else []
+    choice_lines = choice.lines() if choice else []
     result, fmu_path = _run_scene(read, fmu, RECORDED)
     options = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
     words = [word for name, values in options.items() for value in values for word in (name, value)]
     line = shlex.join(["inertia-module", "report", str(scene), *words])
     with progress_bar(f"report of {scene.name}") as progress:
-        content = report_file(scene, keys or [], result, fmu_path, line, chosen, progress)
+        content = report_file(scene, keys or [], result, fmu_path, line, choice_lines, progress)
     return _write_html(scene, "report", path, content, result.warnings)
 
 
@@ -572,8 +572,8 @@ def tradeoff(
         files["picture"] = write_figure(folder / "tradeoff.png", figure)
 
     step = (rows[0] if choice is None else choice.row).communication_step
-    printed = [row for row in rows if row.communication_step == step]
-    parts: list[Shown] = [partial(trials.print_levels, title, printed, names, allowed)]
+    step_rows = [row for row in rows if row.communication_step == step]
+    parts: list[Shown] = [partial(trials.print_levels, title, step_rows, names, allowed)]
     parts += trials.failure_lines(rows)
     parts += [] if choice is None else choice.lines()
     data: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
@@ -648,8 +648,8 @@ def chart(
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
         parts.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
-    drawn = {name: maps[name] for name in with_losses}
-    figure = inertia_module.chart_figure(charts, drawn, unit, allowed, omega1)
+    loss_maps = {name: maps[name] for name in with_losses}
+    figure = inertia_module.chart_figure(charts, loss_maps, unit, allowed, omega1)
     files.append(write_figure(folder / "chart.png", figure))
 
     if mapped:
