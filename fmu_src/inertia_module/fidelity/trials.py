@@ -363,9 +363,7 @@ def recommend(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> Choi
     Raises:
         Refused: No level meets the error; the message contains the error of the best level.
     """
-    module_rows = sorted(
-        (row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(outputs)
-    )
+    module_rows = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(outputs))
     accurate = [row for row in module_rows if not why_not(row, error, outputs)]
     chosen = cheapest(accurate)
     if chosen is None:
@@ -527,11 +525,11 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
     Raises:
         Refused: The module rejects a value or a step.
     """
-    loop = ClosedLoop(_started(scene), scene.surroundings, COMPUTED, scene.signal_units)
+    loop = ClosedLoop(_start_module(scene), scene.surroundings, COMPUTED, scene.signal_units)
     return loop.run(scene.run.stop_time, progress)
 
 
-def _started(scene: Scene) -> Module:
+def _start_module(scene: Scene) -> Module:
     values, inputs = start_of(scene)
     return Module().start(**values, **inputs)
 
@@ -543,7 +541,7 @@ def time_of(scene: Scene, record: Result) -> float:
         scene: Scene with a named fidelity.
         record: Record of the scene, from run_in_process.
     """
-    plant = _started(scene)
+    plant = _start_module(scene)
     # Signals of a row are constant over the step after it, other inputs over the run.
     inputs = [record[name] if name in record else np.full(len(record), plant[name]) for name in PLANT_INPUTS]
     steps = np.transpose(inputs)[:-1].tolist()
