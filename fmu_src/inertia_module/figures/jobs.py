@@ -122,9 +122,9 @@ def _efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
     end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
     speeds = np.abs(steady_map["omega1"]) * factor_between("rad/s", unit)
     curves = ratios, speeds, efficiency, EFFICIENCY_LEVELS
-    filled = axes.contourf(*curves, cmap="viridis")
+    contours = axes.contourf(*curves, cmap="viridis")
     axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
-    axes.figure.colorbar(filled, ax=axes)
+    axes.figure.colorbar(contours, ax=axes)
     axes.set_xlim(0.0, ratios[min(end, ratios.size - 1)])
     axes.set_xlabel("speed ratio, output / input")
     axes.set_ylabel(f"input speed [{unit}]")
@@ -188,10 +188,10 @@ def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
     if across.size * up.size == values.size:
         table = np.full((up.size, across.size), np.nan)
         table[np.searchsorted(up, y), np.searchsorted(across, x)] = values
-        drawn: Any = panel.pcolormesh(across, up, table, shading="nearest")
+        artist: Any = panel.pcolormesh(across, up, table, shading="nearest")
     else:
-        drawn = panel.scatter(x, y, c=values, s=14)
-    panel.figure.colorbar(drawn, ax=panel, label=label)
+        artist = panel.scatter(x, y, c=values, s=14)
+    panel.figure.colorbar(artist, ax=panel, label=label)
     for axis, side in zip(sweep.axes, "xy", strict=True):
         _scale(panel, sweep, axis, side)
 
@@ -316,9 +316,9 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
     panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
     for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
         _spectrum(left, result, name, label)
-        drawn = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
-        if drawn is not None:
-            figure.colorbar(drawn, ax=right, label=result.units[name])
+        mesh = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
+        if mesh is not None:
+            figure.colorbar(mesh, ax=right, label=result.units[name])
     for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
         axes.set_xlim(0.0, result.highest * (1.0 if in_order else float(result.rate.max())))
         axes.set_xlabel(f"order [cycles per {BASES[result.of]}]" if in_order else "frequency [Hz]")
@@ -332,12 +332,12 @@ def _rows_of(result: Orders) -> dict[str, str]:
         if not amplitude.any():
             continue
         maximum = float(amplitude.max())
-        same = (
+        equal_signals = (
             other
             for other in labels
             if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * maximum)
         )
-        labels.setdefault(next(same, name), []).append(name.replace("_", " "))
+        labels.setdefault(next(equal_signals, name), []).append(name.replace("_", " "))
     return {name: titled(", ".join(names), result.units[name]) for name, names in labels.items()}
 
 
