@@ -170,14 +170,14 @@ def _input_sections(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Par
     Returns:
         Section of the inputs, then a section of the model's parameters for each group.
     """
-    sources = {key: ("scene file", written) for key, written in _flat(tomllib.loads(text))}
-    sources |= {key: ("--set", written) for key, written in _flat(keys_of(keys))}
+    sources = {key: ("scene file", source_value) for key, source_value in _flat(tomllib.loads(text))}
+    sources |= {key: ("--set", source_value) for key, source_value in _flat(keys_of(keys))}
 
     def source(key: str, value_text: str, default: str) -> str:
         """Return the source of a value, with the text in the source if it differs from the value."""
         table = key.rpartition(".")[0]
-        place, written = sources.get(key) or sources.get(f"{table}.file") or (default, value_text)
-        return place if _text_of(written) == value_text else f"{place}: {_text_of(written)}"
+        place, source_value = sources.get(key) or sources.get(f"{table}.file") or (default, value_text)
+        return place if _text_of(source_value) == value_text else f"{place}: {_text_of(source_value)}"
 
     is_module = isinstance(scene, Scene)
     table, values = ("mechanism", start_of(scene)[0]) if is_module else ("shaft", scene.parameters())
