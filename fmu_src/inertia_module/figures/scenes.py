@@ -176,20 +176,20 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     """Draw the whole run on the left and its end on the right; forces replace the acceleration."""
     numbers = result.summary
     first, close_up = end_of_run(table)
-    drawn: list[Panel] = [_speeds, _torques]
+    draw_functions: list[Panel] = [_speeds, _torques]
     if force_names := [name for name in FORCES if name in forces(table)]:
-        drawn.append(partial(_magnitudes, names=force_names, quantity="force", unit="N"))
+        draw_functions.append(partial(_magnitudes, names=force_names, quantity="force", unit="N"))
     elif "imbalance_acceleration" in table:
-        drawn.append(partial(_magnitudes, names=INSTANTS[-1:], quantity="acceleration", unit="m/s²"))
+        draw_functions.append(partial(_magnitudes, names=INSTANTS[-1:], quantity="acceleration", unit="m/s²"))
     if causes := losses(table):
-        drawn += [
+        draw_functions += [
             partial(_powers, names=FLOWS, quantity="power"),
             partial(_powers, names=causes, quantity="losses"),
         ]
-    drawn.append(_energies)
-    figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MAX_PANELS))
-    grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
-    for draw, (left, right) in zip(drawn, grid, strict=True):
+    draw_functions.append(_energies)
+    figure.set_figheight(SIZE[1] * max(1.0, len(draw_functions) / MAX_PANELS))
+    grid = figure.subplots(len(draw_functions), 2, sharex="col", width_ratios=(3, 2))
+    for draw, (left, right) in zip(draw_functions, grid, strict=True):
         draw(left, table, 0)
         draw(right, table, max(first, 1))
     for axes in grid[-1]:
@@ -225,8 +225,8 @@ def _torques(axes: Axes, table: Result, first: int) -> None:
         plot(axes, table, instants, "torque", "N·m", first)
         return
     torque = table["output_torque_mean"]
-    filled = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
-    filled.set_label("output, step mean")
+    area = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
+    area.set_label("output, step mean")
     starts = pulse_starts(table)
     if starts.size > 1 and not first:
         impulse = np.concatenate([[0.0], np.cumsum(torque[1:] * np.diff(time))])
@@ -285,13 +285,13 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     figure.set_figheight(SIZE[1] * (1.2 if causes else 1.0))
     heights = (1.6, 1, 1, 1.2, 1) if causes else (1.6, 1, 1, 1.2)
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    _followed_speed(panels[0], table, result.scene.cycle)
+    _tracking(panels[0], table, result.scene.cycle)
     text = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
     if result.scene.cycle is not None:
         text = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + text
     headline(panels[0], text.format_map(numbers))
-    names, commanded = (_input(table), "omega_out"), "input ω1 (commanded)"
-    plot(panels[1], table, names, "speed", "rad/s", omega1=commanded)
+    names, input_label = (_input(table), "omega_out"), "input ω1 (commanded)"
+    plot(panels[1], table, names, "speed", "rad/s", omega1=input_label)
     panels[1].set_ylim(bottom=0.0)
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
@@ -300,7 +300,7 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
     panels[-1].set_xlabel("time [s]")
 
 
-def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
+def _tracking(axes: Axes, table: Result, cycle: Cycle | None) -> None:
     if cycle is not None:
         lower, upper = (bound / KILOMETRE_PER_HOUR for bound in cycle.tolerance_band(table.time))
         band = axes.fill_between(table.time, lower, upper, color=GREEN, alpha=0.25, linewidth=0)
