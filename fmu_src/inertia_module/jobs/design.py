@@ -688,10 +688,10 @@ def design(
     """
     for name in ("distributed", "pyarrow", "pymoo", "tomli_w"):
         library(name, "jobs")
-    read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
-    base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
-    runs = len(read.named) < len(read.figures)
-    settings = {"tables": base.tables, "named": read.named, "runs": runs}
+    specification, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
+    base, levels = specification.with_keys({}), (specification.search.fidelity, specification.search.check)
+    runs = len(specification.named) < len(specification.figures)
+    settings = {"tables": base.tables, "named": specification.named, "runs": runs}
     task = Task(fmu_content(fmu), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -700,34 +700,37 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        rows = evaluate(of_shares(read.axes, population(read, read.search.seed)))
-        units = {axis.name: axis.unit for axis in read.axes} | evaluator.units
+        rows = evaluate(of_shares(specification.axes, population(specification, specification.search.seed)))
+        units = {axis.name: axis.unit for axis in specification.axes} | evaluator.units
         names = [*(name for row in rows for name in row.figures), *NAMED]
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-        for figure in read.figures:
+        for figure in specification.figures:
             if figure not in names and not figure.startswith(TIME_TO):
                 raise SceneError(f"figures: {unknown('metric', figure, names)}")
-        judge = Judge(read, units)
-        searched = DesignSearch(read, judge, evaluate, progress).run()
+        judge = Judge(specification, units)
+        searched = DesignSearch(specification, judge, evaluate, progress).run()
         rows = searched.rows
-        computed = [row for row in rows if not row.refused]
-        fronts = judge.fronts([row for row in computed if judge.meets(row, read.search.margin)])
-        selected = _finalists(fronts, read.search.finalists) or [min(computed, key=judge.beyond)]
+        valid_rows = [row for row in rows if not row.refused]
+        fronts = judge.fronts([row for row in valid_rows if judge.meets(row, specification.search.margin)])
+        selected = _finalists(fronts, specification.search.finalists) or [min(valid_rows, key=judge.beyond)]
         checked = evaluate([row.point for row in selected], levels[1])
         # verified designs of searches with other seeds in the journal
         own_points = [{**row.point, LEVEL: levels[1]} for row in rows]
         in_journal = [row for row in evaluator.rows.values() if row.point[LEVEL] == levels[1]]
         others = [row for row in in_journal if row.point not in own_points]
-    finalists, speed = [], max(demand.speed for demand in read.figures.values()) or NOMINAL_SPEED
+    finalists, speed = [], max(demand.speed for demand in specification.figures.values()) or NOMINAL_SPEED
     for number, (row, verified) in enumerate(zip(selected, checked, strict=True), 1):
         if not verified.refused:
-            title = f"{read.title}: design {number}"
+            title = f"{specification.title}: design {number}"
             scene = base.with_keys({**row.point, "title": title}).with_fidelity(levels[1])
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
             doubts = doubts_of(scene, verified.figures, speed)
             if better := judge.better(verified, others):
-                goals = [f"{goal} {text_of(better.figures[goal], judge.unit(goal))}" for goal in read.goals]
+                goals = [
+                    f"{goal} {text_of(better.figures[goal], judge.unit(goal))}"
+                    for goal in specification.goals
+                ]
                 doubts["dominated by another search"] = f"a better design has {', '.join(goals)}"
             finalists.append(Finalist(row, verified, scene, file, doubts))
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
