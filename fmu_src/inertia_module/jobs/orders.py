@@ -259,15 +259,15 @@ class Orders(ByContent):
         for peak in candidates:
             if not any(self._explains(larger, peak) for larger in lines):
                 lines.append(peak)
-        listed = [
+        in_range = [
             peak.line
             for peak in lines
             if peak.line.order > self._resolution * (1.0 + ROUNDING)
             and peak.line.order <= self.highest + 0.5 * self.order[1]
         ]
-        maximum = max((line.amplitude for line in listed), default=0.0)
+        maximum = max((line.amplitude for line in in_range), default=0.0)
         return sorted(
-            (line for line in listed if line.amplitude >= MIN_SHARE * maximum),
+            (line for line in in_range if line.amplitude >= MIN_SHARE * maximum),
             key=lambda line: -line.amplitude,
         )
 
