@@ -47,8 +47,8 @@ def pi_speed_controller(
         raise ValueError(must_be("limits", "a minimum below a maximum", f"{low:g} and {high:g}"))
 
     def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
-        commanded, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
-        return [commanded], [integral]
+        output, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
+        return [output], [integral]
 
     return Sampled("pi_speed_controller", step, ["reference", measured], [command], law, ["integral"])
 
