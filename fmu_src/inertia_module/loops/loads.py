@@ -187,7 +187,7 @@ def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
     return min(max(free_speed / effect, -capacity), capacity)
 
 
-def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float]:
+def _divide_friction(friction: float, rolling: float, brake: float) -> tuple[float, float]:
     """Divide dry friction between rolling resistance and brake in proportion to their capacities, N.m."""
     capacity = rolling + brake
     return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
@@ -273,7 +273,7 @@ def vehicle_load(
             # step.
             effect = step / inertia
             friction = dry_friction(u[0] - effect * (drag + slope_torque), effect, friction)
-        parts = drag, slope_torque, *_shared(friction, rolling, brake)
+        parts = drag, slope_torque, *_divide_friction(friction, rolling, brake)
         torque, next_state = drag + slope_torque + friction, [x[0] + step * radius * speed]
         if coupling is not None:
             torque = coupling.torque(x[0], u[0] - speed)
