@@ -86,7 +86,7 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
         record, run = outcome.record, page_run(outcome.record, outcome.warnings)
     start = {"scene": page_scene(scene, record), "run": run}
     data = [
-        f'<script id="kernel" type="text/plain">{_packed(content_of(WEB_KERNEL))}</script>',
+        f'<script id="kernel" type="text/plain">{_pack(content_of(WEB_KERNEL))}</script>',
         script("tables", page_tables(INERTIA_MODULE)),
         script("start", start),
     ]
@@ -105,7 +105,7 @@ def script(name: str, content: Any) -> str:
     return f'<script id="{name}" type="application/json">{text}</script>'
 
 
-def _packed(content: bytes) -> str:
+def _pack(content: bytes) -> str:
     """Return bytes as text: compressed (raw deflate), base64."""
     return base64.b64encode(zlib.compress(content, 9, -zlib.MAX_WBITS)).decode()
 
@@ -218,6 +218,6 @@ def page_run(record: Result, warnings: tuple[str, ...] = ()) -> dict[str, Any]:
         "step": float(record.time[1] - record.time[0]) * stride,
         "rows": columns[0].size,
         "every": stride,
-        "numbers": _packed(np.stack(columns).astype("<f4").tobytes()),
+        "numbers": _pack(np.stack(columns).astype("<f4").tobytes()),
         "warnings": list(warnings),
     }
