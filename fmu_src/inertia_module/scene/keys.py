@@ -145,8 +145,8 @@ def in_range(variable: Variable) -> InUnit:
     def check(value: Any) -> float | str:
         if variable.name == "fidelity" and value == AUTO:
             return AUTO
-        also = f", or {AUTO}" if variable.name == "fidelity" else ""
-        message = _must_be(f"{variable.allowed}{also}", value)
+        alternative = f", or {AUTO}" if variable.name == "fidelity" else ""
+        message = _must_be(f"{variable.allowed}{alternative}", value)
         try:
             number = number_of(value, variable.unit or "1", variable.items)
         except ValueError as error:
@@ -375,9 +375,9 @@ def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str],
     keys: list[str] = []
     models = [scene]
     for part in location:
-        chosen = [model for model in models if len(models) > 1 and _kind(model) == part]
-        if chosen:
-            models = chosen
+        members = [model for model in models if len(models) > 1 and _kind(model) == part]
+        if members:
+            models = members
             continue
         keys.append(str(part))
         fields = [model.model_fields[part] for model in models if part in model.model_fields]
