@@ -284,8 +284,8 @@ class EngineDrive(ConstantOrTable, AnyDrive):
         """Return the limits of the torque over the speed."""
         full, drag = self.full_load, self.drag or DragOverSpeed(speed=[0.0], torque=[0.0])
         speeds = np.union1d(full.speed, drag.speed)
-        both = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
-        return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, both))
+        torques = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
+        return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, torques))
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of the module with the inertia of the rotor added to link 1.
