@@ -85,18 +85,18 @@ def energy(table: Result) -> dict[str, Quantity]:
         table: Record of the run.
     """
     last = table.last()
-    stored = last["energy_stored"] - float(table["energy_stored"][0])
-    scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
+    stored_gain = last["energy_stored"] - float(table["energy_stored"][0])
+    scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored_gain))
     # Efficiency is 1 - losses / supply. The supply is energy from the drive, from a driving load and from
     # storage. Energy that is stored at the end is no loss. A balancer can supply more than the losses; then
     # there is no efficiency.
-    supply = max(last["energy_in"], 0.0) + max(-last["energy_out"], 0.0) + max(-stored, 0.0)
+    supply = max(last["energy_in"], 0.0) + max(-last["energy_out"], 0.0) + max(-stored_gain, 0.0)
     has_efficiency = last["energy_lost"] >= 0.0 and supply > 0.0
     efficiency = {"efficiency": Quantity(1.0 - last["energy_lost"] / supply, "")} if has_efficiency else {}
     return {
         "energy_in": Quantity(last["energy_in"], "J"),
         "energy_out": Quantity(last["energy_out"], "J"),
-        "energy_stored_gain": Quantity(stored, "J"),
+        "energy_stored_gain": Quantity(stored_gain, "J"),
         "energy_lost": Quantity(last["energy_lost"], "J"),
         **{name: Quantity(last[name], "J") for name in LOSSES if last.get(name)},
         **efficiency,
@@ -209,9 +209,9 @@ def impacts(table: Result, freewheel: str, stiffness: float | None) -> dict[str,
         freewheel: Name in FREEWHEELS.
         stiffness: Stiffness of the locked freewheel, N.m/rad; None if it is unknown.
     """
-    engaged = np.diff(table[f"{freewheel}_engagements"]) > 0.0
+    has_engagement = np.diff(table[f"{freewheel}_engagements"]) > 0.0
     lost = np.diff(table["energy_lost_freewheel"])
-    energy = float(np.max(lost[engaged], initial=0.0))
+    energy = float(np.max(lost[has_engagement], initial=0.0))
     numbers = {f"{freewheel}_impact_energy": Quantity(energy, "J")}
     if stiffness is not None:
         torque = math.sqrt(2.0 * stiffness * max(energy, 0.0))
@@ -384,11 +384,11 @@ def grip(table: Result, load: VehicleLoad) -> tuple[dict[str, Quantity], dict[st
         return {}, {}
     force = tractive_force(table, load)
     numbers = {TRACTIVE_FORCE: Quantity(float(force.max()), "N")}
-    beyond = np.flatnonzero(force > load.grip)
-    if not beyond.size:
+    excess = np.flatnonzero(force > load.grip)
+    if not excess.size:
         return numbers, {}
-    share = float(np.diff(table.time)[beyond].sum())
-    first = f"first at {table.time[beyond[0]]:.4g} s"
+    share = float(np.diff(table.time)[excess].sum())
+    first = f"first at {table.time[excess[0]]:.4g} s"
     text = f"is exceeded for {share:.4g} s, {first}: the wheels would slip, the run assumes that they roll"
     return numbers, {"grip": text}
 
@@ -459,9 +459,9 @@ def summarise(
         wall_time: Duration of the computation, s.
         also: More metrics, such as the results of times_to and freewheel_duty.
     """
-    simulated = float(table.time[-1] - table.time[0])
+    duration = float(table.time[-1] - table.time[0])
     summary = {
-        "simulated_time": Quantity(simulated, "s"),
+        "simulated_time": Quantity(duration, "s"),
         "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
         "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
         "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
@@ -488,12 +488,12 @@ def summarise(
         outside = out_of_tolerance(table, cycle)[:-1] != 0.0
         seconds = float(np.sum(np.diff(table.time)[outside]))
         summary["time_out_of_tolerance"] = Quantity(seconds, "s")
-        summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / simulated, "%")
+        summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / duration, "%")
     return {
         **summary,
         "rhs_evaluations": Quantity(float(table["rhs_evaluations"][-1]), ""),
         "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(simulated / wall_time, ""),
+        "real_time_factor": Quantity(duration / wall_time, ""),
     }
 
 
@@ -526,8 +526,8 @@ class SceneResult(ByContent):
     def table(self) -> Result:
         """Return the outputs of the scene and the signals of the loop, at each communication point."""
         variables = self.scene.VARIABLES.values()
-        computed = {row.name for row in variables if row.causality in (OUTPUT, LOCAL)}
-        return self.record.without(computed - set(self.scene.run.outputs))
+        outputs = {row.name for row in variables if row.causality in (OUTPUT, LOCAL)}
+        return self.record.without(outputs - set(self.scene.run.outputs))
 
     @property
     def summary(self) -> dict[str, float]:
@@ -678,9 +678,9 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     """
     end = slice(-max(len(record) // 10, 1), None)
     speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
-    braked = "brake_torque" in record and record["brake_torque"][end].any()
+    has_brake = "brake_torque" in record and record["brake_torque"][end].any()
     revolutions = abs(speed) * float(np.ptp(record.time)) / math.tau
-    if braked or revolutions < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
+    if has_brake or revolutions < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
         return {}
     from ..harness.chart import SteadyMachine  # imports scipy
 
