@@ -79,13 +79,13 @@ class Satellite(Strict):
         gear = self.material * math.pi * pitch**2 * width
         weight = (self.weight_material or self.material) * math.pi * radius**2 * thickness / 2.0
         mass, moment = gear + weight, weight * 4.0 * radius / (3.0 * math.pi)
-        own = (gear * pitch**2 + weight * radius**2) / 2.0
+        polar = (gear * pitch**2 + weight * radius**2) / 2.0
         offset_term = (3.0 * width * (width + thickness) + thickness**2) / 12.0
-        across = gear * (pitch**2 / 4.0 + width**2 / 12.0) + weight * (radius**2 / 4.0 + offset_term)
+        transverse = gear * (pitch**2 / 4.0 + width**2 / 12.0) + weight * (radius**2 / 4.0 + offset_term)
         offset = moment / mass
-        results = {"imbalance_mass": mass, "satellite_inertia": own - moment * offset}
+        results = {"imbalance_mass": mass, "satellite_inertia": polar - moment * offset}
         if planar:
             return {**results, "eccentricity": offset}
         # The transverse inertia oscillates by half this term about its mean as the satellite rotates.
-        mean = across - moment * offset / 2.0
+        mean = transverse - moment * offset / 2.0
         return {**results, "a": offset / pitch, "satellite_transverse_inertia": mean}
