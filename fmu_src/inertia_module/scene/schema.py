@@ -59,11 +59,11 @@ def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float
         values: Parameters, SI, by name.
         fidelity: Number of the fidelity level.
     """
-    changed = {**values, "fidelity": float(fidelity)}
+    new_values = {**values, "fidelity": float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
         complete = {**variables.default_parameters(), **values}
-        changed["output_inertia"] = complete["output_inertia"] + complete["driven_inertia"]
-    return changed
+        new_values["output_inertia"] = complete["output_inertia"] + complete["driven_inertia"]
+    return new_values
 
 
 class Accuracy(Strict):
@@ -253,8 +253,8 @@ class Scene(Strict):
         if self.controller is not None:
             yield from self.controller.build(step, self.measured)
         yield from self.drive.systems(step)
-        braked = self.controller is not None and self.controller.brake is not None
-        if "brake_force" in load.input_labels and not braked:
+        has_brake = self.controller is not None and self.controller.brake is not None
+        if "brake_force" in load.input_labels and not has_brake:
             yield loops.source("brake_force", 0.0, step)
 
     @property
@@ -384,8 +384,10 @@ class Scene(Strict):
             return
         if self.accuracy.error is None:
             raise SceneError("mechanism.fidelity = 'auto' requires accuracy.error, e.g. '1 %'")
-        chosen = {f"mechanism.{name}": self.explicit_parameters.get(name) for name in ("method", "max_step")}
-        for name, value in {**chosen, "accuracy.tolerance": self.accuracy.tolerance}.items():
+        automatic = {
+            f"mechanism.{name}": self.explicit_parameters.get(name) for name in ("method", "max_step")
+        }
+        for name, value in {**automatic, "accuracy.tolerance": self.accuracy.tolerance}.items():
             if value is not None:
                 raise SceneError(
                     f"{name} is not allowed with mechanism.fidelity = 'auto' (got {value:g})."
