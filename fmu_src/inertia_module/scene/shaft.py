@@ -174,15 +174,15 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
     record = drive(
         fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
     )
-    wall_time, simulated = time.perf_counter() - start, float(record.time[-1])
+    wall_time, duration = time.perf_counter() - start, float(record.time[-1])
     names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
     peaks = {name: float(np.abs(record[name]).max()) for name in names}
     quantities = {
-        "simulated_time": Quantity(simulated, "s"),
+        "simulated_time": Quantity(duration, "s"),
         **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
         **energy(record),
         "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(simulated / wall_time, ""),
+        "real_time_factor": Quantity(duration / wall_time, ""),
     }
     warnings = tuple(scene_time_warnings(scene, run.stop_time))
     return SceneResult(scene=scene, record=record, quantities=quantities, warnings=warnings)
