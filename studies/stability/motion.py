@@ -174,7 +174,7 @@ def solve_at(module: Module, held: bool, driving: bool, load: float = 0.0, **mot
     for name, value in motion.items():
         setattr(machine, name, value)
     prescribed = x.drive_torque if module.derived.by_torque else x.alpha1
-    evaluate(module.derived, x, prescribed, load, False)  # type: ignore[no-untyped-call]
+    evaluate(module.derived, x, prescribed, load, False)
     return machine
 
 
@@ -264,8 +264,8 @@ def _kick(module: Module, kick: float) -> None:
     x, d = module.state, module.derived
     if x.housing_state != LOCKED:
         before, carried = x.omega2, d.J3 if x.output_state == LOCKED else 0.0
-        x.omega2 += kick * response(d, d.J2 + carried)  # type: ignore[no-untyped-call]
-        if not is_mode_admissible(d, x):  # type: ignore[no-untyped-call]
+        x.omega2 += kick * response(d, d.J2 + carried)
+        if not is_mode_admissible(d, x):
             x.omega2 = before
         x.rates_cached = 0.0
 

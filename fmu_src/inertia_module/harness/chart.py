@@ -199,7 +199,7 @@ class SteadyMachine:
             omega1: speed of link 1, rad/s.
         """
         d, angles = self._derived, (n / ANGLES * self._turns * math.tau for n in range(ANGLES))
-        slope: float = min(reduced_inertia(d, q)[1] for q in angles)  # type: ignore[no-untyped-call]
+        slope: float = min(reduced_inertia(d, q)[1] for q in angles)
         torque: float = -0.5 * d.k * slope * omega1**2 - (d.b2 + d.b3) * abs(omega1)
         return max(torque, 0.0)
 
