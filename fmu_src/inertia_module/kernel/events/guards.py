@@ -73,8 +73,45 @@ def is_exact(x: State, which: int) -> bool:
     return which < FLOW and not is_speed(x, which)
 
 
+def housing_indicator(d: Constants, x: State, m: Machine) -> tuple[float, float]:
+    """Return the indicator of the housing freewheel and its rate (see value_and_rate)."""
+    if x.housing_state == OVERRUNNING:
+        return m.omega2, m.alpha2
+    if x.housing_state == IN_BACKLASH:
+        return m.play_housing, m.omega2
+    return m.housing + d.housing_drag, m.housing + d.housing_drag
+
+
+def output_indicator(d: Constants, x: State, m: Machine) -> tuple[float, float]:
+    """Return the indicator of the output freewheel and its rate (see value_and_rate)."""
+    if x.output_state == OVERRUNNING:
+        return m.omega3 - m.omega2, m.alpha3 - m.alpha2
+    if x.output_state == IN_BACKLASH:
+        return m.play_output, m.omega3 - m.omega2
+    return m.output + d.output_drag, m.output + d.output_drag
+
+
+def reversal_indicator(x: State, m: Machine, which: int) -> tuple[float, float]:
+    """Return the indicator of a freewheel that turns back, and its rate (see value_and_rate)."""
+    if which == HOUSING_BACK:
+        return (-m.omega2, -m.alpha2) if x.housing_state == IN_BACKLASH else (-m.housing, -m.housing)
+    if x.output_state == IN_BACKLASH:
+        return m.omega2 - m.omega3, m.alpha2 - m.alpha3
+    return -m.output, -m.output
+
+
 def value_and_rate(d: Constants, x: State, m: Machine, which: int) -> tuple[float, float]:
-    """A guard, and its rate if it is a speed, else itself once more; m: d.machine after motion.evaluate."""
+    """Return an event indicator and its rate.
+
+    Args:
+        d: Constants.
+        x: State.
+        m: d.machine after motion.evaluate.
+        which: Number of the indicator.
+
+    Returns:
+        Value, rate; of a torque, whose rate is not known, the value again.
+    """
     if which == FLOW:
         return x.flow_sign * m.torque, x.flow_sign * m.torque
     if which >= SPIN:
@@ -82,24 +119,10 @@ def value_and_rate(d: Constants, x: State, m: Machine, which: int) -> tuple[floa
     if which == SLIP:
         return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
     if which == HOUSING:
-        if x.housing_state == OVERRUNNING:
-            return m.omega2, m.alpha2
-        if x.housing_state == IN_BACKLASH:
-            return m.play_housing, m.omega2
-        return m.housing + d.housing_drag, m.housing + d.housing_drag
+        return housing_indicator(d, x, m)
     if which == OUTPUT:
-        if x.output_state == OVERRUNNING:
-            return m.omega3 - m.omega2, m.alpha3 - m.alpha2
-        if x.output_state == IN_BACKLASH:
-            return m.play_output, m.omega3 - m.omega2
-        return m.output + d.output_drag, m.output + d.output_drag
-    if which == HOUSING_BACK:
-        if x.housing_state == IN_BACKLASH:
-            return -m.omega2, -m.alpha2
-        return -m.housing, -m.housing
-    if x.output_state == IN_BACKLASH:
-        return m.omega2 - m.omega3, m.alpha2 - m.alpha3
-    return -m.output, -m.output
+        return output_indicator(d, x, m)
+    return reversal_indicator(x, m, which)
 
 
 def ends_of(values: Doubles, last: int) -> tuple[float, float]:
