@@ -9,7 +9,7 @@ TWO_PI_LOW = 2.4492935982947064e-16
 
 
 def add_loss(x: State, cause: int, lost: float) -> None:
-    """Add what a cause (equations.losses) has taken, J."""
+    """Add the energy, J, that a cause (equations.losses) has dissipated."""
     x.lost[cause] += lost
     x.step_lost += lost
 

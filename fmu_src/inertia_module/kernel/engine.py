@@ -36,14 +36,14 @@ def solve_now(d: Constants, x: State) -> None:
 
 
 def follow_torque(d: Constants, x: State) -> None:
-    """Take over the acceleration of link 1 that its torque gives it now, where that is given."""
+    """Set the acceleration of link 1 from the torque at this instant, if a torque drives it."""
     if d.by_torque != 0.0:
         solve_now(d, x)
         x.alpha1 = d.machine.alpha1
 
 
 def follow_parameters(d: Constants, x: State) -> None:
-    """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
+    """Apply parameters at an instant: the prescribed speed of link 2, or contact mode and alpha1."""
     if d.fidelity == KINEMATIC:
         impose_ratio(d, x)
         x.mode = DRIVING
@@ -53,7 +53,7 @@ def follow_parameters(d: Constants, x: State) -> None:
 
 
 def switch_now(d: Constants, x: State) -> None:
-    """Carry out the switch that the last step has stopped at, if it has."""
+    """Handle the event before which the last step has stopped, if there is one."""
     if x.switching == 0.0:
         return
     x.step_evaluations = 0.0
@@ -65,7 +65,7 @@ def switch_now(d: Constants, x: State) -> None:
 
 
 def begin_events(d: Constants, x: State, w: Workspace) -> None:
-    """Take the inputs of the step; choose the contact mode again if they have changed."""
+    """Read the inputs of the step; select the contact mode again if they have changed."""
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
@@ -118,7 +118,7 @@ def phase_passed(d: Constants, x: State, passed: float, speeds: float) -> float:
 
 
 def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
-    """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
+    """Integrate from event to event over the time h, or up to the first event, and return the status."""
     if h > MAX_EVALUATIONS * d.max_step:
         return TOO_MUCH_WORK  # each internal step takes an evaluation or more
     start1 = x.omega1

@@ -1,4 +1,4 @@
-"""Inertia of links 1 and 2 as each end feels it, scales of torques and speeds; the elastic shaft.
+"""Effective inertia of links 1 and 2 at both ends, scales of torques and speeds, the elastic shaft.
 
 It is behind the output freewheel (docs/mechanics.md):
 
@@ -18,7 +18,7 @@ def prescribed_at_input(d: Constants, x: State) -> float:
 
 
 def torque_scale(d: Constants, omega1: float, alpha1: float, rate_q: float, prescribed: float) -> float:
-    """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
+    """Return an upper bound of |F| at these speeds, N m, the scale of torques."""
     reach = d.F_by_alpha1
     scale = 0.5 * (d.F_by_slip * rate_q * rate_q + d.F_by_speed * omega1 * omega1) + reach * abs(alpha1)
     scale += d.k * d.bq * abs(rate_q)
@@ -28,7 +28,7 @@ def torque_scale(d: Constants, omega1: float, alpha1: float, rate_q: float, pres
 
 
 def friction_power(d: Constants, omega1: float, omega2: float, friction: float) -> float:
-    """Power of viscous friction at links 1, 2 and drives, W; friction: of link 2 and what it carries."""
+    """Return the power of viscous friction at links 1 and 2 and the pinion shafts, W."""
     rate_q = d.k * (omega1 - omega2)
     return d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + friction * omega2 * omega2
 
@@ -44,7 +44,7 @@ def response(d: Constants, inertia: float) -> float:
 
 
 def inertia_of_link1(d: Constants, i: float, b: float, g: float) -> float:
-    """Phi = J1 + I + 2 k B + k^2 G: what the input shaft turns while link 2 is held, kg m^2."""
+    """Return Phi = J1 + I + 2 k B + k^2 G, the inertia at the input shaft while link 2 is held, kg m^2."""
     return d.J1 + i + d.k * (2.0 * b + d.k * g)
 
 
@@ -63,7 +63,7 @@ def inertia_at_input(d: Constants, q: float) -> float:
 
 
 def inertia_of_link2(d: Constants, i: float, b: float, g: float) -> float:
-    """Inertia of link 2 with what moves behind it, link 1 as it is given, kg m^2.
+    """Return the effective inertia of link 2, kg m^2.
 
     J2 + k^2 G where the speed of link 1 is given, J2 + k^2 G - N^2 / Phi where it is free under its torque.
     """
@@ -95,13 +95,13 @@ def shaft_frequency(d: Constants, compliance: float) -> float:
     """Angular frequency of the shaft between hub and driven mass, without damping, rad/s.
 
     Args:
-        compliance: 1/J of what the shaft torque accelerates besides the driven mass.
+        compliance: 1/J of the parts that the shaft torque accelerates besides the driven mass.
     """
     return math.sqrt(d.shaft_stiffness * (compliance + 1.0 / d.J4))
 
 
 def fastest_own_rate(d: Constants, x: State) -> float:
-    """Bound of the rate at which shaft, springs and what friction brakes move by themselves, rad/s."""
+    """Return a bound of the natural frequencies of shaft and springs and of braked parts, rad/s."""
     link2 = max(d.J2, 1e-300)
     hub = 1.0 / (d.J3 + d.J2 if x.output_state == LOCKED else d.J3)
     if x.housing_state == LOCKED and x.output_state == LOCKED:

@@ -1,7 +1,7 @@
-"""Start, and advance by a communication step, whose energies are looked at before it is answered.
+"""Initialisation and communication steps, with a check of the energy balance of each step.
 
-What the input has put in goes out, is lost or is stored. Whatever has gone wrong in a step that nobody has
-thought of, energy from nowhere, a freewheel that let go too late, shows in their balance.
+The input work is equal to the output work, the losses and the change of the stored energy. Any error of a
+step, such as energy from nowhere or a freewheel that opens too late, violates this balance.
 """
 
 import math
@@ -22,27 +22,26 @@ from .outputs import has_energy_check, shaft_twist, stored_energy, write_late_ou
 from .parameters import derive_constants
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 
-# share of the tolerance that a step is tried again with whose energies do not balance
+# tolerance of the second attempt at a step whose energies do not balance, over the tolerance
 MORE_CARE = 1e-3
-# share of the energies of the step and of the speeds that may be missing: so many tolerances, but neither
-# rounding nor a tenth
+# allowed energy residual over the energies of the step and of the speeds: tolerances, within limits
 TOLERANCES = 1e3
 LEAST = 1e-6
 MOST = 0.1
-# share of sums since the start that is rounding
+# round-off of the sums since the start, relative
 ROUNDING = 1e-14
-# J: less than that is rounding of any machine that moves
+# J, round-off of any machine that moves
 NOTHING = 1e-30
-# tolerance of a step whose results are to be differenced
+# tolerance of a step for differences of its results
 PRECISE = 1e-11
-# phase, rad, in which torques change as rounding of momenta does their means
+# phase, rad, below which the means of the torques are round-off of momenta
 INSTANT = 1e-8
-# share of the speeds by which a given one that the last step should have come to misses it by rounding
+# relative round-off of a prescribed speed at the end of the last step
 SAME_SPEED = 1e-14
 
 
 def check(p: Parameters, d: Constants, u: Inputs) -> int:
-    """Derive the constants and check parameters and inputs. Returns a status."""
+    """Derive the constants, check parameters and inputs, and return the status."""
     derive_constants(p, d)
     status = check_parameters(d)
     return check_inputs(u) if status == codes.OK else status
@@ -57,7 +56,7 @@ def restore(p: Parameters, d: Constants, u: Inputs, w: Workspace) -> int:
 
 
 def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace) -> int:
-    """Derive the constants and set state and outputs at the end of initialisation. Returns a status."""
+    """Derive the constants, set state and outputs at the end of initialisation, and return the status."""
     status = check(p, d, u)
     if status != codes.OK:
         return status
@@ -92,9 +91,9 @@ def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Works
 
 
 def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
-    """Derive the constants anew from parameters that have changed between steps. Returns a status.
+    """Derive the constants again after a change of tunable parameters between steps, and return the status.
 
-    What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
+    Torques and rates of the last step no longer hold. If the status is not OK, the state is unchanged.
     """
     derive_constants(p, d)
     status = check_parameters(d)
@@ -190,7 +189,7 @@ def end(d: Constants, x: State, h: float, jump: float, input_jump: float, output
 
 
 def is_finite(x: State) -> bool:
-    """Tell whether the motion, its energies and its means are: all else follows from them."""
+    """Return True if the motion, its energies and its means are finite; all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
     energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(total(x.lost))
@@ -229,7 +228,7 @@ def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: floa
 
 
 def audit(d: Constants, x: State, before: State, stored: float, tolerance: float) -> int:
-    """Tell whether the energies of the step balance: OK or NOT_BALANCED.
+    """Return OK if the energies of the step balance, otherwise NOT_BALANCED.
 
     Args:
         before: state before the step. stored: energy after it, J, kept in x. tolerance: of the step.

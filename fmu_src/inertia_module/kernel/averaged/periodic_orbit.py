@@ -204,7 +204,7 @@ def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
 
 
 def begin_period(d: Constants, x: State, w: Workspace, omega1: float, omega2: float, omega3: float) -> None:
-    """Set the state at the beginning of a period; what is left of the engagement angles stays.
+    """Set the state at the beginning of a period; the rest of the engagement angles stays.
 
     Args:
         d: constants

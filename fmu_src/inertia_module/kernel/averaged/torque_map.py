@@ -72,7 +72,7 @@ MIN_INPUT_INERTIA_RATIO = 5.0
 
 
 def is_light_input(d: Constants) -> bool:
-    """Return True if link 1, driven by torque, is too light beside the imbalances for a mean motion."""
+    """Return True if link 1, driven by torque, is too light compared to the imbalances for a mean motion."""
     largest = maximum(d, INERTIA, 1.0, 0.0)[1]
     return d.by_torque != 0.0 and d.J1 < MIN_INPUT_INERTIA_RATIO * largest
 

@@ -63,7 +63,7 @@ def balance(d: Constants, x: State, w: Workspace) -> None:
 
 
 def left_of_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
-    """Play of a freewheel, rad, that has turned back by so much.
+    """Return the rest of the engagement angle, rad, of a freewheel that has turned back.
 
     One that overruns has its whole play at most; one that closes has some left until that is an event. One
     that is locked does not turn but by rounding.
@@ -210,7 +210,7 @@ def meet_limits(d: Constants, x: State) -> None:
 
 
 def unwind(d: Constants, x: State, which: int) -> None:
-    """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
+    """Set the wind-up of a freewheel that opens to 0; the energy of its spring is lost."""
     if which == guards.HOUSING and x.housing_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0
@@ -272,7 +272,7 @@ def energy_made(d: Constants, x: State, w: Workspace) -> float:
     """Return the energy that the step in hand makes, over the allowed energy.
 
     The error estimate of a step far too long can be zero by chance. The energy balance does not depend on it.
-    Only what moves counts: neither link 1 at prescribed speed nor an output that overruns.
+    Only moving parts count: neither link 1 at prescribed speed nor an output that overruns.
     """
     m, change = d.machine, w.change
     omega1, omega2, omega3 = x.omega1 + change.omega1, x.omega2 + change.omega2, x.omega3 + change.omega3
@@ -349,7 +349,7 @@ def engage(d: Constants, x: State, which: int) -> None:
 
 
 def pass_event(d: Constants, x: State, which: int) -> None:
-    """Change what an event changes at once, and tell of what kind it was."""
+    """Apply the immediate changes of an event and return its kind."""
     x.ended = 0.0
     x.slip_reached_zero = 0.0
     if which == guards.FLOW:

@@ -34,7 +34,7 @@ def how_many_guards(d: Constants) -> int:
 
 
 def is_watched(d: Constants, x: State, which: int) -> bool:
-    """Tell whether this guard can end what is."""
+    """Return True if this event indicator can end the present contact mode."""
     if which == SLIP:
         return has_friction(d)
     if which >= FLOW:
@@ -52,19 +52,19 @@ def state_of(x: State, which: int) -> float:
 
 
 def is_play(x: State, which: int) -> bool:
-    """Tell whether the guard is the play that is left of a freewheel."""
+    """Return True if the indicator is the rest of the engagement angle of a freewheel."""
     return which < SLIP and state_of(x, which) == IN_BACKLASH
 
 
 def is_speed(x: State, which: int) -> bool:
-    """Tell whether the guard is a speed or an angle, whose rate is known, else a torque."""
+    """Return True if the indicator is a speed or an angle, whose rate is known; otherwise it is a torque."""
     if which == SLIP:
         return x.slip_sign != 0.0
     return which < FLOW and is_open(state_of(x, which))
 
 
 def is_spring(x: State, which: int) -> bool:
-    """Tell whether the guard is the torque of a freewheel's spring."""
+    """Return True if the indicator is the torque of the spring of a freewheel."""
     return which < SLIP and state_of(x, which) == ENGAGED_COMPLIANT
 
 
@@ -135,7 +135,7 @@ def ends_of(values: Doubles, last: int) -> tuple[float, float]:
 
 
 def is_clear(x: State, w: Workspace, which: int) -> bool:
-    """Tell whether a guard does not fall in the step, by its stages.
+    """Return True if the stages of the step exclude a zero crossing of an indicator.
 
     It is far above zero at all of them, or grows away from its beginning, or it is a speed that only grows or
     only falls, not to zero.

@@ -39,7 +39,7 @@ def solve_motion(d: Constants, x: State, w: Workspace) -> None:
 
 
 def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
-    """Keep the rates of all that is followed as those of stage n, from d.machine after motion.evaluate."""
+    """Store the rates of the integrated quantities at stage n, from d.machine after motion.evaluate."""
     if d.losses != 0.0:
         rates_of(d, x, w, n, LOSSY)
     else:
@@ -86,7 +86,7 @@ def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
 
 
 def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None:
-    """Write wind-up and play into m, rad, freewheels turned back by so much since x (one of both counts)."""
+    """Write wind-up and backlash, rad, to m for freewheels that have turned back since x."""
     m.wound_housing = x.wound_housing + housing
     m.wound_output = x.wound_output + output
     m.play_housing = x.play_housing - housing
@@ -94,10 +94,14 @@ def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None
 
 
 def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
-    """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau.
+    """Return the weighted sum of the rates of a quantity.
 
     Args:
-        after: the first stage after stage 0 that the row weighs, or one before it.
+        w: workspace with the rates of the stages.
+        row: row of the tableau with the weights.
+        count: number of stages.
+        which: number of the quantity in fields.FOLLOWED.
+        after: the first stage after stage 0 with a weight, or an earlier one.
     """
     total = WEIGHTS[N_STAGES * row] * w.rates[0].numbers[which]
     for n in range(after, count):
@@ -158,7 +162,7 @@ def weigh_motion(
     factor: float,
     sums: Doubles,
 ) -> None:
-    """Write weighed sums of what moves (see weigh)."""
+    """Write weighted sums of the moving quantities (see weigh)."""
     weigh(stages, weights, begin, after, count, factor, sums, 0, RIGID_OUTPUT)
     if d.elastic + d.losses != 0.0:
         weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
@@ -207,7 +211,7 @@ def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy
 
 
 def set_changes(d: Constants, x: State, w: Workspace, h: float, after: int, count: int) -> None:
-    """Changes of what is followed over the time h, by the weights of so many stages in w.weights."""
+    """Write the changes of the integrated quantities over the time h, with the weights in w.weights."""
     changes = w.change.numbers
     followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
     weigh(w.rates, w.weights, 0, after, count, w.step, changes, 0, followed)
@@ -262,7 +266,7 @@ def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> No
 
 
 def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
-    """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
+    """Return an event indicator at the part sigma of the step by the equations, less its first error."""
     values = w.watched[which].value
     value = values[0]
     if sigma == 1.0:
@@ -283,7 +287,7 @@ def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
 
 
 def keep_end(d: Constants, x: State, w: Workspace) -> None:
-    """Keep the rates at the end of the step in hand as those of stage 0."""
+    """Store the rates at the end of the step as those of stage 0 of the next."""
     end = last_stage(int(w.pair))
     copy(w.rates[0].numbers, w.rates[end].numbers)
     for which in range(how_many_guards(d)):
