@@ -92,9 +92,10 @@ def kinetic_energy(d: Constants, q: float, omega1: float, omega2: float, omega3:
 
 
 def shaft_frequency(d: Constants, compliance: float) -> float:
-    """Angular frequency of the shaft between hub and driven mass, without damping, rad/s.
+    """Return the angular frequency of the shaft between hub and driven mass without damping, rad/s.
 
     Args:
+        d: constants.
         compliance: 1/J of the parts that the shaft torque accelerates besides the driven mass.
     """
     return math.sqrt(d.shaft_stiffness * (compliance + 1.0 / d.J4))

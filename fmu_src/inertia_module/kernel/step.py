@@ -198,13 +198,19 @@ def is_finite(x: State) -> bool:
 
 
 def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: float, operation: int) -> int:
-    """Advance by the communication step h, s, or to the first switch in it (operation STEP_UNTIL_EVENT).
+    """Advance by a communication step, or up to its first event, and return the status.
 
-    A status other than OK leaves state and outputs as they were.
+    If the status is not OK, state and outputs are unchanged.
 
     Args:
-        operation: that asks for it; with STEP_ONLY and STEP_UNTIL_EVENT the late outputs stay as they were,
-            with STEP_FOR_DIFFERENCING differences of results are free of the noise of the tolerance.
+        d: constants.
+        u: inputs.
+        x: state.
+        y: outputs.
+        w: workspace.
+        h: communication step, s.
+        operation: STEP, or a variant: STEP_ONLY and STEP_UNTIL_EVENT leave the late outputs unchanged;
+            STEP_FOR_DIFFERENCING makes differences of results free of the noise of the tolerance.
     """
     status = check_step(u, h)
     if status == codes.OK and d.drive == codes.DRIVE_SPEED:
@@ -231,7 +237,11 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
     """Return OK if the energies of the step balance, otherwise NOT_BALANCED.
 
     Args:
-        before: state before the step. stored: energy after it, J, kept in x. tolerance: of the step.
+        d: constants.
+        x: state after the step; its stored energy is written.
+        before: state before the step.
+        stored: stored energy after the step, J.
+        tolerance: tolerance of the step.
     """
     put_in = x.energy_in - before.energy_in
     put_out = x.energy_out - before.energy_out
@@ -249,7 +259,7 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
 
 
 def apply_jump(d: Constants, u: Inputs, x: State, h: float, jump: float) -> tuple[float, float]:
-    """Apply a jump of the speed of link 1, or of a prescribed ratio. Returns impulses of M1 and Tc, N m s."""
+    """Apply a jump of the speed of link 1 or of a prescribed ratio; return the impulses of M1 and Tc, N m s."""
     if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
         return jump_input(d, x, jump)
