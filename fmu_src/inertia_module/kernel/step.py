@@ -259,7 +259,7 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
 
 
 def apply_jump(d: Constants, u: Inputs, x: State, h: float, jump: float) -> tuple[float, float]:
-    """Apply a jump of the speed of link 1 or of a prescribed ratio; return the impulses of M1 and Tc, N m s."""
+    """Apply a jump of the input speed or of a prescribed ratio; return the impulses of M1 and Tc, N m s."""
     if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
         return jump_input(d, x, jump)
