@@ -125,12 +125,12 @@ def test_journals_that_leave_no_pulse_take_the_output_up_to_link_1(compiled):
 
 
 def under_torque(kernel, values, fidelity, speed, torque):
-    """The module 20 s after it has settled, its output held at a speed; mean speed of link 1."""
+    """The module 60 s after it has settled, its output held at a speed; mean speed of link 1."""
     held = {"drive": 1, "fidelity": fidelity, "output_inertia": 1e5, "tolerance": 1e-7}
     start = {"omega1": 130.0, "omega_out_start": speed, "drive_torque": torque}
     module = advanced(started(kernel, values, held, start), 30.0)
     angle = input_angle(module)
-    return advanced(module, 20.0), (input_angle(module) - angle) / 20.0
+    return advanced(module, 60.0), (input_angle(module) - angle) / 60.0
 
 
 # shape and losses, held speeds (of one map), torque of link 1, how close
@@ -312,7 +312,7 @@ def test_links_that_crawl_turn_as_friction_and_drag_balance(compiled, mechanism,
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_a_shaft_at_rest_is_pulled_away_when_link_1_is_fast_enough(compiled, mechanism):
-    values = {**MECHANISMS[mechanism], **SLOW["viscous"], "output_inertia": 1e6}
+    values = {**MECHANISMS[mechanism], **SLOW["viscous"], "output_inertia": 1e5}
     module = Module(compiled).start(**values, fidelity=1, omega1=30.0, load_torque=0.0)
     load = module["output_torque"]
     module = Module(compiled).start(**values, fidelity=1, omega1=0.0, load_torque=load)

@@ -22,7 +22,7 @@ SHAPES = {
     "bevel, offset imbalance": {"a": 0.7, "b": 1.3, "epsilon": 0.4, "gamma": -0.9, "drive_inertia": 1e-3},
     "bevel, three satellites": {"satellites": 3},
 }
-HELD = {"output_inertia": 1e12, "load_torque": 0.0, "tolerance": 1e-9}
+HELD = {"output_inertia": 1e5, "load_torque": 0.0, "tolerance": 1e-9}
 
 
 def at_ratio(kernel, mechanism, omega1, sigma, **values):
@@ -45,7 +45,7 @@ def test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed(
 ):
     settings = SHAPES[mechanism]
     stall = at_ratio(compiled, settings, omega1, 0.0)["output_torque"]
-    module = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e12)
+    module = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e5)
     pulses = SteadyMachine(settings).at(omega1, sigma)
     assert sigma == 0.0 or pulses.efficiency == pytest.approx(1.0, abs=1e-5)
     assert module["omega2"] == pytest.approx(100.0 * pulses.link2_ratio, abs=0.5)
@@ -78,7 +78,7 @@ def test_torque_goes_with_the_square_of_the_speed_and_stalls_alike_both_ways(com
 
 
 def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
-    long = at_ratio(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, output_inertia=1e12)
+    long = at_ratio(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, output_inertia=1e5)
     rigid = rigid_after(compiled, {"z17": 199, "z6": 200}, 100.0, 0.3, 200.0)
     assert long["output_torque"] == pytest.approx(rigid["output_torque_mean"], rel=5e-3)
     longer = at_ratio(compiled, {"z17": 499, "z6": 501}, 100.0, 0.3)["output_torque"]
@@ -88,7 +88,7 @@ def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
 @pytest.mark.parametrize(
     "settings",
     [
-        {"drive_inertia": 1e12},
+        {"drive_inertia": 1e5},
         {"layout": "planar", "satellites": 3, "link2_inertia": 0.0, "eccentricity": 1e-7},
     ],
     ids=["heavy drive", "hardly an imbalance"],
