@@ -77,6 +77,7 @@ def equations() -> tuple[Any, Any]:
         return int(array.__array_interface__["data"][0])
 
     def rates(t: float, y: Array, numbers: Array, series: Array) -> Array:
+        y = np.ascontiguousarray(y)  # Radau differentiates by columns of a matrix
         result = np.empty(3)
         library.rates(address(y), address(numbers), address(series), len(series), address(result))
         return result

@@ -29,9 +29,9 @@ from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, RIGID
 from inertia_module.memory import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
-from ..reference.geometry import Array, Unavailable, ratio, satellite_ratio
+from ..reference.geometry import Array, Unavailable, positions, ratio, satellite_ratio
 from ..reference.motion import Reference
-from ..reference.virtual_work import VirtualWork
+from ..reference.virtual_work import VirtualWork, period
 from . import motion as motions
 from .motion import Figure, Figures, Make, Motion, Parameters, Run, Segment
 from .verdicts import BREACH, LARGEST_ERROR, ROUNDING, energy_bound
@@ -49,6 +49,8 @@ DRAWS = {
 }
 # of Draw, that formulas use
 METHODS = ("choice", "random", "uniform", "randint", "decades", "between")
+# averaged under a torque: least input inertia over the inertia of the imbalances; largest one, kg m^2
+LEAST_INPUT_RATIO, LARGEST_INERTIA = 8.0, 1e5
 # how often each of LEVELS is drawn
 WEIGHTS = (1, 3, 8, 6)
 STUDIES = Path(__file__).parents[1]
@@ -295,6 +297,17 @@ def _inertia(motion: Motion) -> float:
     return mass * length**2 + motion["link2_inertia"]
 
 
+def _largest_imbalance_inertia(parameters: Parameters) -> float:
+    """Return about the largest inertia of imbalances, satellite gears and drives at link 1, kg m^2."""
+    p = {**default_parameters(), **parameters}
+    angles, _ = period(p)
+    satellites = range(int(p["satellites"]))
+    squares = sum(np.sum(positions(p, angles, n)[:, 1:] ** 2, axis=1) for n in satellites)
+    gear = p["satellite_inertia"] + p["satellite_transverse_inertia"]
+    gears = p["modules"] * p["satellites"] * gear + p["drive_inertia"]
+    return float(p["modules"] * p["imbalance_mass"] * np.max(squares) + gears)
+
+
 def draws(table: str, scope: dict[str, Any]) -> Parameters:
     """Draw what the rows of a table beside the code say; scope: what formulas use, and what is drawn."""
     found: Parameters = {}
@@ -334,6 +347,9 @@ def draw_motion(seed: int, number: int, losses: bool = False) -> Motion:
     parameters = motion.parameters | draws("friction", scope)
     if losses:
         parameters |= draws("losses", scope)
+    if by_torque and level.fidelity == AVERAGED:
+        least = LEAST_INPUT_RATIO * _largest_imbalance_inertia(parameters)
+        parameters["input_inertia"] = min(rounded(parameters["input_inertia"] + least), LARGEST_INERTIA)
     return Motion(parameters, tuple(segments))
 
 

@@ -17,14 +17,14 @@ def step_of(rate, start, which=guards.HOUSING):
     """Constants, state and workspace of a step H in which a freewheel has this slip, by its rate."""
     module = started("plain", SCENES["bevel"], omega2_start=5.0, omega_out_start=10.0)
     w = record_type(WORKSPACE)()
-    w.step, w.pair = H, tableau.LONG
+    w.step, w.pair = H, tableau.DOP853_ROW
     indicator = w.watched[which]
-    nodes = tableau.NODES[: tableau.STAGES]
+    nodes = tableau.NODES[: tableau.N_STAGES]
     for n, node in enumerate(nodes):
         indicator.rate[n] = rate(H * node)
     for n in range(len(nodes)):
-        indicator.value[n] = start + H * tableau.weighed(n, n, indicator.rate) if n else start
-    tableau.fit(H, indicator.rate, indicator.dense)
+        indicator.value[n] = start + H * tableau.weighted_sum(n, n, indicator.rate) if n else start
+    tableau.fit_dense_output(H, indicator.rate, indicator.dense)
     return module.derived, module.state, w
 
 

@@ -12,7 +12,10 @@ from inertia_module.kernel.events import advance, stages
 from inertia_module.kernel.fields import WORKSPACE
 
 # row of the first stage, last stage and order of each pair
-PAIRS = {"8(5,3)": (tableau.LONG, tableau.END, 8), "5(4)": (tableau.SHORT, tableau.SHORT_END, 5)}
+PAIRS = {
+    "8(5,3)": (tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 8),
+    "5(4)": (tableau.DOPRI5_ROW, tableau.DOPRI5_LAST_STAGE, 5),
+}
 SIGMAS = [0.0, 0.17, 0.5, 0.83, 1.0]
 
 
@@ -23,7 +26,11 @@ def powers(nodes, power):
 
 def nodes_of(pair):
     """Nodes of a pair, and those for the inside of the longer one."""
-    return tableau.NODES[: tableau.STAGES] if pair == tableau.LONG else tableau.NODES[tableau.SHORT :]
+    return (
+        tableau.NODES[: tableau.N_STAGES]
+        if pair == tableau.DOP853_ROW
+        else tableau.NODES[tableau.DOPRI5_ROW :]
+    )
 
 
 @pytest.mark.parametrize(("pair", "end", "order"), PAIRS.values(), ids=PAIRS)
@@ -31,23 +38,23 @@ def test_explicit_pair_integrates_powers_up_to_its_order(pair, end, order):
     nodes = nodes_of(pair)
     for n in range(1, len(nodes)):
         for power in range(1 if n == 1 else 2):
-            found = tableau.weighed(pair + n, n, powers(nodes, power))
+            found = tableau.weighted_sum(pair + n, n, powers(nodes, power))
             assert found == pytest.approx(nodes[n] ** (power + 1), rel=1e-13)
     for power in range(order):
-        assert tableau.weighed(pair + end, end, powers(nodes, power)) == pytest.approx(1.0, abs=1e-13)
+        assert tableau.weighted_sum(pair + end, end, powers(nodes, power)) == pytest.approx(1.0, abs=1e-13)
 
 
 @pytest.mark.parametrize(
     ("row", "pair", "end", "order"),
     [
-        (tableau.FIFTH, tableau.LONG, tableau.END, 5),
-        (tableau.THIRD, tableau.LONG, tableau.END, 3),
-        (tableau.FOURTH, tableau.SHORT, tableau.SHORT_END + 1, 4),
+        (tableau.DOP853_E5_ROW, tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 5),
+        (tableau.DOP853_E3_ROW, tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 3),
+        (tableau.DOPRI5_E_ROW, tableau.DOPRI5_ROW, tableau.DOPRI5_LAST_STAGE + 1, 4),
     ],
     ids=["fifth", "third", "fourth"],
 )
 def test_error_sees_powers_from_its_order_on(row, pair, end, order):
-    found = [abs(tableau.weighed(row, end, powers(nodes_of(pair), power))) for power in range(order + 1)]
+    found = [abs(tableau.weighted_sum(row, end, powers(nodes_of(pair), power))) for power in range(order + 1)]
     assert max(found[:order]) < 1e-13
     assert found[order] > 1e-5
 
@@ -55,10 +62,10 @@ def test_error_sees_powers_from_its_order_on(row, pair, end, order):
 @pytest.mark.parametrize("power", range(7))
 @pytest.mark.parametrize("sigma", SIGMAS)
 def test_inside_of_an_explicit_step(power, sigma):
-    h, dense, weights = 0.3, [0.0] * 7, [0.0] * tableau.STAGES
-    rates = powers(nodes_of(tableau.LONG), power)
-    tableau.fit(h, rates, dense)
-    tableau.write_inside_weights(sigma, weights)
+    h, dense, weights = 0.3, [0.0] * 7, [0.0] * tableau.N_STAGES
+    rates = powers(nodes_of(tableau.DOP853_ROW), power)
+    tableau.fit_dense_output(h, rates, dense)
+    tableau.write_dense_weights(sigma, weights)
     expected = h * sigma ** (power + 1)
     assert tableau.dense_change(dense, sigma) == pytest.approx(expected, abs=1e-12)
     assert h * np.dot(weights, rates) == pytest.approx(expected, abs=1e-12)
@@ -92,7 +99,7 @@ def oscillating_step(pair, h):
     return d, x, w
 
 
-@pytest.mark.parametrize("pair, order", [(tableau.LONG, 8), (tableau.SHORT, 5)], ids=PAIRS)
+@pytest.mark.parametrize("pair, order", [(tableau.DOP853_ROW, 8), (tableau.DOPRI5_ROW, 5)], ids=PAIRS)
 def test_error_of_a_step_falls_with_its_order(pair, order):
     """The error of one step is proportional to h^(order + 1)."""
     errors = []
@@ -105,8 +112,8 @@ def test_error_of_a_step_falls_with_its_order(pair, order):
 
 def test_dense_output_of_a_step_follows_the_motion():
     h = 0.5 / RATE
-    d, x, w = oscillating_step(tableau.LONG, h)
-    stages.evaluate_stages(d, x, w, tableau.END + 1, tableau.STAGES - 1)
+    d, x, w = oscillating_step(tableau.DOP853_ROW, h)
+    stages.evaluate_stages(d, x, w, tableau.DOP853_LAST_STAGE + 1, tableau.N_STAGES - 1)
     for sigma in SIGMAS:
         stages.set_changes_inside(d, x, w, sigma)
         exact = AMPLITUDE * (math.cos(RATE * sigma * h) - 1.0)

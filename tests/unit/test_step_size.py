@@ -40,7 +40,7 @@ def one_step(pair, h=1e-3):
     return d, x, w
 
 
-@pytest.mark.parametrize("pair", [tableau.LONG, tableau.SHORT])
+@pytest.mark.parametrize("pair", [tableau.DOP853_ROW, tableau.DOPRI5_ROW])
 def test_error_norm_is_inverse_to_the_tolerance_and_grows_with_each_error(pair):
     _, _, w = one_step(pair)
     whole = error.error_norm(w)
@@ -55,20 +55,20 @@ def test_error_norm_is_inverse_to_the_tolerance_and_grows_with_each_error(pair):
 
 
 def test_error_norm_is_the_root_mean_square_of_errors_over_scales():
-    _, _, w = one_step(tableau.SHORT)
-    row, count = tableau.FOURTH, tableau.SHORT_END + 1
+    _, _, w = one_step(tableau.DOPRI5_ROW)
+    row, count = tableau.DOPRI5_E_ROW, tableau.DOPRI5_LAST_STAGE + 1
     errors = []
     for n, scale in enumerate(w.scale.numbers):
         if scale > 0.0:
             rates = [w.rates[stage].numbers[n] for stage in range(count)]
-            errors.append(w.step * tableau.weighed(row, count, rates) / (w.tolerance * scale))
+            errors.append(w.step * tableau.weighted_sum(row, count, rates) / (w.tolerance * scale))
     assert len(errors) == 3  # q, omega2, omega3
     mean = sum(one * one for one in errors) / len(errors)
     assert error.error_norm(w) == pytest.approx(math.sqrt(mean), rel=1e-12)
 
 
 def test_scale_of_link_2_includes_the_inertia_that_it_carries():
-    d, x, w = one_step(tableau.LONG)
+    d, x, w = one_step(tableau.DOP853_ROW)
     free = w.scale.omega2
     x.output_state = 1.0
     error.write_scales(d, x, w)
@@ -115,8 +115,8 @@ def test_step_that_makes_energy_is_repeated():
 
 
 def test_energy_check_sees_what_a_step_makes_in_tolerances():
-    d, x, w = one_step(tableau.LONG, 1e-4)
-    advance.recall(x.now, d.machine)
+    d, x, w = one_step(tableau.DOP853_ROW, 1e-4)
+    advance.copy_accelerations(x.now, d.machine)
     advance.end_step(d, x, w, -1.0)
     assert advance.energy_made(d, x, w) < 0.1
     made = 20.0 * advance.MAX_ENERGY_MADE * w.tolerance * w.energy

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from inertia_module.kernel import fields, tableau
-from inertia_module.kernel.tableau import BOSH3, DOP853, DOPRI5
+from inertia_module.kernel.tableau import DOP853, DOPRI5
 
-PAIRS = {pair.name: pair for pair in (DOP853, DOPRI5, BOSH3)}
-ROWS = {"DOP853": tableau.DOP853_ROW, "DOPRI5": tableau.DOPRI5_ROW, "BOSH3": tableau.GENTLE}
+PAIRS = {pair.name: pair for pair in (DOP853, DOPRI5)}
+ROWS = {"DOP853": tableau.DOP853_ROW, "DOPRI5": tableau.DOPRI5_ROW}
 SIGMAS = [0.0, 0.17, 0.5, 0.83, 1.0]
 
 
@@ -158,9 +158,8 @@ def test_flat_tables_have_the_rows_of_the_pairs(pair):
         flat = tableau.WEIGHTS[start : start + tableau.N_STAGES]
         assert flat == (*row, *[0.0] * (tableau.N_STAGES - len(row)))
         assert all(weight == 0.0 for weight in flat[1 : tableau.FIRST_NONZERO_STAGE[first + n]])
-    if pair is not BOSH3:
-        assert tableau.NODES[first : first + len(pair.C)] == pair.C
-        assert tableau.last_stage(first) == pair.last_stage
+    assert tableau.NODES[first : first + len(pair.C)] == pair.C
+    assert tableau.last_stage(first) == pair.last_stage
     for order, row in (
         (5, tableau.DOP853_E5_ROW),
         (3, tableau.DOP853_E3_ROW),

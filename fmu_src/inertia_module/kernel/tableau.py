@@ -166,19 +166,6 @@ N_DOP853_BY_TIME, N_DOPRI5_BY_TIME = 6, 4
 # First stage after stage 0 that the errors of DOP853 depend on
 FIRST_ERROR_STAGE = 5
 
-# Fidelity averaged: pair 3(2) of P. Bogacki and L. F. Shampine (1989), Appl. Math. Lett. 2, 321
-BOSH3 = Tableau(
-    name="BOSH3",
-    order=3,
-    last_stage=3,
-    C=(0.0, 1 / 2, 3 / 4, 1.0),
-    A=((), (1 / 2,), (0.0, 3 / 4), (2 / 9, 1 / 3, 4 / 9)),
-    E={2: (-5 / 72, 1 / 12, 1 / 9, -1 / 8)},
-)
-GENTLE, GENTLE_END = len(ROWS), BOSH3.last_stage
-GENTLE_ERROR = GENTLE + len(BOSH3.A)
-ROWS += (*BOSH3.A, BOSH3.E[2])
-
 # Rows one after the other, each N_STAGES long
 WEIGHTS = tuple(weight for row in ROWS for weight in (*row, *[0.0] * (N_STAGES - len(row))))
 # First stage after stage 0 with a non-zero weight, for each row
