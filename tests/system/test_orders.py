@@ -25,8 +25,8 @@ from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
 OMEGA1 = 100.0
-# the output is too heavy to move: link 2 is at rest
-HELD = {"mechanism.output_inertia": 1e9, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
+# the output is too heavy to move much: link 2 is nearly at rest
+HELD = {"mechanism.output_inertia": 1e5, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
 PLANAR = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"satellites": 3, "link2_inertia": 0.01}
 
