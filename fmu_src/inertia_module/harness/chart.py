@@ -449,7 +449,9 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> Torq
     side = d.backward if backward else d.forward
     ratios = np.linspace(0.0, side.end, POINTS + 1)
     # at the last ratio the shaft overruns
-    modules = [Module().start(**modes, omega1=omega1, omega_out_start=float(ratio)) for ratio in ratios[:-1]]
+    modules = [
+        Module().start(**modes | {"omega1": omega1, "omega_out_start": float(ratio)}) for ratio in ratios[:-1]
+    ]
     names = ("output_torque", "omega2", "torque_ripple", "torque_peak")
     columns = np.array([module.read(names) for module in modules])
     torque, link2, ripple, peak = np.vstack([columns, columns[-1]]).T
