@@ -444,12 +444,12 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> Torq
     """Return the chart of a mechanism without losses, made from the map of fidelity averaged."""
     # the map contains torques over speeds; it does not depend on the kind of drive
     modes = {**parameters, "fidelity": "averaged", "drive": "speed", "load_torque": 0.0}
-    omega1 = -1.0 if backward else 1.0
+    modes |= {"omega1": -1.0 if backward else 1.0, "omega2_start": 0.0, "omega_out_start": 0.0}
     d = Module().start(**modes).derived
     side = d.backward if backward else d.forward
     ratios = np.linspace(0.0, side.end, POINTS + 1)
     # at the last ratio the shaft overruns
-    modules = [Module().start(**modes, omega1=omega1, omega_out_start=float(ratio)) for ratio in ratios[:-1]]
+    modules = [Module().start(**modes | {"omega_out_start": float(ratio)}) for ratio in ratios[:-1]]
     names = ("output_torque", "omega2", "torque_ripple", "torque_peak")
     columns = np.array([module.read(names) for module in modules])
     torque, link2, ripple, peak = np.vstack([columns, columns[-1]]).T

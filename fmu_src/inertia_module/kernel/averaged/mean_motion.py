@@ -228,7 +228,8 @@ def choose_regime(d: Constants, side: Side, x: State) -> int:
         if driving == 0.0:
             write_mean_rates(d, side, x, RESTING, x.omega1, 0.0, d.mean)
             driving = side.direction * d.mean.omega1
-        return SLIPPING if driving > 0.0 and (gap < 0.0 or speed == 0.0) else RESTING
+        if driving <= 0.0 or (gap >= 0.0 and speed > 0.0):
+            return RESTING
     if can_lock(side, x) and beyond_regime(d, side, x, LOCKED, x.omega1, x.omega3) <= 0.0:
         return LOCKED
     if gap == 0.0:
