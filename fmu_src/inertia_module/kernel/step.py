@@ -35,6 +35,8 @@ ROUNDING = 1e-14
 NOTHING = 1e-30
 # tolerance of a step whose results are to be differenced
 PRECISE = 1e-11
+# largest tolerance of a periodic orbit: in free flight the error of a period does not decay
+STEADY_TOLERANCE = 1e-8
 # phase, rad, in which torques change as rounding of momenta does their means
 INSTANT = 1e-8
 # share of the speeds by which a given one that the last step should have come to misses it by rounding
@@ -130,7 +132,7 @@ def start_steady(
     if status != codes.OK:
         return status
     hold_output(d)
-    w.tolerance = d.tolerance
+    w.tolerance = min(d.tolerance, STEADY_TOLERANCE)
     d.map_evaluations = w.orbit_torque = 0.0
     w.orbit_start = release_angle(d, 1.0 if u.omega1 > 0.0 else -1.0)
     time = find_orbit(d, x, w, u.omega1, d.omega_out_start / abs(u.omega1), length)
