@@ -36,7 +36,7 @@ NOTHING = 1e-30
 # tolerance of a step whose results are to be differenced
 PRECISE = 1e-11
 # largest tolerance of a periodic orbit: in free flight the error of a period does not decay
-STEADY_TOLERANCE = 1e-8
+STEADY_TOLERANCE = 1e-9
 # phase, rad, in which torques change as rounding of momenta does their means
 INSTANT = 1e-8
 # share of the speeds by which a given one that the last step should have come to misses it by rounding
