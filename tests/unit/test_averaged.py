@@ -193,7 +193,7 @@ def test_checking_parameters_builds_no_map(scene):
     module.check(**scene, fidelity=1)
     assert module.derived.map_ready == module.derived.forward.end == 0.0
     assert not module.started
-    assert_refused("must both be 1 .true. with fidelity = averaged", module.check, housing_freewheel=False)
+    assert_refused(r"must both be 1 \(true\) with fidelity = averaged", module.check, housing_freewheel=False)
 
 
 def test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step(compiled):

@@ -34,6 +34,8 @@ ROUNDING = 1e-14
 NOTHING = 1e-30
 # tolerance of a step for differences of its results
 PRECISE = 1e-11
+# maximum tolerance of a periodic orbit: in free flight the error of a period does not decay
+STEADY_TOLERANCE = 1e-9
 # phase, rad, below which the means of the torques are round-off of momenta
 INSTANT = 1e-8
 # relative round-off of a prescribed speed at the end of the last step
@@ -129,7 +131,7 @@ def start_steady(
     if status != codes.OK:
         return status
     hold_output(d)
-    w.tolerance = d.tolerance
+    w.tolerance = min(d.tolerance, STEADY_TOLERANCE)
     d.map_evaluations = w.orbit_torque = 0.0
     w.orbit_start = release_angle(d, 1.0 if u.omega1 > 0.0 else -1.0)
     time = find_orbit(d, x, w, u.omega1, d.omega_out_start / abs(u.omega1), length)
