@@ -179,7 +179,12 @@ def torque_at_rest(d: Constants, side: Side, x: State, speed: float) -> float:
     """
     x.step_evaluations += 1.0
     look_up(d, side, speed, 0.0, d.steady)
-    return d.steady.torque - x.load_torque
+    torque = d.steady.torque
+    if x.omega1 == 0.0 and (x.drive_torque if d.by_torque != 0.0 else x.alpha1) == 0.0:
+        # link 1 stays at rest: a shaft that begins to turn overruns
+        look_up(d, side, speed, side.end, d.steady)
+        torque = min(torque, free_torque(d, side, d.steady.torque))
+    return torque - x.load_torque
 
 
 def beyond_regime(d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float) -> float:
