@@ -167,6 +167,8 @@ def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, 
             low, g_low = middle, g
             g_high *= 0.5 if last < 0 else 1.0
             last = -1
+            if g == 0.0 and middle > TIME_RTOL * end:
+                return
     # a shorter step could leave the time as it is
     make_step(d, side, x, w, regime, max(high, TIME_RTOL * end))
 
