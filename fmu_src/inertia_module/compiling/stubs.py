@@ -1,4 +1,4 @@
-"""Writes kernel/records.pyi: the fields of the kernel's records, by which mypy checks the kernel.
+"""Writes kernel/records.pyi: the fields of the kernel's records, with which mypy checks the kernel.
 
 Run: python -m inertia_module.compiling.stubs (after each change of the fields or of the table of variables)
 """
@@ -16,6 +16,8 @@ HEAD = """\
 from typing import Generic, TypeVar
 
 _Record = TypeVar("_Record")
+Position = tuple[float, float, float, float, float, float, float, float, float]
+ReducedInertia = tuple[float, float, float, float, float, float]
 
 class Doubles:
     def __len__(self) -> int: ...
@@ -27,7 +29,7 @@ class Records(Generic[_Record]):
     def __getitem__(self, place: int) -> _Record: ...
     def __setitem__(self, place: int, value: _Record) -> None: ...
 """
-# records of the driven shaft have this before their names
+# prefixes of the names of records
 PREFIXES = {INERTIA_MODULE: "", DRIVEN_SHAFT: "Shaft"}
 SCALAR_NAMES = {BOOL: "bool", INT: "int", DOUBLE: "float"}
 
@@ -37,7 +39,7 @@ def class_name(record: Record, model: Model) -> str:
 
     Args:
         record: the record.
-        model: the model it belongs to.
+        model: model of the record.
     """
     words = record.name.removeprefix("kernel_").split("_")
     return PREFIXES[model] + "".join(word.capitalize() for word in words)
@@ -48,7 +50,7 @@ def annotation(kind: Type, model: Model) -> str:
 
     Args:
         kind: the type.
-        model: the model it belongs to.
+        model: model of the type.
     """
     match kind:
         case Record():
@@ -65,7 +67,7 @@ def annotation(kind: Type, model: Model) -> str:
 
 
 def stub() -> str:
-    """Return the text of the stub."""
+    """Return the text of the stub file."""
     lines = [HEAD]
     for model in PREFIXES:
         translator = KernelTranslator(record_names(model))
