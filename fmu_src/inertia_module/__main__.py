@@ -1,4 +1,4 @@
-"""Command line as ``python -m inertia_module``."""
+"""``python -m inertia_module``."""
 
 from .cli import main
 

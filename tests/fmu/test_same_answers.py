@@ -116,8 +116,7 @@ class Caller:
 
 def with_foreign(caller, action):
     """Result of an action with a pointer that is no state of this instance."""
-    buffer = ctypes.create_string_buffer(4096)  # lives during the action: no state gets its address
-    return action(c_void_p(ctypes.addressof(buffer)))
+    return action(c_void_p(ctypes.addressof(ctypes.create_string_buffer(4096))))
 
 
 SMALL, LARGE = -1, 1000

@@ -1,1 +1,1 @@
-"""Modules that all layers use: errors, files, quantities with units, the terminal."""
+"""Common to every floor: errors, files, quantities with units, the terminal."""

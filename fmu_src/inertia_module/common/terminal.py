@@ -1,6 +1,6 @@
-"""The terminal: prints all messages and tables without interpreting markup.
+"""The terminal: where all messages and tables are printed, character for character.
 
-The library Rich is imported at the first output: the help does not require it.
+Its library is imported when something is printed: help needs none.
 """
 
 from __future__ import annotations
@@ -16,18 +16,14 @@ if TYPE_CHECKING:
     from rich import progress as rich_progress
     from rich.console import Console
 
-# function that receives the completed share of the work, 0 to 1
+# is told the share of some work that is done, 0 to 1
 Progress = Callable[[float], None]
-# duration of the work after which a progress bar appears, s
+# work that takes longer than this, s, shows a bar
 PATIENCE = 2.0
 
 
 def terminal(width: int | None = None) -> Console:
-    """Return a console that prints texts unchanged: "[fast]" is not a style, ":key:" not an emoji.
-
-    Args:
-        width: width of the console, characters; None for the width of the terminal.
-    """
+    """A console that prints texts as they are: "[fast]" is no style, ":key:" no picture, 3 no number."""
     from rich.console import Console
 
     class PlainConsole(Console):
@@ -39,7 +35,7 @@ def terminal(width: int | None = None) -> Console:
 
 
 def progress() -> rich_progress.Progress:
-    """Return a progress bar that shows titles unchanged and disappears at its end."""
+    """A progress bar that shows titles as they are, and vanishes when it is done."""
     from rich.progress import Progress, TextColumn
 
     _, *others = Progress.get_default_columns()
@@ -49,22 +45,15 @@ def progress() -> rich_progress.Progress:
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Progress]:
-    """Show a progress bar after PATIENCE seconds of work.
-
-    Args:
-        title: title of the bar.
-
-    Yields:
-        Function that takes the completed share of the work, 0 to 1.
-    """
+    """A progress bar that appears once some work has taken more than PATIENCE seconds."""
     started = time.monotonic()
     bar = progress()
     task = bar.add_task(title, total=1.0)
 
-    def report(share: float) -> None:
+    def report(done: float) -> None:
         if not bar.live.is_started and time.monotonic() - started > PATIENCE:
             bar.start()
-        bar.update(task, completed=share)
+        bar.update(task, completed=done)
 
     try:
         yield report

@@ -1,5 +1,5 @@
-"""Translation of the kernel from Python to C, and compilation to machine code."""
+"""From the kernel's Python to C and to machine code that can be called."""
 
 
 class CompilationUnavailable(RuntimeError):
-    """No compiled kernel is available, and none can be compiled; the message contains the reason."""
+    """No compiled kernel is available, and none can be made; the message gives the reason."""

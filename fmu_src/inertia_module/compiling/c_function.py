@@ -21,14 +21,7 @@ Path = tuple[int, ...]
 
 
 def wrapped(line: str) -> list[str]:
-    """Break a long line of C at spaces.
-
-    Args:
-        line: line with its indentation.
-
-    Returns:
-        The lines.
-    """
+    """Break a long line of C at spaces."""
     indent = " " * (len(line) - len(line.lstrip()))
     lines = textwrap.wrap(
         line.strip(), WIDTH, initial_indent=indent, subsequent_indent=indent + 2 * INDENT,
@@ -43,13 +36,10 @@ def _unbroken(text: str) -> str:
 
 
 class Declarations:
-    """Places of the declarations of a function's variables in C.
+    """Where the variables of a function are declared in C.
 
-    The first assignment declares a variable if all its uses are in the same block or in inner blocks.
-    Otherwise the declaration is at the top of the function.
-
-    Args:
-        scope: names of the function.
+    A variable is declared by its first assignment if all of its uses are in the same block or further inside;
+    otherwise at the top of the function.
 
     Attributes:
         by_statement: names of the variables that a statement declares.
@@ -91,7 +81,7 @@ class Declarations:
 
 
 class FunctionTranslator:
-    """Translates one function for one combination of argument types.
+    """Translates one function for certain types of its arguments.
 
     Args:
         kernel: definitions that all functions share.
@@ -115,7 +105,7 @@ class FunctionTranslator:
         self.declarations = Declarations(self.scope)
 
     def translate(self) -> None:
-        """Translate the statements repeatedly until the types of all variables are determined.
+        """Translate the statements, until the types of all variables are known.
 
         Raises:
             NotInLanguage: a statement is outside the language of the kernel.
@@ -138,18 +128,14 @@ class FunctionTranslator:
             name: name of the function in C.
         """
         text = "\n".join(self.lines)
-        parameters = {
-            variable_name(parameter): self.variables[parameter] for parameter in self.scope.parameters
-        }
-        unused = [parameter for parameter in parameters if not re.search(rf"\b{parameter}\b", text)]
-        top = [f"{INDENT}(void){parameter};" for parameter in unused]
+        parameters = {variable_name(one): self.variables[one] for one in self.scope.parameters}
+        unused = [one for one in parameters if not re.search(rf"\b{one}\b", text)]
+        top = [f"{INDENT}(void){one};" for one in unused]
         top += [
-            f"{INDENT}{declaration(self.variables[parameter], variable_name(parameter))};"
-            for parameter in self.declarations.at_top
+            f"{INDENT}{declaration(self.variables[one], variable_name(one))};"
+            for one in self.declarations.at_top
         ]
-        arguments = ", ".join(
-            _unbroken(declaration(kind, parameter)) for parameter, kind in parameters.items()
-        )
+        arguments = ", ".join(_unbroken(declaration(kind, one)) for one, kind in parameters.items())
         head = wrapped(f"{storage} {declaration(self.result or VOID, f'{name}({arguments})')}")
         return "\n".join(
             [*_comment(ast.get_docstring(self.scope.tree)), *head, "{", *top, *self.lines, "}", ""]
@@ -212,7 +198,7 @@ class FunctionTranslator:
             return self._put("return;")
         value = self.expressions.translate(statement.value)
         self.result = common_type(self.result, value.type)
-        if isinstance(statement.value, ast.Tuple):  # all returns have the same type
+        if isinstance(statement.value, ast.Tuple):  # of the type that all returns share
             value = self.expressions.literal_tuple(statement.value, self.result)
         return self._put(f"return {value.value};")
 
@@ -271,8 +257,10 @@ class FunctionTranslator:
         node = call.args[2]
         step = self.scope.look_up(node)
         if step is LOCAL:
-            text = self.expressions.translate(node).text  # of a literal or the length of a table a number
-            step = int(text) if re.fullmatch(r"-?\d+", text) else None
+            try:
+                step = ast.literal_eval(node)
+            except ValueError:
+                step = None
         if not isinstance(step, int) or step == 0:
             raise self.scope.reject(
                 call, f"the step {ast.unparse(node)} must be an integer constant other than 0"
@@ -310,7 +298,7 @@ class FunctionTranslator:
             else:
                 self._assign_value(target, self.expressions.translate(value), declared)
             if not isinstance(value, ast.Constant):
-                value = _as_load(target)  # in a = b = c the second target takes the value of the first
+                value = _as_load(target)  # in a = b = c: the second target takes the value of the first
 
     def _assign_items(
         self, statement: ast.Assign, target: ast.Tuple, value: ast.Tuple, declared: set[str] | tuple[()]
@@ -338,7 +326,7 @@ class FunctionTranslator:
         return any(isinstance(part, ast.Subscript) for part in parts)
 
     def _assign_value(self, target: ast.expr, value: Expression, declared: set[str] | tuple[()]) -> None:
-        """Assign a value to a variable or to a place in a record, or a tuple to several targets."""
+        """Assign a value to a variable, to a place in a record, or a tuple to several of them."""
         if isinstance(target, ast.Tuple):
             self._unpack(target, value, declared)
         elif not isinstance(target, ast.Name):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-# scalar types; each can represent all values of the types before it
+# scalars, each of which can hold the values of those before it
 BOOL, INT, DOUBLE = SCALARS = ("bool", "int64_t", "double")
 VOID = "void"
 
@@ -46,19 +46,15 @@ class TupleType(NamedTuple):
     items: tuple[Type, ...]
 
 
-# a type; None until the translator has determined it
+# None while the type of a variable is not known yet
 Type = str | Record | Array | TupleType | None
 
 
 def common_type(first: Type, second: Type) -> Type:
-    """Return the type that can represent the values of both types.
-
-    Args:
-        first: a type.
-        second: a type.
+    """Return the type that holds the values of both types.
 
     Raises:
-        TypeError: there is no such type.
+        TypeError: there is none.
     """
     if first is None or second is None or first == second:
         return second if first is None else first
@@ -74,11 +70,7 @@ def common_type(first: Type, second: Type) -> Type:
 
 
 def type_name(kind: Type) -> str:
-    """Return the name of a type; for a tuple, the name of its struct.
-
-    Args:
-        kind: the type.
-    """
+    """Return the name of a type; for a tuple, the name of its struct."""
     if isinstance(kind, TupleType) and set(kind.items) == {DOUBLE}:
         return f"doubles_{len(kind.items)}"
     if isinstance(kind, TupleType):

@@ -1,8 +1,7 @@
 """Rejects expressions whose value depends on the order in which C evaluates their operands.
 
-Python evaluates operands from left to right. C does not define the order, except for `and`, `or` and
-`if ... else`. Therefore, if an operand calls a function that writes to a record, the other operands must not
-read a record.
+Python evaluates operands from left to right. C leaves the order open, but for `and`, `or` and `if ... else`.
+So an operand with a call that writes to a record must stand alone among operands that read one.
 """
 
 from __future__ import annotations
@@ -18,11 +17,7 @@ Memory = ast.Attribute | ast.Subscript
 
 @functools.cache
 def writes(function: types.FunctionType) -> bool:
-    """Return True if a function writes to a record or an array of its caller.
-
-    Args:
-        function: function of the kernel.
-    """
+    """Return True if a function writes to a record or an array of its caller."""
     scope = Scope(function)
     return any(
         (isinstance(node, Memory) and isinstance(node.ctx, ast.Store)) or calls_writer(scope, node)
@@ -31,44 +26,24 @@ def writes(function: types.FunctionType) -> bool:
 
 
 def called_function(scope: Scope, node: ast.AST) -> types.FunctionType | None:
-    """Return the kernel's function in a call; None if the node is no such call.
-
-    Args:
-        scope: names of the calling function.
-        node: the call.
-    """
+    """Return the function of the kernel that a call calls; None if the node is no such call."""
     function = scope.look_up(node.func) if isinstance(node, ast.Call) else None
     return function if isinstance(function, types.FunctionType) else None
 
 
 def calls_writer(scope: Scope, node: ast.AST) -> bool:
-    """Return True if a node is a call of a function that writes.
-
-    Args:
-        scope: names of the function that contains the node.
-        node: syntax tree of an expression.
-    """
+    """Return True if a node is a call of a function that writes."""
     function = called_function(scope, node)
     return function is not None and writes(function)
 
 
 def contains_writer(scope: Scope, node: ast.AST) -> bool:
-    """Return True if an expression contains a call that writes.
-
-    Args:
-        scope: names of the function that contains the node.
-        node: syntax tree of an expression.
-    """
+    """Return True if an expression contains a call that writes."""
     return any(calls_writer(scope, part) for part in ast.walk(node))
 
 
 def reads_memory(scope: Scope, node: ast.AST) -> bool:
-    """Return True if the value of an expression may depend on records or arrays.
-
-    Args:
-        scope: names of the function that contains the node.
-        node: syntax tree of an expression.
-    """
+    """Return True if the value of an expression may depend on records or arrays."""
     return any(
         (isinstance(part, Memory) and scope.look_up(part) is LOCAL)
         or (isinstance(part, ast.Call) and called_function(scope, part) is not None)
@@ -77,11 +52,7 @@ def reads_memory(scope: Scope, node: ast.AST) -> bool:
 
 
 def operands(node: ast.AST) -> list[ast.expr]:
-    """Return the parts of an expression or an assignment that C evaluates in any order.
-
-    Args:
-        node: the expression or assignment.
-    """
+    """Return the parts of an expression or an assignment that C evaluates in any order."""
     match node:
         case ast.BinOp():
             return [node.left, node.right]
@@ -101,14 +72,10 @@ def operands(node: ast.AST) -> list[ast.expr]:
 
 
 def check_order(scope: Scope, statement: ast.AST) -> None:
-    """Raise an error if the result of a statement depends on the order of its operands.
-
-    Args:
-        scope: names of the function.
-        statement: the statement, or an expression.
+    """Reject a statement whose result depends on the order of its operands.
 
     Raises:
-        NotInLanguage: an operand writes to a record, and another operand may read it.
+        NotInLanguage: an operand writes to a record that another may read.
     """
     for node in ast.walk(statement):
         parts = operands(node)

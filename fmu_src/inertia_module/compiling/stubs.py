@@ -1,4 +1,4 @@
-"""Writes kernel/records.pyi: the fields of the kernel's records, with which mypy checks the kernel.
+"""Writes kernel/records.pyi: the fields of the kernel's records, by which mypy checks the kernel.
 
 Run: python -m inertia_module.compiling.stubs (after each change of the fields or of the table of variables)
 """
@@ -16,8 +16,6 @@ HEAD = """\
 from typing import Generic, TypeVar
 
 _Record = TypeVar("_Record")
-Position = tuple[float, float, float, float, float, float, float, float, float]
-ReducedInertia = tuple[float, float, float, float, float, float]
 
 class Doubles:
     def __len__(self) -> int: ...
@@ -29,7 +27,7 @@ class Records(Generic[_Record]):
     def __getitem__(self, place: int) -> _Record: ...
     def __setitem__(self, place: int, value: _Record) -> None: ...
 """
-# prefixes of the names of records
+# records of the driven shaft have this before their names
 PREFIXES = {INERTIA_MODULE: "", DRIVEN_SHAFT: "Shaft"}
 SCALAR_NAMES = {BOOL: "bool", INT: "int", DOUBLE: "float"}
 
@@ -39,7 +37,7 @@ def class_name(record: Record, model: Model) -> str:
 
     Args:
         record: the record.
-        model: model of the record.
+        model: the model it belongs to.
     """
     words = record.name.removeprefix("kernel_").split("_")
     return PREFIXES[model] + "".join(word.capitalize() for word in words)
@@ -50,7 +48,7 @@ def annotation(kind: Type, model: Model) -> str:
 
     Args:
         kind: the type.
-        model: model of the type.
+        model: the model it belongs to.
     """
     match kind:
         case Record():
@@ -67,7 +65,7 @@ def annotation(kind: Type, model: Model) -> str:
 
 
 def stub() -> str:
-    """Return the text of the stub file."""
+    """Return the text of the stub."""
     lines = [HEAD]
     for model in PREFIXES:
         translator = KernelTranslator(record_names(model))

@@ -1,1 +1,1 @@
-"""Contract with other programs: variables, messages, models."""
+"""Contract with outsiders: variables, messages, models."""

@@ -1,1 +1,1 @@
-"""Figures of mechanisms, scenes and jobs, and the HTML report."""
+"""Pictures."""

@@ -1,1 +1,1 @@
-"""The FMUs: model descriptions, the Python slave, and the builder of the FMU files."""
+"""The FMU: its description, its Python slave and the builder that packs both."""

@@ -1,4 +1,4 @@
-"""XML files of an FMU, made from templates: modelDescription.xml and terminalsAndIcons.xml."""
+"""XML of an FMU: modelDescription.xml, terminalsAndIcons.xml, and what it is made from (see templates)."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ from ..contract import variables as table
 from ..contract.models import Model
 from .archive import TEMPLATES, filled_xml
 
-# names of types in FMI 3.0, if they differ from FMI 2.0
+# names of types in FMI 3.0, where they are others
 TYPES_3 = {table.REAL: "Float64", table.INTEGER: "Int32"}
-# FMI attribute initial by causality; the importer sets the initial values of inputs and of the time
+# who gives the value at the start; that of inputs and of the time the host
 INITIAL = {table.PARAMETER: "exact", table.OUTPUT: "calculated", table.LOCAL: "calculated"}
-# name of the icon of a flange (FMI 3.0)
+# icon of a flange of FMI 3.0; in the icon that docs/make_icons.py draws: height of the central axis, half a
+# flange, distance of two
 FLANGE = "flange"
-# coordinates in the icon of docs/make_icons.py: height of the central axis, half the size of a flange,
-# distance between two flanges
 AXIS, HALF, APART = -18, 8, 40
 
 
@@ -25,7 +24,7 @@ def _number(value: float) -> str:
 
 
 def _values(variable: table.Variable) -> dict[str, str | None]:
-    """Return the XML attributes of a variable: unit or declared type, range, nominal and start value."""
+    """Attributes of a variable by its kind: unit or declared type, range, nominal and start value."""
     if variable.kind == table.BOOLEAN:
         return {"start": "true" if variable.start else "false"}
     numbers = {"min": variable.minimum, "max": variable.maximum}
@@ -48,26 +47,22 @@ def model_description(
     python: bool = False,
     sources: Sequence[str] = (),
 ) -> bytes:
-    """Return the content of modelDescription.xml.
+    """The XML of modelDescription.xml.
 
     Args:
-        model: the model.
-        identifier: model identifier, the name of the binaries.
-        guid: GUID, the hash of the content.
-        date: generation date and time, UTC, with Z at its end.
-        fmi: version of FMI, 2 or 3.
-        python: True for the Python FMU, which has the capabilities of pythonfmu.
-        sources: names of the C files in FMI 2.0; FMI 3.0 lists them in buildDescription.xml.
+        model: what it describes. identifier: model identifier, the name of the binaries.
+        guid: hash of the content. date: generation date and time, UTC, ending in Z.
+        fmi: version of FMI, 2 or 3. python: whether pythonfmu passes the calls on, and what it can.
+        sources: names of C files that FMI 2.0 lists; FMI 3.0 has buildDescription.xml.
     """
     variables = model.in_fmu(fmi)
-    # the model structure contains places in the list, from 1, in FMI 2.0 and value references in FMI 3.0
+    # the structure of FMI 2.0 has places in the list, from 1; FMI 3.0 has value references
     places = {variable.name: n for n, variable in enumerate(variables, 1)}
     numbers = places if fmi == 2 else {variable.name: variable.reference for variable in variables}
-    causes = [v.name for v in model.with_causality(table.INPUT, table.PARAMETER) if not v.idle]
-    at_start = {}
+    at_start, given = {}, list(model.with_causality(table.INPUT, table.PARAMETER))
     for output in model.with_causality(table.OUTPUT):
-        names = causes if output.at_start is None else output.at_start
-        at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in names)
+        known = [one.name for one in given if not one.idle] if output.at_start is None else output.at_start
+        at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in known)
     units, types = ({getattr(v, name) for v in variables} for name in ("unit", "enumeration"))
     tolerance = model.by_name["tolerance"].start if "tolerance" in model.by_name else None
     values = {
@@ -84,14 +79,9 @@ def model_description(
 
 
 def terminals(model: Model) -> bytes:
-    """Return the content of terminalsAndIcons.xml.
+    """The XML: members of a name belong together, a speed to a speed and a torque to a torque.
 
-    Two terminals connect by the names of their members: speed with speed, torque with torque. The angle is
-    connected if both terminals have one (matching rule bus). The kind of a torque defines its positive
-    direction.
-
-    Args:
-        model: the model.
+    An angle goes where there is one (matching rule bus). The kind of a torque says which way it is positive.
     """
     values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
     return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)

@@ -1,4 +1,4 @@
-"""The native FMUs: a model description, and a shared library for each available platform."""
+"""The native FMUs: a description, and a shared library for each platform that can be compiled for."""
 
 from __future__ import annotations
 
@@ -26,19 +26,17 @@ from .tables import generated
 Content = TypeVar("Content")
 # name of the source file
 SOURCE = "all.c"
-# path of the metadata in SSP Traceability
+# where SSP Traceability looks for it
 METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
 
 
 @dataclass
 class Build:
-    """State of a build.
+    """A build under way.
 
     Attributes:
-        progress: function that is called at the beginning of each stage, with its description.
-        targets: platforms of the native FMUs.
-        paths: paths of the written files.
-        skipped: reasons by description of the skipped part.
+        progress: told each stage as it begins. targets: platforms of the native FMUs.
+        paths: files that are written. skipped: what is left out, with the reason.
     """
 
     progress: Progress = lambda stage: None
@@ -47,13 +45,7 @@ class Build:
     skipped: dict[str, str] = field(default_factory=dict)
 
     def attempt(self, what: str, make: Callable[..., Content], *arguments: Any) -> Content | None:
-        """Return the result of a function; None if it cannot compile, which is noted in skipped.
-
-        Args:
-            what: description of the part.
-            make: the function.
-            arguments: its arguments.
-        """
+        """Make a content; None where it cannot be compiled, and it is skipped."""
         try:
             return make(*arguments)
         except CompilationUnavailable as reason:
@@ -62,14 +54,7 @@ class Build:
 
 
 class NativeFmu(NamedTuple):
-    """A native FMU to build.
-
-    Attributes:
-        identifier: model identifier.
-        model: the model.
-        picture: name of the pictures.
-        fmi: version of FMI, 2 or 3.
-    """
+    """A native FMU to build: model identifier, model, name of its pictures, version of FMI, 2 or 3."""
 
     identifier: str
     model: Model
@@ -78,20 +63,16 @@ class NativeFmu(NamedTuple):
 
     @property
     def file_name(self) -> str:
-        """Name of the file."""
+        """Name of its file."""
         return f"{self.identifier}.fmu"
 
     def library_path(self, target: Target) -> str:
-        """Return the path of the shared library for a target within the FMU.
-
-        Args:
-            target: the platform.
-        """
+        """Path in the FMU of its shared library for a target."""
         folder = target.folder if self.fmi == 2 else target.platform
         return f"binaries/{folder}/{self.identifier}{target.suffix}"
 
     def guid(self) -> str:
-        """Return the GUID, a hash of all sources of the FMU and of the versions of the tools."""
+        """Hash of all that the FMU is made from: its sources and the versions of the tools."""
         made_from = dependencies(self.model)
         made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
         made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
@@ -101,31 +82,23 @@ class NativeFmu(NamedTuple):
         return guid_of(made_from)
 
     def content(self, build: Build) -> bytes:
-        """Return the content of the file.
-
-        Args:
-            build: the build; platforms without a compiler are skipped.
-
-        Raises:
-            CompilationUnavailable: the FMU cannot be compiled for any platform.
-        """
+        """The content of its file for those of the platforms that can be compiled for."""
         made_for = self.guid()
 
         def compiled_for(target: Target) -> bytes | None:
             what = f"{self.identifier} for {target.label}"
             return build.attempt(what, library, self, made_for, target, build.progress)
 
-        # threads suffice, because the compiler is a separate process
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:  # the compiler is a process of its own
             libraries = list(pool.map(compiled_for, build.targets))
-        parts: dict[str, list[tuple[str, bytes]]] = {}
+        found: dict[str, list[tuple[str, bytes]]] = {}
         for target, content in zip(build.targets, libraries, strict=True):
             if content is not None:
-                parts.setdefault(self.library_path(target), []).append((target.label.split("-")[0], content))
-        if not parts:
+                found.setdefault(self.library_path(target), []).append((target.label.split("-")[0], content))
+        if not found:
             raise CompilationUnavailable(build.skipped[f"{self.identifier} for {build.targets[0].label}"])
-        files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in parts.items()}
-        if len(build.targets) == len(TARGETS):  # for all platforms: sources and WebAssembly for other ones
+        files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
+        if len(build.targets) == len(TARGETS):  # for all: also for those that are not among them
             for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
                 added = build.attempt(f"{self.identifier} {what}", make, self, made_for, build.progress)
                 files |= added or {}
@@ -138,13 +111,11 @@ class NativeFmu(NamedTuple):
 
 
 def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
-    """Return the files of an FMU without code by path, such as documentation, licences and metadata.
+    """Documentation, licences, icon, references, metadata and, with FMI 3.0, terminals, by path in an FMU.
 
     Args:
-        model: the model.
-        picture: name of the pictures.
-        fmi: version of FMI, 2 or 3.
-        licences: texts of third-party licences by name.
+        model: what they are of. picture: name of its pictures. fmi: version, 2 or 3.
+        licences: texts of those of others, by name.
     """
     texts = {"license": sources("LICENSE")["LICENSE"].decode()} | licences
     files = {
@@ -166,36 +137,36 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
 
 
 def _picture(name: str) -> bytes:
-    """Return a picture drawn by docs/make_icons.py."""
+    """A picture as docs/make_icons.py has drawn it."""
     return (Path(__file__).parent / "pictures" / name).read_bytes()
 
 
-def expanded(name: str, files: Mapping[str, bytes], inserted: set[str]) -> Iterator[str]:
-    """Yield the lines of a C file with its includes inserted, each once.
+def expanded(name: str, files: Mapping[str, bytes], seen: set[str]) -> Iterator[str]:
+    """Lines of a C file with the files that it includes in it, each once.
 
     Args:
         name: name of the file.
-        files: contents by name; includes of other files stay unchanged.
-        inserted: names of the inserted files; extended by this function.
+        files: contents by name; other includes stay as they are.
+        seen: names of the files that are in it already.
     """
-    inserted.add(name)
+    seen.add(name)
     for line in files[name].decode().splitlines():
         include = re.fullmatch(r'#include "(.*)"', line)
         if include is None or include[1] not in files:
             yield line
-        elif include[1] not in inserted:
-            yield from expanded(include[1], files, inserted)
+        elif include[1] not in seen:
+            yield from expanded(include[1], files, seen)
 
 
 def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """Return the FMU in C99, by path in the FMU, for processors without a binary.
+    """The FMU in C99, by path in it, for processors that it has no library for.
 
-    The source is one file, so that the compiler exports only the functions of FMI.
+    It is one file, so that a compiler makes all but the functions of FMI invisible to the host.
 
     Args:
         fmu: the FMU.
-        made_for: GUID of the FMU.
-        progress: not used; all functions of a build have this argument.
+        made_for: its GUID.
+        progress: called with the stage.
     """
     files = {"kernel.c": kernel_source(fmu.model)} | shell_files(fmu.model, made_for, fmu.fmi)
     included = [name for name in files if name.endswith(".c")]
@@ -208,13 +179,7 @@ def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str,
 
 
 def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """Return the WebAssembly component and its manifest by path in the FMU; empty for FMI 2.0.
-
-    Args:
-        fmu: the FMU.
-        made_for: GUID of the FMU.
-        progress: function that is called at the beginning of the compilation.
-    """
+    """The component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none."""
     if fmu.fmi == 2:
         return {}
 
@@ -228,14 +193,7 @@ def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[s
 
 
 def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -> bytes:
-    """Return the shared library for a target; the cache stores it.
-
-    Args:
-        fmu: the FMU.
-        made_for: GUID of the FMU.
-        target: the platform.
-        progress: function that is called at the beginning of the compilation.
-    """
+    """The shared library for one target, from the cache if it was built before; made_for: the GUID."""
     file = f"{fmu.identifier}{target.suffix}"
 
     def linked() -> bytes:

@@ -1,4 +1,4 @@
-"""The kernel in WebAssembly for the viewer, with the functions of the C library; it imports nothing."""
+"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and so on of the C library are in it."""
 
 from __future__ import annotations
 
@@ -10,34 +10,25 @@ from ..compiling.targets import BROWSERS
 from ..contract.models import Model
 from .native_fmu import Build
 
-# bytes; sufficient for two hundred instances at the same time
+# bytes: two hundred instances at once
 MEMORY = 1 << 24
 
 
 class WebKernel(NamedTuple):
-    """A kernel to build.
-
-    Attributes:
-        identifier: name of the kernel.
-        model: the model.
-    """
+    """A kernel to build: its name, and its model."""
 
     identifier: str
     model: Model
 
     @property
     def file_name(self) -> str:
-        """Name of the file."""
+        """Name of its file."""
         return f"{self.identifier}.wasm"
 
     def content(self, build: Build) -> bytes:
-        """Return the kernel as a WebAssembly module; the cache stores it.
+        """The kernel as a module of WebAssembly, from the cache if it was built before.
 
-        The module exports its entry (see kernel.entry), its memory, and __heap_base, the start of the free
-        memory.
-
-        Args:
-            build: the build.
+        It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
         """
         depends_on = dependencies(self.model) | sources("fmu/web_kernel.py")
 

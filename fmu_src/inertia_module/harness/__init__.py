@@ -1,1 +1,1 @@
-"""Simulation of FMUs with access by name: instances, runs, checks, charts."""
+"""FMUs driven by names: instances, runs, systems."""

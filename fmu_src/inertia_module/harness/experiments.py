@@ -1,7 +1,7 @@
-"""Experiments with reference results in an FMU, in the format of the layered standard FMI-LS-REF.
+"""Experiments with reference results in an FMU, by the layered standard FMI-LS-REF.
 
-The files are experiments (MA-HS-Experiments), inputs and results as CSV, and parameters as SSV of SSP.
-A result without an experiment belongs to the default experiment. Files outside the unpacked FMU are not read.
+They are experiments (MA-HS-Experiments), inputs and results as CSV, parameters as SSV of SSP.
+A result without an experiment is one of the default experiment. All files are read within the unpacked FMU.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .archive import parse_inside, read_inside
 Array = NDArray[np.float64]
 
 MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
-# allowed deviation of a result without a tolerance, relative to the maximum of the reference
+# allowed deviation of a result without a tolerance, relative to the largest value of the reference
 RELATIVE_DEVIATION = 1e-2
-# exceptions that a file can cause if it violates the standards
+# errors of files that violate the standards
 UNREADABLE = (OSError, SyntaxError, LookupError, ValueError)
 TEXTS = ("String", "Binary")
 REALS = ("Real", "Float32", "Float64")
-# name of an array element: "y[2]", "A[1,2]"
+# name of an element of an array: "y[2]", "A[1,2]"
 _ELEMENT = re.compile(r"(.+)\[\s*(\d+(?:\s*,\s*\d+)*)\s*\]$")
 # name with a unit: "omega [rpm]"
 _QUANTITY = re.compile(r"(.*?)\s*\[(.*)\]$")
@@ -41,11 +41,11 @@ class Experiment(NamedTuple):
     """An experiment with reference results.
 
     Attributes:
-        name: name of the experiment.
-        results: path of the results.
-        settings: times and tolerance as texts, by name in the file.
-        inputs: path of the inputs, or None.
-        parameters: values by name: numbers, quantities with units, texts.
+        name: of the experiment.
+        results: file of the results.
+        settings: times and tolerance by their names in the file.
+        inputs: file of the inputs, or None.
+        parameters: by name, with units.
         allowed: allowed deviations by name of the variable.
     """
 
@@ -61,9 +61,9 @@ class Column(NamedTuple):
     """Values of a variable, or of one element of an array, over time.
 
     Attributes:
-        variable: variable of fmpy.
-        element: index of the element in the flat array, or None for the complete variable.
-        values: numbers, shape (rows, elements), or texts.
+        variable: fmpy's.
+        element: index of the element in the flat array, or None for the whole variable.
+        values: shape (rows, elements); or texts.
     """
 
     variable: Any
@@ -75,8 +75,8 @@ class Table(NamedTuple):
     """Columns over time.
 
     Attributes:
-        time: times, s, shape (rows,).
-        columns: columns by heading.
+        time: shape (rows,), s.
+        columns: by heading.
     """
 
     time: Array
@@ -84,11 +84,7 @@ class Table(NamedTuple):
 
 
 def size_of(variable: Any) -> int:
-    """Return the number of elements of a variable.
-
-    Args:
-        variable: variable of fmpy.
-    """
+    """Return the number of elements of a variable."""
     return math.prod(variable.shape)
 
 
@@ -100,11 +96,11 @@ def _parameters(folder: Path, file: Path) -> Iterator[tuple[str, float | str]]:
         yield row.attrib["name"], value if unit == "1" else f"{text} {unit}"
 
 
-def _experiment(element: ElementTree.Element, folder: Path, source_folder: Path) -> Experiment:
-    """Return an experiment of a file; paths are relative to the folder of this file."""
-    # the place of the times differs between drafts of the format
+def _experiment(element: ElementTree.Element, folder: Path, beside: Path) -> Experiment:
+    """Return an experiment of a file; sources are relative to the folder beside it."""
+    # drafts of the format differ in the place of the times
     settings = {**getattr(element.find("TransientSimulation"), "attrib", {}), **element.attrib}
-    files = {kind.tag: source_folder / kind.get("source", "") for kind in element}
+    files = {kind.tag: beside / kind.get("source", "") for kind in element}
     parameters = dict(_parameters(folder, files["Parameters"])) if "Parameters" in files else {}
     allowed = {row.attrib["variable"]: float(row.attrib["absolute"]) for row in element.iter("Tolerance")}
     name, inputs = settings["name"], files.get("Stimuli")
@@ -114,14 +110,9 @@ def _experiment(element: ElementTree.Element, folder: Path, source_folder: Path)
 def experiments(folder: Path) -> list[Experiment]:
     """Return the experiments with results in an unpacked FMU.
 
-    Args:
-        folder: folder of the unpacked FMU.
-
     Raises:
         FmuError: a file is missing, or lies outside the FMU.
-        SyntaxError: a file is no XML.
-        LookupError: a file violates the standards: an item is missing.
-        ValueError: a file violates the standards: a value is invalid.
+        SyntaxError, LookupError, ValueError: a file is not as the standards demand.
     """
     manifest, bound, results = folder / MANIFEST, list[Experiment](), list[Path]()
     if not manifest.is_file():
@@ -141,14 +132,14 @@ def experiments(folder: Path) -> list[Experiment]:
 
 
 def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
-    """Convert a value to the elements of a variable: numbers, or a text.
+    """Return the elements of a value for a variable: numbers, or a text.
 
     Args:
-        variable: variable of fmpy.
+        variable: fmpy's.
         value: a number, a quantity with a unit, the name of an item, a text, or numbers separated by spaces.
 
     Raises:
-        FmuError: the value has another type or another number of elements.
+        FmuError: it is none of these, or has another number of elements.
     """
     if variable.type in TEXTS:
         return [str(value)]
@@ -171,7 +162,7 @@ def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
 
 
 def _number(word: float | str) -> float | str:
-    """Convert a text to a number, if it is a number without a unit."""
+    """Return a number without a unit as such."""
     try:
         return float(word)
     except ValueError:
@@ -179,7 +170,7 @@ def _number(word: float | str) -> float | str:
 
 
 def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
-    """Return the variable of a heading, and the index of an array element or None.
+    """Return the variable of a heading, and the place of an element in it or None.
 
     Raises:
         FmuError: there is no such variable.
@@ -197,7 +188,7 @@ def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
 
 
 def _split_heading(heading: str, variables: Mapping[str, Any]) -> tuple[str, str | None]:
-    """Return the name and the unit of a heading; None without a unit."""
+    """Return the name and the unit (None if there is none) of a heading."""
     match = _QUANTITY.match(heading)
     if heading in variables or _ELEMENT.match(heading) or match is None:
         return heading, None
@@ -205,7 +196,7 @@ def _split_heading(heading: str, variables: Mapping[str, Any]) -> tuple[str, str
 
 
 def _column(heading: str, cells: Sequence[str], variables: Mapping[str, Any]) -> Column:
-    """Convert cells to a column in the unit of its variable."""
+    """Return a column of cells, in the unit of its variable."""
     name, unit = _split_heading(heading, variables)
     variable, element = _places(name, variables)
     own_unit = variable.unit or "1"
@@ -232,12 +223,12 @@ def read_table(folder: Path, file: Path, variables: Mapping[str, Any]) -> Table:
     """Read a CSV file of variables over time: numbers, Booleans, texts, arrays.
 
     Args:
-        folder: folder of the unpacked FMU.
-        file: path of the table.
-        variables: variables of fmpy by name.
+        folder: of the unpacked FMU.
+        file: of the table.
+        variables: fmpy's, by name.
 
     Raises:
-        FmuError: the file is no such table, or lies outside the FMU.
+        FmuError: it is no such table, or no file inside the FMU.
     """
     content = read_inside(folder, file)
     try:
@@ -250,7 +241,7 @@ def read_table(folder: Path, file: Path, variables: Mapping[str, Any]) -> Table:
     if len(rows) < 2:
         demand = must_be("number of rows", "at least 2, with the headings", str(len(rows)))
         raise FmuError(cannot_read(file.name, demand))
-    if not rows[0][-1]:  # each row ends with a separator
+    if not rows[0][-1]:  # separators at the ends of the rows
         rows = [row[: len(rows[0]) - 1] for row in rows]
     headings = rows.pop(0)
     for number, row in enumerate(rows, 1):

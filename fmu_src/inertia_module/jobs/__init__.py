@@ -1,4 +1,4 @@
-"""Engineering tasks: sweep, design, fit, orders, batch; the commands have the same arguments."""
+"""The engineer's jobs, one call each; the commands take the same arguments."""
 
 from .batch import batch
 from .design import DesignResult, design

@@ -2,8 +2,6 @@
 from typing import Generic, TypeVar
 
 _Record = TypeVar("_Record")
-Position = tuple[float, float, float, float, float, float, float, float, float]
-ReducedInertia = tuple[float, float, float, float, float, float]
 
 class Doubles:
     def __len__(self) -> int: ...
@@ -113,43 +111,46 @@ class Machine:
     b: float
     g: float
 
-class Steady:
+class Followed:
     numbers: Doubles
-    torque: float
-    omega2: float
-    inertia: float
-    slope: float
-    resistance: float
-    lost: Doubles
-
-class Mean:
-    numbers: Doubles
+    q: float
     omega1: float
+    omega2: float
     omega3: float
-    theta1: float
-    theta2: float
-    theta3: float
     drive: float
-    mesh: float
+    housing: float
     output: float
+    square: float
+    theta1: float
+    turned3: float
+    work_in: float
     lost: Doubles
+    twist: float
+    relative: float
+    wound_housing: float
+    wound_output: float
 
-class Column:
+class Knot:
     numbers: Doubles
-    torque: Doubles
-    link2: Doubles
+    ratio: float
+    value: Doubles
+    slope: Doubles
+    error: float
+    drive: float
+    begin_energy: float
+    begin_omega2: float
     lost: Doubles
-    inertia: float
-    ripple: float
-    peak: float
 
 class Side:
     numbers: Doubles
     direction: float
+    count: float
     end: float
     locks: float
+    start: float
+    thrown: float
     slow: float
-    columns: Records[Column]
+    knots: Records[Knot]
 
 class Constants:
     numbers: Doubles
@@ -247,7 +248,6 @@ class Constants:
     output: float
     by_torque: float
     elastic: float
-    rigid_shaft: float
     b1: float
     bq: float
     b2: float
@@ -264,10 +264,10 @@ class Constants:
     turn_across: float
     turn_along: float
     machine: Machine
-    steady: Steady
-    mean: Mean
+    mean: Followed
     map_ready: float
     map_lock: float
+    map_inertia: float
     map_evaluations: float
     forward: Side
     backward: Side
@@ -332,8 +332,13 @@ class State:
     housing_torque_peak: float
     housing_slip_peak: float
     output_slip_peak: float
+    q_low: float
     drive_turns: float
+    theta1_low: float
     input_turns: float
+    omega1_low: float
+    omega2_low: float
+    omega3_low: float
     mode: float
     alpha1: float
     held_input: float
@@ -341,9 +346,14 @@ class State:
     drive_torque: float
     step_size: float
     short_size: float
+    sizes: Doubles
+    sized_mode: float
     energy_in: float
+    energy_in_low: float
     energy_out: float
+    energy_out_low: float
     lost: Doubles
+    lost_low: Doubles
     energy_start: float
     energy_stored: float
     input_torque_mean: float
@@ -354,6 +364,7 @@ class State:
     output_engagements: float
     evaluations: float
     output_angle: float
+    output_angle_low: float
     output_turns: float
     length: float
     begin_q: float
@@ -362,6 +373,8 @@ class State:
     begin_input_turns: float
     begin_drive_turns: float
     moments: Records[Moment]
+    twist_low: float
+    relative_low: float
     housing_state: float
     output_state: float
     slip_sign: float
@@ -370,7 +383,8 @@ class State:
     ended: float
     slip_reached_zero: float
     switching: float
-    mean_step: float
+    map_knot: float
+    map_speed: float
     torques_continue: float
     prescribed: float
     load_prescribed: float
@@ -381,6 +395,12 @@ class State:
 
 class Outputs:
     numbers: Doubles
+    energy_lost_viscous: float
+    energy_lost_shaft: float
+    energy_lost_mesh: float
+    energy_lost_journal: float
+    energy_lost_freewheel: float
+    energy_lost_windage: float
     omega2: float
     omega_out: float
     input_torque: float
@@ -424,12 +444,6 @@ class Outputs:
     energy_out: float
     energy_stored: float
     energy_lost: float
-    energy_lost_viscous: float
-    energy_lost_shaft: float
-    energy_lost_mesh: float
-    energy_lost_journal: float
-    energy_lost_freewheel: float
-    energy_lost_windage: float
     energy_residual: float
     contact_switches: float
     rhs_evaluations: float
@@ -445,25 +459,6 @@ class Outputs:
     torque_ripple: float
     torque_peak: float
 
-class Followed:
-    numbers: Doubles
-    q: float
-    omega1: float
-    omega2: float
-    omega3: float
-    drive: float
-    housing: float
-    output: float
-    square: float
-    theta1: float
-    turned3: float
-    work_in: float
-    lost: Doubles
-    twist: float
-    relative: float
-    wound_housing: float
-    wound_output: float
-
 class Watched:
     numbers: Doubles
     value: Doubles
@@ -472,6 +467,12 @@ class Watched:
 
 class Outputs0:
     numbers: Doubles
+    energy_lost_viscous: float
+    energy_lost_shaft: float
+    energy_lost_mesh: float
+    energy_lost_journal: float
+    energy_lost_freewheel: float
+    energy_lost_windage: float
     omega2: float
     omega_out: float
     input_torque: float
@@ -515,12 +516,6 @@ class Outputs0:
     energy_out: float
     energy_stored: float
     energy_lost: float
-    energy_lost_viscous: float
-    energy_lost_shaft: float
-    energy_lost_mesh: float
-    energy_lost_journal: float
-    energy_lost_freewheel: float
-    energy_lost_windage: float
     energy_residual: float
     contact_switches: float
     rhs_evaluations: float
@@ -535,24 +530,36 @@ class Workspace:
     step: float
     momentum: float
     energy: float
-    potential: float
+    at_rest: float
     rates: Records[Followed]
     change: Followed
     inside: Followed
     watched: Records[Watched]
     weights: Doubles
-    scale: Followed
-    orbit_start: float
-    orbit_torque: float
-    orbit_energy: float
-    means: Records[Mean]
-    mean_slopes: Records[Mean]
-    mean_stages: Records[Mean]
-    mean_change: Mean
-    mean_length: float
+    stages: Records[Followed]
+    slopes: Records[Followed]
+    moves: Doubles
+    moving: float
+    matrix: Doubles
+    pivots: Doubles
+    right_side: Doubles
+    drive: float
+    begin_energy: float
+    begin_omega2: float
+    knot: Knot
+    sum_time: float
+    sum_torque: float
+    sum_square: float
+    sum_energy: float
+    sum_gain: float
+    sum_omega1: float
+    sum_omega2: float
+    sum_peak: float
+    sum_lost: Doubles
     before: State
     kept: State
     part: State
+    held: Constants
     outputs_0: Outputs0
     outputs_1: Outputs0
 
@@ -569,11 +576,11 @@ class ShaftParameters:
 
 class ShaftConstants:
     numbers: Doubles
-    damping_rate: float
-    frequency_squared: float
-    damped_frequency: float
-    slow_rate: float
-    fast_rate: float
+    rate: float
+    square: float
+    swing: float
+    slow: float
+    fast: float
     step: float
     responses: Doubles
     gramian: Doubles
@@ -590,8 +597,11 @@ class ShaftInputs:
 class ShaftState:
     numbers: Doubles
     twist: float
+    twist_low: float
     slip: float
+    slip_low: float
     omega4: float
+    omega4_low: float
     hub_slope: float
     held_input: float
     length: float
@@ -599,8 +609,11 @@ class ShaftState:
     shaft_torque_mean: float
     energy_start: float
     energy_in: float
+    energy_in_low: float
     energy_out: float
+    energy_out_low: float
     energy_lost: float
+    energy_lost_low: float
 
 class ShaftOutputs:
     numbers: Doubles
@@ -622,6 +635,6 @@ class ShaftWorkspace:
     slip_rate: Doubles
     speed: Doubles
     speed_rate: Doubles
-    transition: Doubles
+    move: Doubles
     product: Doubles
     before: ShaftState

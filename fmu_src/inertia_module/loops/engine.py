@@ -1,8 +1,7 @@
-"""Engine or motor upstream of a module: limits of its torque, its governor, and the interface inertia.
+"""An engine or motor in front of a module: limits of its torque, its governor, and what the module carries.
 
-In a torque-driven module the inertia of the rotor belongs to link 1. The model of the engine is then its
-torque map and its governor, which samples the speed of link 1 at communication points. docs/coupling.md
-compares other couplings.
+Driven by torque the module carries the rotor, and what is left of the engine is its map and its sampled
+governor, which sees the speed of link 1 at communication points. docs/coupling.md compares other ways.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ __all__ = ["EngineMap", "Governor", "InterfaceInertia", "interface_inertia", "to
 
 
 def check_drag(name: str, torques: Sequence[float]) -> None:
-    """Reject drag torques with the opposite sign convention.
+    """Reject torques with the sign of another convention.
 
     Args:
-        name: Name of the torques in the message.
-        torques: Magnitudes of the torque against the motion, N.m.
+        name: name of the torques in the message.
+        torques: size of the torque against the motion, N.m.
 
     Raises:
-        ValueError: A torque is negative.
+        ValueError: a torque is negative.
     """
     if min(torques) < 0.0:
         raise ValueError(
@@ -42,14 +41,7 @@ def check_drag(name: str, torques: Sequence[float]) -> None:
 
 
 def check_rising(speed: Sequence[float]) -> None:
-    """Reject breakpoints that do not strictly increase, because a torque over speed has no steps.
-
-    Args:
-        speed: Breakpoints, rad/s.
-
-    Raises:
-        ValueError: The breakpoints do not increase.
-    """
+    """Raise a ValueError if speeds, rad/s, do not increase: a torque over the speed has no steps."""
     for before, after in pairwise(speed):
         if not before < after:
             raise ValueError(must_be("speed", "strictly increasing", f"{after:g} after {before:g}"))
@@ -57,15 +49,14 @@ def check_rising(speed: Sequence[float]) -> None:
 
 @dataclass(frozen=True)
 class EngineMap:
-    """Limits of the engine torque over the speed, linear between breakpoints, constant beyond them.
+    """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
 
     Attributes:
-        speed: Breakpoints, rad/s, strictly increasing, length n.
-        greatest: Torque at full load, N.m, non-negative, length n.
-        drag: Torque against the motion without fuel, N.m, non-negative, length n.
+        speed: breakpoints, rad/s, rising. greatest: torque at full load, N.m, at each of them, from 0.
+        drag: torque against the motion without fuel, N.m, from 0.
 
     Raises:
-        ValueError: The breakpoints do not increase, a torque is negative, or lengths differ.
+        ValueError: breakpoints that do not rise, or torques negative or not one for each.
     """
 
     speed: tuple[float, ...]
@@ -84,30 +75,24 @@ class EngineMap:
         check_drag("drag", self.drag)
 
     def limits(self, speed: float) -> tuple[float, float]:
-        """Return minimum and maximum torque at a speed, N.m; drag acts only on a rotating engine.
-
-        Args:
-            speed: Speed of the engine, rad/s.
-        """
+        """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""
         drag = between(self.speed, self.drag, speed) if speed > 0.0 else 0.0
         return -drag, between(self.speed, self.greatest, speed)
 
 
 @dataclass(frozen=True)
 class Governor:
-    """Sampled PI speed governor with anti-windup by back-calculation.
+    """PI speed governor, sampled, with anti-windup by back-calculation against the limits of the moment.
 
-    If the torque saturates, the integral tracks the limit with the time constant of the governor,
-    proportional_gain / integral_gain, or with the sample time if this is longer.
+    Where the torque is cut off, the integral is led back with the time constant of the governor,
+    proportional_gain / integral_gain, but not faster than the sample time.
     Source: Åström and Murray, Feedback Systems (2nd edition 2021), section 11.4.
 
     Attributes:
-        proportional_gain: Proportional gain, N.m.s/rad.
-        integral_gain: Integral gain, N.m/rad.
-        sample_time: Sample time, s.
+        proportional_gain: N.m per rad/s. integral_gain: N.m per rad. sample_time: s.
 
     Raises:
-        ValueError: A gain is negative or not finite, or the sample time is not positive.
+        ValueError: a gain is negative or not finite, or the sample time is not positive.
     """
 
     proportional_gain: float
@@ -133,44 +118,34 @@ class Governor:
         """Compute one sample of the governor.
 
         Args:
-            integral: Integral of the previous sample, N.m.
-            reference: Reference speed, rad/s.
-            speed: Measured speed, rad/s.
-            limits: Minimum and maximum torque, N.m.
-            feedforward: Torque added to the PI terms, N.m.
+            integral: N.m. reference, speed: rad/s. limits: least and greatest torque, N.m.
+            feedforward: torque besides that of the error, N.m.
 
         Returns:
-            Torque, and integral for the next sample, N.m.
+            (torque, integral for the next sample), N.m.
         """
         error = reference - speed
-        unlimited = feedforward + self.proportional_gain * error + integral
-        torque = min(max(unlimited, limits[0]), limits[1])
-        next_integral = integral + self.sample_time * self.integral_gain * error
+        wanted = feedforward + self.proportional_gain * error + integral
+        torque = min(max(wanted, limits[0]), limits[1])
+        grown = integral + self.sample_time * self.integral_gain * error
         if self.integral_gain > 0.0:
-            tracking_time = max(self.sample_time, self.proportional_gain / self.integral_gain)
-            next_integral -= self.sample_time / tracking_time * (unlimited - torque)
-        return torque, next_integral
+            tracking = max(self.sample_time, self.proportional_gain / self.integral_gain)
+            grown -= self.sample_time / tracking * (wanted - torque)
+        return torque, grown
 
 
 def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, float]:
-    """Return the parameters of a torque-driven module with the rotor of its engine on link 1.
+    """Parameters of a module that is driven by torque and carries the rotor of its engine.
 
     Args:
-        parameters: Parameters of the module that differ from the defaults, SI, by name.
-        inertia: Inertia of the rotor, kg.m2.
+        parameters: of the module, those that differ from the defaults. inertia: of the engine, kg.m2.
     """
     own = parameters.get("input_inertia", 0.0)
     return {**parameters, "drive": float(DRIVE_TORQUE), "input_inertia": own + inertia}
 
 
 class InterfaceInertia(NamedTuple):
-    """Interface inertia over the angle of the planet shaft.
-
-    Attributes:
-        least: Minimum, kg.m2.
-        mean: Mean, kg.m2.
-        greatest: Maximum, kg.m2.
-    """
+    """Interface inertia over the angle of the drive, kg.m2."""
 
     least: float
     mean: float
@@ -178,29 +153,26 @@ class InterfaceInertia(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """Return the mean of minimum and maximum, kg.m2."""
+        """Mean of the least and the greatest, kg.m2."""
         return 0.5 * (self.least + self.greatest)
 
 
 def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
-    """Compute the interface inertia of a module: the inertia that a jump of the input speed accelerates.
+    """The interface inertia of a module: what its input shaft feels when its speed changes suddenly.
 
-    With link 2 locked, the interface inertia is Phi = J1 + I + 2 k B + k^2 G. If link 2 is free or drives the
-    output shaft, it is smaller: Phi - k^2 (B + k G)^2 / (J + k^2 G), where J is J2 or J2 + J3. Phi is
-    therefore the maximum for an engine.
+    With link 2 held, omega1 turns everything: Phi = J1 + I + 2 k B + k^2 G. Where link 2 is free to follow,
+    or drives the shaft, less of it answers a jump: Phi - k^2 (B + k G)^2 / (J + k^2 G), with J = J2 or
+    J2 + J3. So Phi is the most an engine can meet.
 
     Args:
-        parameters: Parameters of the module that differ from the defaults, SI, by name.
-
-    Returns:
-        Minimum, mean and maximum of Phi over a period of the planet-shaft angle.
+        parameters: those that differ from the defaults.
 
     Raises:
-        Refused: The module rejects the parameters.
+        Refused: the module refuses the parameters.
     """
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})
-    revolutions = int(module.derived.period_turns)
-    angles = np.linspace(0.0, 2.0 * math.pi * revolutions, 180 * revolutions, endpoint=False)
-    values = [inertia_at_input(module.derived, float(q)) for q in angles]
+    turns = int(module.derived.period_turns)
+    angles = np.linspace(0.0, 2.0 * math.pi * turns, 180 * turns, endpoint=False)
+    values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))

@@ -1,1 +1,1 @@
-"""Interactive viewer: one HTML file with the mechanism, the kernel and a recorded run."""
+"""The module in a browser: one HTML file with the machine, its kernel and a run."""

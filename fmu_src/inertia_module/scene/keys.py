@@ -1,4 +1,4 @@
-"""Types and checks of the keys of a scene: quantities in SI within a range, columns and tables."""
+"""Keys of a scene: quantities in SI within a range, columns, tables; errors are one line."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from ..loops.sources import Signal, Table
 
 # --- quantities, alone, in lists and in columns ---
 
-# remedy in messages about Windows paths in TOML
+# remedy for a path of Windows in TOML
 SLASHES = "Write / instead of \\, or put the path in single quotes."
-# value of fidelity that measurements replace by a level
+# the fidelity is to be chosen from measurements
 AUTO = "auto"
 
 
 def _must_be(allowed: str, value: Any) -> str:
-    """Return the message for an invalid value, without the name of its key."""
+    """Return the message for a bad value without its name."""
     return must_be("", allowed, repr(value)).lstrip()
 
 
@@ -42,55 +42,34 @@ def checked(
     maximum: float | None = None,
     above: float | None = None,
 ) -> float:
-    """Convert a quantity to SI and check its range.
-
-    Args:
-        value: Number in the unit, or text with a unit of the same dimension.
-        unit: SI unit, "1" for none.
-        minimum: Minimum, in the unit.
-        maximum: Maximum, in the unit.
-        above: Exclusive lower limit, in the unit.
-
-    Raises:
-        ValueError: The value is not allowed; the message lacks the name of the key.
-    """
-    message = _must_be(allowed_number(unit, minimum, maximum, above), value)
+    """Convert a quantity to SI and check its range; the message of the ValueError lacks its name."""
+    sentence = _must_be(allowed_number(unit, minimum, maximum, above), value)
     try:
         number = number_of(value, unit)
     except ValueError as error:
-        raise ValueError(f"{message}: {error}") from None
+        raise ValueError(f"{sentence}: {error}") from None
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
     if not low <= number <= high or (above is not None and number <= above):
-        raise ValueError(message)
+        raise ValueError(sentence)
     return number
 
 
 @dataclass(frozen=True)
 class InUnit:
-    """Pydantic validator of a quantity, which JSON contains as text with its unit.
-
-    Attributes:
-        check: Function that converts a value to SI or raises ValueError.
-        unit: SI unit, "1" for none.
-        variable: Variable of the FMU that the quantity is a value of, or None.
-    """
+    """Pydantic validator of a quantity, maybe of a variable, that JSON has as text with its unit."""
 
     check: Callable[[Any], Any]
     unit: str
     variable: Variable | None = None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        serializer = core_schema.plain_serializer_function_ser_schema(self.written, when_used="json")
+        written = core_schema.plain_serializer_function_ser_schema(self.written, when_used="json")
         return core_schema.no_info_before_validator_function(
-            self.check, handler(source), serialization=serializer
+            self.check, handler(source), serialization=written
         )
 
     def written(self, value: Any) -> Any:
-        """Return a value as in a scene file: items by name, integers without a decimal point.
-
-        Args:
-            value: Value in SI.
-        """
+        """A value as in a scene file, digit for digit: an item by its name, a whole number as one."""
         if self.variable is not None:
             items = {number: item for item, number in (self.variable.items or {}).items()}
             value = items.get(value, int(value) if self.variable.kind == INTEGER else value)
@@ -99,31 +78,20 @@ class InUnit:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Return the unit of the quantity in a field of a table, "" for none.
-
-    Args:
-        field: Field of a pydantic model.
-    """
-    parts = [*field.metadata, field.annotation]
-    while parts:
-        part = parts.pop()
-        if isinstance(part, InUnit):
-            return "" if part.unit == "1" else part.unit
-        parts += get_args(part)
+    """Unit of the quantity that a field of a table holds, "" for none."""
+    waiting = [*field.metadata, field.annotation]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, InUnit):
+            return "" if one.unit == "1" else one.unit
+        waiting += get_args(one)
     return ""
 
 
 def quantity(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> InUnit:
-    """Make a pydantic validator of a quantity within a range.
-
-    Args:
-        unit: SI unit, "1" for none.
-        minimum: Minimum, in the unit.
-        maximum: Maximum, in the unit.
-        above: Exclusive lower limit, in the unit.
-    """
+    """Pydantic validator of a quantity in a unit within a range."""
     return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit)
 
 
@@ -134,41 +102,31 @@ Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
 
 
 def in_range(variable: Variable) -> InUnit:
-    """Make a pydantic validator of a value of a variable.
-
-    It accepts a number in SI, text with a unit, and the name of an item of an enumeration.
-
-    Args:
-        variable: Variable of the FMU.
-    """
+    """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
 
     def check(value: Any) -> float | str:
         if variable.name == "fidelity" and value == AUTO:
             return AUTO
-        alternative = f", or {AUTO}" if variable.name == "fidelity" else ""
-        message = _must_be(f"{variable.allowed}{alternative}", value)
+        also = f", or {AUTO}" if variable.name == "fidelity" else ""
+        sentence = _must_be(f"{variable.allowed}{also}", value)
         try:
             number = number_of(value, variable.unit or "1", variable.items)
         except ValueError as error:
-            raise ValueError(with_reason(message, error, value, variable.items)) from None
+            raise ValueError(with_reason(sentence, error, value, variable.items)) from None
         if not variable.accepts(number):
-            raise ValueError(message)
+            raise ValueError(sentence)
         return number
 
     return InUnit(check, variable.unit, variable)
 
 
 def fields_of(variables: Sequence[Variable]) -> Any:
-    """Return optional fields for variables, as arguments of pydantic.create_model.
-
-    Args:
-        variables: Variables of the FMU.
-    """
+    """Optional fields of a table for variables, for pydantic.create_model."""
     number: Any = float | None
     types = {variable.name: number for variable in variables}
     if "fidelity" in types:
         types["fidelity"] = number | Literal["auto"]
-    return {row.name: (Annotated[types[row.name], in_range(row)], None) for row in variables}
+    return {one.name: (Annotated[types[one.name], in_range(one)], None) for one in variables}
 
 
 class Strict(BaseModel):
@@ -181,25 +139,14 @@ class Strict(BaseModel):
 
 
 class Cell(str):
-    """Quantity from a CSV file: text with its unit.
-
-    Attributes:
-        table: Table of the file.
-        row: Row of the quantity in the table, from 0.
-    """
+    """Quantity of a CSV file: text with its unit, and the row that it is from."""
 
     table: CsvTable
     row: int
 
     @classmethod
     def cells(cls, table: CsvTable, name: str, numbers: Sequence[float]) -> list[Self]:
-        """Return the numbers of a column as texts, in the unit of its heading or else in SI.
-
-        Args:
-            table: Table of the file.
-            name: Name of the column.
-            numbers: Numbers of the column, one per row.
-        """
+        """Return the numbers of a column in the unit of its heading, or in SI."""
         unit, cells = table.units.get(name, ""), []
         for row, number in enumerate(numbers):
             cell = cls(f"{number!r} {unit}")
@@ -208,12 +155,12 @@ class Cell(str):
         return cells
 
 
-# Control characters, which Python and TOML write with a backslash. No path contains them.
+# characters that Python and TOML write with a backslash: they are in no path
 _ESCAPED = re.compile(r"[\x00-\x1f]")
 
 
 def _path_of(file: str, folder: Path) -> Path:
-    """Return the path of a file of a scene; raise ValueError if backslashes became control characters."""
+    """Return the path of a file of a scene, whose backslashes have not become other characters."""
     if _ESCAPED.search(file):
         demand = must_be("file", "a path", repr(file))
         raise ValueError(f"{demand}. In double quotes a backslash starts an escape sequence. {SLASHES}")
@@ -221,20 +168,20 @@ def _path_of(file: str, folder: Path) -> Path:
 
 
 class Tabulated(Strict):
-    """Base of a quantity in two columns, in the scene itself or in a CSV file with a heading row.
+    """A quantity in columns, in the scene itself or in a CSV file with a heading row.
 
-    The two list fields of a subclass are the columns: first the points, then the values.
+    The two fields of a table that are lists are the columns: first the points, then the values.
 
     Attributes:
-        file: Path of the CSV file, relative to the folder of the scene; None for columns in the scene.
+        file: path from the folder of the scene.
     """
 
     file: str | None = Field(default=None, exclude=True)
 
     @classmethod
     def columns(cls) -> list[str]:
-        """Return the names of the columns: points, values."""
-        return [name for name, field in cls.model_fields.items() if get_origin(field.annotation) is list]
+        """Names of points and values."""
+        return [name for name, one in cls.model_fields.items() if get_origin(one.annotation) is list]
 
     @model_validator(mode="before")
     @classmethod
@@ -262,30 +209,22 @@ class Tabulated(Strict):
         return self
 
     def signal(self) -> Table:
-        """Return the quantity over its points: linear between them, constant beyond the ends."""
+        """The quantity over time, s, or distance, m; linear in between, held at the ends."""
         return Table(*(getattr(self, name) for name in self.columns()))
 
 
 class ConstantOrTable(Strict):
-    """Base of a quantity that is a constant (key SIGNAL) or a table (key SIGNAL with _over_time).
-
-    Attributes:
-        SIGNAL: Name of the quantity.
-    """
+    """Quantity given as a constant, by the key SIGNAL, or as a table, by that with _over_time."""
 
     SIGNAL: ClassVar[str]
 
     @model_validator(mode="after")
-    def _check_signal(self) -> Self:
+    def _one_of_both(self) -> Self:
         self.one_signal()
         return self
 
     def one_signal(self) -> Signal:
-        """Return the quantity in SI, constant or over time, s.
-
-        Raises:
-            ValueError: Both keys are present, or none.
-        """
+        """The quantity, constant or over time, in SI."""
         constant, over_time = getattr(self, self.SIGNAL), getattr(self, f"{self.SIGNAL}_over_time")
         if (constant is None) == (over_time is None):
             number = "none" if constant is None else "both"
@@ -295,12 +234,7 @@ class ConstantOrTable(Strict):
 
 
 def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated]]:
-    """Yield the dotted keys and columns over time of a table and of all tables within it.
-
-    Args:
-        table: Table of a scene.
-        name: Dotted key of the table; "" for the scene.
-    """
+    """Yield the columns over time of a table and of all tables in it, by dotted key."""
     if isinstance(table, Tabulated) and table.columns()[0] == "time":
         yield name, table
     for key in table.model_fields_set:
@@ -310,14 +244,14 @@ def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated
 
 
 def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
-    """Return warnings about tables whose times probably do not match the run.
+    """Return warnings of tables whose times are probably not those of the run.
 
     Args:
-        scene: The scene.
-        stop_time: End of the run, s.
+        scene: tables, checked.
+        stop_time: end of the run, s.
 
     Raises:
-        TableError: A table has no time within the run.
+        TableError: a table has no time within the run.
     """
     return [
         text
@@ -335,7 +269,7 @@ def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
 
 Model = TypeVar("Model", bound=BaseModel)
 MECHANISM = "mechanism."
-# allowed values by error type of pydantic, if its own message differs in style
+# what must be, where pydantic says it in another way
 _ALLOWED = {
     "model_type": "a table",
     "model_attributes_type": "a table",
@@ -346,11 +280,11 @@ _ALLOWED = {
 
 
 class SceneError(Refused):
-    """Invalid scene; the message is one line with the key, the value and the allowed range.
+    """Invalid scene: one line with the key, the value and the allowed range.
 
     Args:
-        message: The message.
-        key: Dotted key whose value is invalid alone; "" if the error is a contradiction between keys.
+        message: the line.
+        key: dotted key that is invalid with any values of the other keys, else "".
     """
 
     def __init__(self, message: str, key: str = "") -> None:
@@ -359,7 +293,7 @@ class SceneError(Refused):
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
-    """Return the models within a type: the type itself, or the members of a union."""
+    """Models within a type: the members of a union, the type itself."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for part in get_args(annotation) for model in _models(part)]
@@ -371,13 +305,13 @@ def _kind(model: type[BaseModel]) -> str:
 
 
 def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str], list[type[BaseModel]]]:
-    """Return the keys of a location, without the kinds that pydantic inserts, and the models there."""
+    """Keys of a location, without the kinds pydantic puts between them, and the models it leads to."""
     keys: list[str] = []
     models = [scene]
     for part in location:
-        members = [model for model in models if len(models) > 1 and _kind(model) == part]
-        if members:
-            models = members
+        chosen = [model for model in models if len(models) > 1 and _kind(model) == part]
+        if chosen:
+            models = chosen
             continue
         keys.append(str(part))
         fields = [model.model_fields[part] for model in models if part in model.model_fields]
@@ -385,33 +319,33 @@ def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str],
     return keys, models
 
 
-def _unknown_key_message(scene: type[BaseModel], location: tuple[Any, ...], value: Any) -> str:
-    """Return the message for a key that no model contains."""
+def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) -> str:
+    """Line for a key that no model has."""
     parents, models = _walk(scene, location[:-1])
-    names = list(dict.fromkeys(name for model in models for name in model.model_fields))
+    known = list(dict.fromkeys(name for model in models for name in model.model_fields))
     key = ".".join([*parents, str(location[-1])])
     others = [model for model in _walk(scene, location[:-2])[1] if location[-1] in model.model_fields]
     if len(models) == 1 and others and location[-2] == _kind(models[0]):
         table, kinds = ".".join(parents), " or ".join(repr(_kind(model)) for model in others)
         return (
             f"{key} = {value!r} is not allowed with {table}.kind = {location[-2]!r}, only with kind"
-            f" {kinds}{hint(location[-1], names)}"
+            f" {kinds}{hint(location[-1], known)}"
         )
-    return f"unknown key {key!r}{suggestion(location[-1], names)}"
+    return f"unknown key {key!r}{suggestion(location[-1], known)}"
 
 
 def _is_combination(error: Any) -> bool:
-    """Return True if an error of pydantic is a contradiction between keys."""
+    """Return True if an error of pydantic is of keys that contradict each other."""
     return error["type"] == "value_error" and isinstance(error["ctx"]["error"], Refused)
 
 
-def _message(scene: type[BaseModel], error: Any) -> str:
-    """Return the message for one error of pydantic."""
+def _line(scene: type[BaseModel], error: Any) -> str:
+    """Line for one error of pydantic."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
     keys, models = _walk(scene, error["loc"])
     key = ".".join(keys) or "scene"
     if kind == "extra_forbidden":
-        return _unknown_key_message(scene, error["loc"], value)
+        return _no_such_key(scene, error["loc"], value)
     if kind == "missing":
         return f"missing key {key!r}"
     if kind == "union_tag_not_found":
@@ -431,11 +365,7 @@ def _message(scene: type[BaseModel], error: Any) -> str:
 
 
 def full_name(name: str) -> str:
-    """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot.
-
-    Args:
-        name: Dotted key, or name of a parameter of the mechanism.
-    """
+    """Full dotted key; the prefix mechanism. may be left out."""
     return name if "." in name else f"{MECHANISM}{name}"
 
 
@@ -443,63 +373,46 @@ def full_name(name: str) -> str:
 Keys = Mapping[str, Any] | Iterable[str] | None
 
 
-def keys_of(keys: Keys) -> dict[str, Any]:
-    """Return values by dotted key.
-
-    Args:
-        keys: Mapping, or texts KEY=VALUE with values as in a scene file; strings need no quotes.
-
-    Raises:
-        SceneError: A text is not of the form KEY=VALUE.
-    """
-    if isinstance(keys, Mapping):
-        return dict(keys)
-    values = {}
-    for text in keys or ():
+def keys_of(given: Keys) -> dict[str, Any]:
+    """Values by dotted key, of these or of texts KEY=VALUE as in a scene file; strings need no quotes."""
+    if isinstance(given, Mapping):
+        return dict(given)
+    found = {}
+    for text in given or ():
         name, _, value = (part.strip() for part in text.partition("="))
         if not (name and value):
             raise SceneError(f"expected KEY=VALUE (got {text!r})")
         try:
-            values[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
+            found[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            values[full_name(name)] = value
-    return values
+            found[full_name(name)] = value
+    return found
 
 
 def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
-    """Return a copy of nested tables with one value changed.
-
-    Args:
-        tables: The nested tables.
-        path: Parts of the dotted key.
-        value: New value; None removes the key.
-    """
+    """Tables with one key changed, in copies; None takes it away."""
     head, *rest = path
     if rest:
         table = tables.get(head)
         value = changed(table if isinstance(table, dict) else {}, rest, value)
-    others = {name: part for name, part in tables.items() if name != head}
+    others = {name: kept for name, kept in tables.items() if name != head}
     return others if value is None else {**others, head: value}
 
 
 def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
-    """Check nested tables and return them as a scene.
+    """Check tables as a scene of a kind; an error has the key, the value and the allowed range in one line.
 
     Args:
-        model: Model of the scene.
-        tables: Tables as read from TOML, or Scene.tables; valid models may replace tables.
-        folder: Folder of the scene file; paths of CSV files are relative to it.
-
-    Raises:
-        SceneError: A value is invalid; the message is one line with key, value and allowed range.
+        tables: as read from TOML, or Scene.tables; some may be checked ones.
+        folder: where paths of CSV files in them start.
     """
     load = tables.get("load")
     kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)
     try:
         return model.model_validate(tables, context={"folder": folder, "vehicle": kind == "vehicle"})
     except ValidationError as failure:
-        # Unknown keys come first, because a missing key may only be misspelt.
+        # an unknown key before others: what is missing may only be misspelt
         first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
         more = f" (and {len(others)} more)" if others else ""
         key = "" if _is_combination(first) else ".".join(_walk(model, first["loc"])[0])
-        raise SceneError(" ".join(_message(model, first).split()) + more, key) from None
+        raise SceneError(" ".join(_line(model, first).split()) + more, key) from None

@@ -1,1 +1,1 @@
-"""The driven shaft: the elastic output as a model of its own."""
+"""The elastic output alone."""
