@@ -17,7 +17,7 @@ RATIOS = (0.2, 0.5, 0.8)
 COLOURS = (BLUE, GREEN, VERMILION)
 ANGLES = ("housing_engagement_angle", "output_engagement_angle")
 # output inertia that keeps the speed of the shaft constant, kg m^2
-HELD = 1e6
+HELD = 1e5
 # R1, R1 with three satellites of a third of the mass each, the planar module, R1 with compliant freewheels
 MECHANISMS = {
     "R1": {},

@@ -24,14 +24,16 @@ def draw_modules(axes):
     d, k = module.derived, module.derived.k
     motion = (100.0, 0.0, 0.5 * k * 100.0, 0.0, 0.0)
     path = np.linspace(0.0, TURN, SAMPLES)
-    largest = max(math.hypot(*layout.imbalance_in_fixed_frame(d, q, 0.0, *motion)[7:]) for q in path)
+    largest = max(math.hypot(*layout.imbalance_motion(d, q, 0.0, *motion)[7:]) for q in path)
     for n in range(MODULES):
         turned = TURN * n / MODULES
         along = np.array([-math.sin(turned), math.cos(turned)])
         axes.plot(*np.outer(along, [0.0, 2.5 * d.axial]), color=GREY, linewidth=1, dashes=(8, 3, 2, 3))
-        places = np.array([layout.to_fixed_frame(turned, *layout.imbalance(d, q, 0.0)[:3]) for q in path])
+        places = np.array(
+            [layout.to_fixed_frame(turned, *layout.imbalance_position(d, q, 0.0)[:3]) for q in path]
+        )
         axes.plot(places[:, 1], places[:, 2], color=ORANGE, linewidth=0.7)
-        here = layout.imbalance_in_fixed_frame(d, SHOWN, turned, *motion)
+        here = layout.imbalance_motion(d, SHOWN, turned, *motion)
         force = -np.array(here[7:]) * ARROW / largest
         axes.plot(here[1], here[2], "o", color=RED, markersize=7)
         axes.arrow(*here[1:3], *force, color=RED, width=1e-3, head_width=8e-3, length_includes_head=True)

@@ -120,8 +120,8 @@ def values():
         "averaged_short": rigid / short,
         "averaged_long": rigid / long,
         "averaged_difference": urban["difference of mean output speed"]["averaged against rigid"],
-        "light_bevel": torque["bevel, J1 / Phi = 0.5"],
-        "light_planar": torque["planar, J1 / Phi = 0.5"],
+        "light_bevel": torque["bevel, J1 / Phi = 5"],
+        "light_planar": torque["planar, J1 / Phi = 5"],
         "heavy_bevel": torque["bevel, J1 / Phi = 50"],
         "heavy_planar": torque["planar, J1 / Phi = 50"],
     }

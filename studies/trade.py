@@ -22,7 +22,7 @@ from inertia_module.scene.schema import at_fidelity, is_elastic
 
 from .reference.geometry import Array
 
-TOLERANCE = 1e-13
+TOLERANCE = 1e-12
 # communication steps of the converged kernel
 _STEPS = 100
 

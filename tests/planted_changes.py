@@ -1,7 +1,7 @@
 """Do the tests notice? Single changes are planted in copies of the kernel, and tests run with each.
 
     python tests/planted_changes.py -n 2                     all changes, each with the selection below
-    python tests/planted_changes.py -k search tests/unit/test_crossings.py
+    python tests/planted_changes.py -k location tests/unit/test_crossings.py
 
 Prints for each change the first test that failed, or "survived". Nothing is translated: the tests run with
 INERTIA_MODULE_KERNEL=plain and few examples each, so choose tests of the kernel itself, tests/unit, not of

@@ -26,7 +26,7 @@ OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 def stall_torque(omega1, fmu=None):
     """Mean torque on a shaft that stands, N.m: of a second, for it has some hundred pulses."""
-    held = {**MECHANISM, "output_inertia": 1e9}
+    held = {**MECHANISM, "output_inertia": 1e5}
     inputs = {"omega1": omega1, "load_torque": 0.0}
     table = drive(fmu, inputs, stop_time=1.0, step=1.0, outputs=OUTPUTS, parameters=held)
     return table["output_torque_mean"][-1]

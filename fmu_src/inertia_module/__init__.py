@@ -1,15 +1,15 @@
 """The inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU.
 
-What is listed in PUBLIC is imported from here, at its first use: `from inertia_module import Fmu, drive`.
+The names in PUBLIC are imported at their first use: `from inertia_module import Fmu, drive`.
 """
 
 from importlib import import_module as _import_module
 
 __version__ = "0.2.0"
-# the day this version stands for: in what is built, for the same source gives the same bytes
+# date of this version: built files contain it instead of today, so the same source gives the same bytes
 __date__ = "2026-11-22"
 
-# name, and where it comes from; __init__.pyi says the same to those who check types
+# module of each public name; __init__.pyi lists the same names for type checkers
 PUBLIC = {
     "DrivenShaft": "memory",
     "Fmu": "harness.fmu",

@@ -1,4 +1,4 @@
-"""``python -m inertia_module``."""
+"""Command line as ``python -m inertia_module``."""
 
 from .cli import main
 

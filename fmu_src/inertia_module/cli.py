@@ -1,7 +1,7 @@
-"""The command ``inertia-module``: scenes, engineering tasks, FMUs.
+"""Command line ``inertia-module``: scenes, engineering tasks, FMUs.
 
-Common to all commands: errors in one line, --json, files, the exit code. Libraries and modules of the package
-are imported when a command runs: help needs none of them.
+All commands have errors in one line, the option --json, output files and an exit code. Libraries and modules
+of the package are imported when a command runs, so that help starts fast.
 """
 
 from __future__ import annotations
@@ -39,14 +39,21 @@ if TYPE_CHECKING:
     from .fidelity.trials import Choice
     from .scene import Scene, SceneResult, ShaftScene
 
-# what options hold, where one that is not given is None
+# types of option values; None without the option
 Text = str | None
 Texts = list[str] | None
 File = Path | None
 
 
 def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> Any:
-    """Declare an option: help, placeholder of its value, names if they differ from the parameter's."""
+    """Declare an option of a command.
+
+    Args:
+        text: Help text.
+        metavar: Placeholder of the value; None for a flag.
+        names: Names of the option if they differ from the parameter.
+        more: More arguments of typer.Option.
+    """
     return typer.Option(*names, metavar=metavar, help=text, **more)
 
 
@@ -65,16 +72,24 @@ Workers = Annotated[
 
 
 def aside(text: str) -> None:
-    """Print a line to the error output; nothing is printed if the error output is closed or full."""
+    """Print a line to the error output; a closed or full error output is ignored.
+
+    Args:
+        text: The line.
+    """
     with contextlib.suppress(OSError):
         typer.echo(text, err=True)
 
 
 class LogOfStages(logging.Handler):
-    """Handler that prints the log of the package: the stages of a build that a command needs."""
+    """Handler that prints the log of the package: the stages of a build during a command."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print a message to the error output."""
+        """Print a message to the error output.
+
+        Args:
+            record: The message.
+        """
         aside(record.getMessage())
 
 
@@ -83,7 +98,7 @@ LOG.addHandler(LogOfStages())
 LOG.setLevel(logging.INFO)
 
 
-# a line; headings and values under a title; what prints more than that
+# part of the output: a line, a title with values by heading, or a function that prints
 Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
 
 
@@ -92,24 +107,30 @@ class Answer:
     """Outcome of a command.
 
     Attributes:
-        told: for machines. shown: to people, in this order. failed: whether the exit code is 1.
-        files: that were written, by name; in the output of --json too, for people listed at the end.
-        warnings: for people, on the error output.
+        data: Result for --json.
+        output: Printed parts, in this order.
+        files: Written files by name, printed last; also in the result for --json.
+        failed: True for exit code 1.
+        warnings: Warnings, printed to the error output.
     """
 
-    told: dict[str, Any]
-    shown: Sequence[Shown] = ()
+    data: dict[str, Any]
+    output: Sequence[Shown] = ()
     files: Mapping[str, Path] = field(default_factory=dict)
     failed: bool = False
     warnings: Sequence[str] = ()
 
 
-# commands with a journal of their results
+# commands with a journal of results
 CONTINUED = ("sweep", "design")
 
 
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
-    """Turn a function into a command: add --json, errors in one line and the exit code."""
+    """Turn a function into a command: add --json, errors in one line and the exit code.
+
+    Args:
+        work: Function of the options that returns the outcome.
+    """
 
     @functools.wraps(work)
     def run(as_json: bool, **options: Any) -> None:
@@ -140,37 +161,56 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
 
 
 def present(answer: Answer, as_json: bool) -> None:
-    """Print an answer, for people or as one JSON object."""
-    listed = {name: str(file) for name, file in answer.files.items()}
+    """Print the outcome of a command.
+
+    Args:
+        answer: The outcome.
+        as_json: True to print one JSON object instead of text.
+    """
+    file_names = {name: str(file) for name, file in answer.files.items()}
     if as_json:
-        typer.echo(json.dumps(answer.told | ({"files": listed} if listed else {})))
+        typer.echo(json.dumps(answer.data | ({"files": file_names} if file_names else {})))
         return
     for warning in answer.warnings:
         aside(f"warning: {warning}")
-    for one in answer.shown:
-        show(one)
-    for name, file in listed.items():
+    for part in answer.output:
+        show(part)
+    for name, file in file_names.items():
         typer.echo(f"{name}: {file}")
 
 
-def show(one: Shown) -> None:
-    """Print one part of an answer."""
-    if isinstance(one, str):
-        typer.echo(one)
-    elif isinstance(one, tuple):
+def show(part: Shown) -> None:
+    """Print one part of the output.
+
+    Args:
+        part: The part.
+    """
+    if isinstance(part, str):
+        typer.echo(part)
+    elif isinstance(part, tuple):
         from rich.table import Table
 
-        title, rows = one
+        title, rows = part
         table = Table(title=title, title_justify="left", show_header=False)
         for heading, value in rows.items():
             table.add_row(heading, value)
         terminal().print(table)
     else:
-        one()
+        part()
 
 
 def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
-    """Convert an option such as "2 s" to SI and check its range; limits: see scene.keys.checked."""
+    """Convert the value of an option, such as "2 s", to SI and check its range.
+
+    Args:
+        option: Name of the option in messages.
+        text: Value; None without the option.
+        unit: SI unit, "1" for none.
+        limits: Limits, as in scene.keys.checked.
+
+    Raises:
+        ValueError: The value is not allowed.
+    """
     from .scene.keys import checked
 
     try:
@@ -179,8 +219,15 @@ def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> fl
         raise ValueError(f"{option} {error}") from None
 
 
-def turning(text: str) -> float:
-    """Convert the option --speed, such as "3000 rpm", to rad/s; negative backwards."""
+def speed_of(text: str) -> float:
+    """Convert the option --speed, such as "3000 rpm", to rad/s; negative for backward rotation.
+
+    Args:
+        text: Value of the option.
+
+    Raises:
+        ValueError: The value is no speed, is 0, or exceeds the maximum.
+    """
     from .contract.variables import LARGEST_SPEED
 
     allowed = f"non-zero and at most {LARGEST_SPEED:g} rad/s, e.g. '3000 rpm'"
@@ -197,7 +244,11 @@ def turning(text: str) -> float:
 
 
 def speed_text(omega1: float) -> str:
-    """Write a speed, rad/s, in rad/s and rpm."""
+    """Return a speed as text, in rad/s and rpm.
+
+    Args:
+        omega1: Speed, rad/s.
+    """
     return f"{omega1:.5g} rad/s ({omega1 / factor_between('rpm', 'rad/s'):.5g} rpm)"
 
 
@@ -212,15 +263,15 @@ def build(output: OutputFolder = None) -> Answer:
     """
     from .fmu.builder import build as build_fmus
 
-    built = build_fmus(output or BUILD_FOLDER, aside)
-    fmus = [str(path) for path in built.paths if path.suffix == ".fmu"]
-    kernels = [str(path) for path in built.paths if path.suffix != ".fmu"]
+    result = build_fmus(output or BUILD_FOLDER, aside)
+    fmus = [str(path) for path in result.paths if path.suffix == ".fmu"]
+    kernels = [str(path) for path in result.paths if path.suffix != ".fmu"]
 
-    for what, reason in built.skipped.items():
-        aside(f"skipped {what}: {reason}")
-    shown = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in built.paths]
-    told = {"fmus": fmus, "kernels": kernels, "skipped": built.skipped}
-    return Answer(told, shown, failed=bool(built.skipped))
+    for name, reason in result.skipped.items():
+        aside(f"skipped {name}: {reason}")
+    lines = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in result.paths]
+    data = {"fmus": fmus, "kernels": kernels, "skipped": result.skipped}
+    return Answer(data, lines, failed=bool(result.skipped))
 
 
 @command
@@ -240,13 +291,15 @@ def check(
     limit = quantity_of("--timeout", timeout, "s", above=0.0)
     with progress_bar(f"check of {fmu.name}") as progress:
         report = check_fmu(fmu, limit or 0.0, progress)
-    rows = {f"{one.experiment}: {one.variable}": str(one) for one in report.references}
-    shown: list[Shown] = [(str(fmu), report.facts)]
-    shown += [("deviation from reference results", rows)] if rows else []
-    shown += [f"problem: {problem}" for problem in report.problems]
-    shown.append(f"{len(report.problems) or 'no'} problems found")
-    told = {"fmu": str(fmu), **asdict(report)}
-    return Answer(told, shown, failed=bool(report.problems), warnings=report.warnings)
+    rows = {
+        f"{reference.experiment}: {reference.variable}": str(reference) for reference in report.references
+    }
+    parts: list[Shown] = [(str(fmu), report.facts)]
+    parts += [("deviation from reference results", rows)] if rows else []
+    parts += [f"problem: {problem}" for problem in report.problems]
+    parts.append(f"{len(report.problems) or 'no'} problems found")
+    data = {"fmu": str(fmu), **asdict(report)}
+    return Answer(data, parts, failed=bool(report.problems), warnings=report.warnings)
 
 
 @command
@@ -263,8 +316,8 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
     paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
 
-    shown = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
-    return Answer({"files": [str(path) for path in paths]}, shown)
+    lines = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
+    return Answer({"files": [str(path) for path in paths]}, lines)
 
 
 # --- scenes ---
@@ -285,28 +338,28 @@ def new(
     path = output or Path(source.name)
     copies = {path: source}
     for part in belonging(source):
-        same = part.stem == source.stem
-        copies[path.with_suffix(part.suffix) if same else path.with_name(part.name)] = part
+        has_same_name = part.stem == source.stem
+        copies[path.with_suffix(part.suffix) if has_same_name else path.with_name(part.name)] = part
     for copy in copies:
         if copy.exists():
             raise ValueError(f"{copy} already exists. Choose another name with -o.")
     for copy, original in copies.items():
         write_atomically(copy, original.read_bytes())
 
-    shown = [*(f"created: {copy}" for copy in copies), "Next steps:"]
-    shown += [f"  {line}" for line in _commands(source, path)]
-    return Answer({"files": [str(copy) for copy in copies]}, shown)
+    lines = [*(f"created: {copy}" for copy in copies), "Next steps:"]
+    lines += [f"  {line}" for line in _commands(source, path)]
+    return Answer({"files": [str(copy) for copy in copies]}, lines)
 
 
 def _commands(source: Path, path: Path) -> list[str]:
-    """Return the commands to run after the copy of an example, in their order."""
+    """Return the commands to run after an example has been copied, in order."""
     text = source.read_text(encoding="utf-8")
     if source.suffix == ".ipynb":
         return ["pip install 'inertia-module[jobs,notebook]' jupyterlab", f"jupyter lab {path}"]
     if source.suffix == ".py":
         return [*re.findall(r"Run `(.+?)` first", text), f"python {path}"]
-    if told := re.match("# (inertia-module .*)", text):
-        return [told[1].replace(f"{source.stem}.", f"{path.with_suffix('')}.")]
+    if match := re.match("# (inertia-module .*)", text):
+        return [match[1].replace(f"{source.stem}.", f"{path.with_suffix('')}.")]
     return [f"inertia-module {'design' if 'free' in tomllib.loads(text) else 'run'} {path}"]
 
 
@@ -335,39 +388,64 @@ def run(
     folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
     if view:
         template()
-    read, choice = _read(scene, keys, fidelity, error, view)
-    result, _ = _ran(read, fmu, COMPUTED if view else ())
+    read, choice = _read_scene(scene, keys, fidelity, error, view)
+    result, _ = _run_scene(read, fmu, COMPUTED if view else ())
     page = html_file(result.scene, result) if view else None
-    chosen = {} if choice is None else {"fidelity_choice": choice.as_dict()}
-    told = {"scene": str(scene), **result.as_dict(), **chosen}
+    choice_data = {} if choice is None else {"fidelity_choice": choice.as_dict()}
+    data = {"scene": str(scene), **result.as_dict(), **choice_data}
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
-        "summary": write_atomically(folder / "summary.json", f"{json.dumps(told, indent=2)}\n".encode()),
+        "summary": write_atomically(folder / "summary.json", f"{json.dumps(data, indent=2)}\n".encode()),
         "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
     }
     if page is not None:
         files["page"] = write_atomically(folder / "page.html", page)
 
-    shown: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
-    return Answer(told, shown, files, warnings=result.warnings)
+    parts: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
+    return Answer(data, parts, files, warnings=result.warnings)
 
 
-def _ran(read: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()) -> tuple[SceneResult, Path]:
-    """Run a scene of either kind; its result and the FMU. also: to be recorded of a module."""
+def _run_scene(
+    scene: Scene | ShaftScene, fmu: Path | None, also: Sequence[str] = ()
+) -> tuple[SceneResult, Path]:
+    """Run a scene of a module or a driven shaft.
+
+    Args:
+        scene: The scene.
+        fmu: FMU file; None for the FMU of the package.
+        also: More variables to record, for a module.
+
+    Returns:
+        The result and the path of the FMU.
+    """
     from .fmu.builder import MODULE_FMU, SHAFT_FMU, current_fmu
     from .scene import ShaftScene, run_shaft_scene
 
-    path = fmu or current_fmu(SHAFT_FMU if isinstance(read, ShaftScene) else MODULE_FMU)
-    with progress_bar(read.title) as progress:
-        if isinstance(read, ShaftScene):
-            return run_shaft_scene(read, path, progress), path
-        return inertia_module.run_scene(read, path, progress, also), path
+    path = fmu or current_fmu(SHAFT_FMU if isinstance(scene, ShaftScene) else MODULE_FMU)
+    with progress_bar(scene.title) as progress:
+        if isinstance(scene, ShaftScene):
+            return run_shaft_scene(scene, path, progress), path
+        return inertia_module.run_scene(scene, path, progress, also), path
 
 
-def _read(
+def _read_scene(
     scene: Path, keys: Texts, fidelity: Text = None, error: Text = None, view: bool = False
 ) -> tuple[Scene | ShaftScene, Choice | None]:
-    """Scene at the requested fidelity, or at one chosen by measuring, with the choice; or a driven shaft."""
+    """Read a scene and apply the options of the fidelity.
+
+    Args:
+        scene: Scene file.
+        keys: Values that replace values of the file, KEY=VALUE each.
+        fidelity: Value of --fidelity.
+        error: Value of --error.
+        view: Value of --view.
+
+    Returns:
+        The scene, and the choice of the fidelity if it was 'auto'.
+
+    Raises:
+        ValueError: An option is invalid for the scene.
+    """
     from .fidelity.trials import choose
     from .scene import Scene, load_any_scene
 
@@ -408,23 +486,31 @@ def view(
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "--output")
     template()
-    read, _ = _read(scene, keys)
+    read, _ = _read_scene(scene, keys)
     if not isinstance(read, Scene):
         raise ValueError(must_be(scene.name, "a scene of the module", "a driven shaft"))
     outcome = None
     if not is_exact(read):
-        outcome, _ = _ran(read, fmu, COMPUTED)
-    answer = _written(scene, "page", path, html_file(read, outcome), outcome.warnings if outcome else ())
+        outcome, _ = _run_scene(read, fmu, COMPUTED)
+    answer = _write_html(scene, "page", path, html_file(read, outcome), outcome.warnings if outcome else ())
     if show:
         webbrowser.open(path.absolute().as_uri())
     return answer
 
 
-def _written(scene: Path, what: str, path: Path, content: bytes, warnings: Sequence[str]) -> Answer:
-    """Write an HTML file of a scene, the viewer or the report; return its path and size."""
+def _write_html(scene: Path, kind: str, path: Path, content: bytes, warnings: Sequence[str]) -> Answer:
+    """Write an HTML file of a scene and return the outcome of the command.
+
+    Args:
+        scene: Scene file.
+        kind: Kind of the file, "page" or "report".
+        path: Path of the file.
+        content: Content of the file.
+        warnings: Warnings of the run.
+    """
     write_atomically(path, content)
-    told = {"scene": str(scene), what: str(path), "bytes": len(content), "warnings": list(warnings)}
-    return Answer(told, [f"{what}: {path} ({len(content) / 1e6:.1f} MB)"], warnings=warnings)
+    data = {"scene": str(scene), kind: str(path), "bytes": len(content), "warnings": list(warnings)}
+    return Answer(data, [f"{kind}: {path} ({len(content) / 1e6:.1f} MB)"], warnings=warnings)
 
 
 @command
@@ -446,15 +532,15 @@ def report(
     from .page.html import checked_path
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "--output")
-    read, choice = _read(scene, keys)
-    chosen = choice.lines() if choice else []
-    result, used = _ran(read, fmu, RECORDED)
-    asked = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
-    words = [word for name, values in asked.items() for value in values for word in (name, value)]
+    read, choice = _read_scene(scene, keys)
+    choice_lines = choice.lines() if choice else []
+    result, fmu_path = _run_scene(read, fmu, RECORDED)
+    options = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
+    words = [word for name, values in options.items() for value in values for word in (name, value)]
     line = shlex.join(["inertia-module", "report", str(scene), *words])
     with progress_bar(f"report of {scene.name}") as progress:
-        content = report_file(scene, keys or [], result, used, line, chosen, progress)
-    return _written(scene, "report", path, content, result.warnings)
+        content = report_file(scene, keys or [], result, fmu_path, line, choice_lines, progress)
+    return _write_html(scene, "report", path, content, result.warnings)
 
 
 @command
@@ -486,12 +572,12 @@ def tradeoff(
         files["picture"] = write_figure(folder / "tradeoff.png", figure)
 
     step = (rows[0] if choice is None else choice.row).communication_step
-    printed = [row for row in rows if row.communication_step == step]
-    shown: list[Shown] = [partial(trials.print_levels, title, printed, names, allowed)]
-    shown += trials.failure_lines(rows)
-    shown += [] if choice is None else choice.lines()
-    told: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
-    return Answer(told | ({} if choice is None else {"recommendation": choice.as_dict()}), shown, files)
+    step_rows = [row for row in rows if row.communication_step == step]
+    parts: list[Shown] = [partial(trials.print_levels, title, step_rows, names, allowed)]
+    parts += trials.failure_lines(rows)
+    parts += [] if choice is None else choice.lines()
+    data: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
+    return Answer(data | ({} if choice is None else {"recommendation": choice.as_dict()}), parts, files)
 
 
 @command
@@ -524,50 +610,59 @@ def chart(
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(must_be("file names of the scenes", "different", ", ".join(names)))
-    omega1 = None if speed is None else turning(speed)
-    at, unit = omega1 or steady.NOMINAL_SPEED, (split_quantity(speed)[1] if speed else "") or "rad/s"
+    omega1 = None if speed is None else speed_of(speed)
+    reference_speed, unit = (
+        omega1 or steady.NOMINAL_SPEED,
+        (split_quantity(speed)[1] if speed else "") or "rad/s",
+    )
     read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
-    make = partial(inertia_module.torque_converter_chart, omega1=at, engagements=True)
-    charts = {name: make(one.parameters()) for name, one in read.items()}
-    lossy = [name for name, found in charts.items() if not found.lossless]
-    files, shown, maps, allowed = list[Path](), list[Shown](), {}, {}
-    limits_of_drives = {name: one.drive_torque_limit(at) for name, one in read.items()}
-    weak = [
+    make = partial(inertia_module.torque_converter_chart, omega1=reference_speed, engagements=True)
+    charts = {name: make(scene.parameters()) for name, scene in read.items()}
+    with_losses = [name for name, result in charts.items() if not result.lossless]
+    files, parts, maps, allowed = list[Path](), list[Shown](), {}, {}
+    limits_of_drives = {name: scene.drive_torque_limit(reference_speed) for name, scene in read.items()}
+    drive_warnings = [
         f"{name}: {beyond}"
         for name, limit in limits_of_drives.items()
-        if omega1 is not None and limit is not None and (beyond := charts[name].beyond_drive(at, limit))
+        if omega1 is not None
+        and limit is not None
+        and (beyond := charts[name].beyond_drive(reference_speed, limit))
     ]
-    told: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
-    for name, found in charts.items():
+    data: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
+    for name, result in charts.items():
         machine = steady.SteadyMachine(read[name].parameters())
-        files.append(found.save(folder / f"{name}.csv"))
-        if mapped or name in lossy:
+        files.append(result.save(folder / f"{name}.csv"))
+        if mapped or name in with_losses:
             with progress_bar(f"map of {name}") as progress:
-                maps[name] = steady.steady_map(machine, at, progress)
+                maps[name] = steady.steady_map(machine, reference_speed, progress)
             files += steady.save_map(maps[name], folder / f"{name}_map", unit, mapped)
         if mapped or omega1 is not None:
-            table = steady.converter_table(machine, found, at)
-            files += steady.save_converter(table, at, folder / f"{name}_converter")
+            table = steady.converter_table(machine, result, reference_speed)
+            files += steady.save_converter(table, reference_speed, folder / f"{name}_converter")
         limits = read[name].freewheels.of("indexing_frequency")
         if limits:
-            allowed[name] = min(limits.values()) * math.tau / abs(at)
-        numbers, units = found.summary(omega1, limits), found.units(omega1)
-        told["charts"][name], told["units"][name] = numbers, units
-        title = f"{name}, losses at {speed_text(at)}" if name in lossy else name
+            allowed[name] = min(limits.values()) * math.tau / abs(reference_speed)
+        numbers, units = result.summary(omega1, limits), result.units(omega1)
+        data["charts"][name], data["units"][name] = numbers, units
+        title = f"{name}, losses at {speed_text(reference_speed)}" if name in with_losses else name
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
-        shown.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
-    drawn = {name: maps[name] for name in lossy}
-    figure = inertia_module.chart_figure(charts, drawn, unit, allowed, omega1)
+        parts.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
+    loss_maps = {name: maps[name] for name in with_losses}
+    figure = inertia_module.chart_figure(charts, loss_maps, unit, allowed, omega1)
     files.append(write_figure(folder / "chart.png", figure))
 
     if mapped:
-        shown.append(f"maps up to {speed_text(at)}, the reference speed of the converter tables")
-    listed = [str(file) for file in files]
-    return Answer({**told, "files": listed, "warnings": weak}, [*shown, *listed], warnings=weak)
+        parts.append(f"maps up to {speed_text(reference_speed)}, the reference speed of the converter tables")
+    file_names = [str(file) for file in files]
+    return Answer(
+        {**data, "files": file_names, "warnings": drive_warnings},
+        [*parts, *file_names],
+        warnings=drive_warnings,
+    )
 
 
-# --- the engineer's jobs ---
+# --- engineering tasks ---
 
 
 @command
@@ -615,7 +710,7 @@ def orders(
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
     with progress_bar(read.title) as progress:
-        found = inertia_module.orders(
+        result = inertia_module.orders(
             read,
             fmu,
             of=of,
@@ -626,19 +721,19 @@ def orders(
             end=last,
             progress=progress,
         )
-    unit, files = speed_unit(scene, keys), found.write(folder)
-    files |= {"mat": found.write_mat(folder / "orders.mat")} if mat else {}
-    files |= {"uff": found.write_uff(folder / "orders.uff")} if uff else {}
-    files["picture"] = write_figure(folder / "orders.png", order_figure(found, read.title, hz, unit))
+    unit, files = speed_unit(scene, keys), result.write(folder)
+    files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
+    files |= {"uff": result.write_uff(folder / "orders.uff")} if uff else {}
+    files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
 
-    shown: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
-    if found.step < read.run.communication_step * (1.0 - 1e-9):
-        steps = f"{found.step * 1e3:.3g} ms instead of {read.run.communication_step * 1e3:.3g} ms"
-        shown.append(f"recorded in steps of {steps}, for orders up to {found.highest:.4g} without aliases")
-    for name, lines in found.lines(hz=hz, speed_unit=unit).items():
-        still = {"no order": f"0 {found.units[name]}, constant"}
-        shown.append((name.replace("_", " "), lines or still))
-    return Answer({"scene": str(scene), **found.as_dict()}, shown, files)
+    parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
+    if result.step < read.run.communication_step * (1.0 - 1e-9):
+        steps = f"{result.step * 1e3:.3g} ms instead of {read.run.communication_step * 1e3:.3g} ms"
+        parts.append(f"recorded in steps of {steps}, for orders up to {result.highest:.4g} without aliases")
+    for name, lines in result.lines(hz=hz, speed_unit=unit).items():
+        constant = {"no order": f"0 {result.units[name]}, constant"}
+        parts.append((name.replace("_", " "), lines or constant))
+    return Answer({"scene": str(scene), **result.as_dict()}, parts, files)
 
 
 @command
@@ -699,7 +794,7 @@ def fit(
     """
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
-        found = inertia_module.fit(
+        result = inertia_module.fit(
             measured,
             inertia_module.load_scene(scene, keys),
             free or [],
@@ -710,14 +805,14 @@ def fit(
             fmu=fmu,
             progress=progress,
         )
-    files = {**found.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(found))}
+    files = {**result.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(result))}
 
-    shown: list[Shown] = [
-        (f"{found.scene.title}: fitted values with 95 % intervals", found.lines()),
-        ("fixed parameters, released one at a time", found.candidate_lines()),
+    parts: list[Shown] = [
+        (f"{result.scene.title}: fitted values with 95 % intervals", result.lines()),
+        ("fixed parameters, released one at a time", result.candidate_lines()),
     ]
-    shown += [f"warning: {warning}" for warning in found.warnings]
-    return Answer({"measured": str(measured), "scene": str(scene), **found.as_dict()}, shown, files)
+    parts += [f"warning: {warning}" for warning in result.warnings]
+    return Answer({"measured": str(measured), "scene": str(scene), **result.as_dict()}, parts, files)
 
 
 @command
@@ -752,7 +847,7 @@ def sweep(
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
-        found = inertia_module.sweep(
+        result = inertia_module.sweep(
             inertia_module.load_scene(scene, keys),
             vary or [],
             sample=sample,
@@ -764,15 +859,15 @@ def sweep(
             workers=workers,
             progress=progress,
         )
-    files = {**found.files, "plot": write_figure(folder / "plot.png", sweep_figure(found, figure or ()))}
-    numbers = {"rows": len(found.rows), "new": found.new, "refused": len(found.refused)}
+    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, figure or ()))}
+    numbers = {"rows": len(result.rows), "new": result.new, "refused": len(result.refused)}
 
-    runs = len(found.rows)
-    counts = {"runs": f"{runs} ({found.new} new)", "failed": str(len(found.refused))}
-    shown: list[Shown] = [(f"sweep of {scene.name}", counts)]
-    shown += [f"first failure: {one.point}: {one.refused}" for one in found.refused[:1]]
-    shown += [f"{name}: not reached in {count} of {runs} runs" for name, count in found.unreached.items()]
-    return Answer({"scene": str(scene), **numbers, "unreached": found.unreached}, shown, files)
+    runs = len(result.rows)
+    counts = {"runs": f"{runs} ({result.new} new)", "failed": str(len(result.refused))}
+    parts: list[Shown] = [(f"sweep of {scene.name}", counts)]
+    parts += [f"first failure: {row.point}: {row.refused}" for row in result.refused[:1]]
+    parts += [f"{name}: not reached in {count} of {runs} runs" for name, count in result.unreached.items()]
+    return Answer({"scene": str(scene), **numbers, "unreached": result.unreached}, parts, files)
 
 
 @command
@@ -796,7 +891,7 @@ def design(
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
-        found = inertia_module.design(
+        result = inertia_module.design(
             read_spec(spec, keys),
             output=folder,
             fmu=fmu,
@@ -804,13 +899,15 @@ def design(
             workers=workers,
             progress=progress,
         )
-    files = {**found.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(found))}
-    files |= {one.file.stem.replace("_", " "): one.file for one in found.finalists}
+    files = {**result.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(result))}
+    files |= {finalist.file.stem.replace("_", " "): finalist.file for finalist in result.finalists}
 
-    shown: list[Shown] = [(one.file.stem.replace("_", " "), found.lines(one)) for one in found.finalists]
-    shown.append(found.verdict())
-    numbers = {"designs": len(found.rows), "new": found.new, "chosen": len(found.chosen)}
-    return Answer({"spec": str(spec), **numbers, "verdict": found.verdict()}, shown, files)
+    parts: list[Shown] = [
+        (finalist.file.stem.replace("_", " "), result.lines(finalist)) for finalist in result.finalists
+    ]
+    parts.append(result.verdict())
+    numbers = {"designs": len(result.rows), "new": result.new, "chosen": len(result.chosen)}
+    return Answer({"spec": str(spec), **numbers, "verdict": result.verdict()}, parts, files)
 
 
 # --- the program ---
@@ -818,10 +915,10 @@ def design(
 app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
-    rich_markup_mode=None,  # with it "[free]" is a style and vanishes from the help
+    rich_markup_mode=None,  # Rich markup would remove "[free]" from the help
     pretty_exceptions_enable=False,
 )
-# commands in the order of work, and an example of each
+# commands in the order of work, each with an example
 EXAMPLES = {
     new: "new planar",
     run: "run planar.toml --set imbalance_mass='1 kg'",
@@ -841,8 +938,8 @@ for work, example in EXAMPLES.items():
     app.command(epilog=f"\b\nExample:\n  inertia-module {example}")(work)
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(is_requested: bool) -> None:
+    if is_requested:
         typer.echo(f"inertia-module {inertia_module.__version__}")
         raise typer.Exit
 
@@ -860,9 +957,10 @@ STANDARD_OUTPUT = "standard output"
 
 
 def replace_closed_streams() -> None:
-    """Put a stream in place of each closed standard stream: otherwise the next file gets its number.
+    """Replace each closed standard stream by a stream to the null device.
 
-    Writing to the standard output then fails; what is written to the error output vanishes.
+    Otherwise the next opened file would get its descriptor. Writing to the standard output then fails; text
+    for the error output is discarded.
     """
     readable, writable = os.O_RDONLY, os.O_WRONLY
     streams = (("stdin", readable, "r"), ("stdout", readable, "w"), ("stderr", writable, "w"))
@@ -872,13 +970,13 @@ def replace_closed_streams() -> None:
 
 
 def main() -> None:
-    """Entry of the console script.
+    """Run the command line (entry point of the console script).
 
-    A process that has loaded a Python FMU is ended without the destructors of its libraries: that of
-    pythonfmu 0.7 uses memory it has freed, and now and then aborts a run that has succeeded.
+    The process ends without the destructors of its libraries, because the destructor of pythonfmu 0.7 uses
+    freed memory and can abort a successful run.
     """
-    for name in ("SIGTERM", "SIGHUP"):  # nothing is left behind
-        kind = getattr(signal, name, None)  # Windows has no SIGHUP, nohup ignores it
+    for name in ("SIGTERM", "SIGHUP"):  # exit normally, so that temporary files are removed
+        kind = getattr(signal, name, None)  # None on Windows; nohup ignores SIGHUP
         if kind is not None and signal.getsignal(kind) is not signal.SIG_IGN:
             signal.signal(kind, lambda number, _: sys.exit(128 + number))
     replace_closed_streams()
@@ -890,7 +988,7 @@ def main() -> None:
     except KeyboardInterrupt:
         aside("stopped")
         code = 128 + signal.SIGINT
-    except OSError as error:  # of help, which is printed before any command runs
+    except OSError as error:  # of the help, which is printed before any command runs
         error.filename = STANDARD_OUTPUT
         aside(f"error: {sentence_of(error)}")
         code = 1

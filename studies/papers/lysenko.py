@@ -124,7 +124,7 @@ TURN = 2.0 * np.pi / CARRIER_SPEED
 
 def module_of(m: Mechanism, **values: Any) -> Module:
     """The mechanism as a module with link 2 held, the carrier at its speed; values over these."""
-    held = {"link2_inertia": 1e9, "housing_freewheel": False, "output_freewheel": False}
+    held = {"link2_inertia": 1e5, "housing_freewheel": False, "output_freewheel": False}
     lengths = {"sun_radius": m.R0, "satellite_radius": m.r, "eccentricity": m.arm, "imbalance_mass": m.m}
     inertias = {"input_inertia": m.J_carrier, "drive_inertia": m.J_wheel}
     others = {"layout": "planar", "omega1": m.b * EXAMPLE_SPEED, "load_torque": 0.0, "tolerance": 1e-9}

@@ -77,12 +77,12 @@ def equations() -> tuple[Any, Any]:
         return int(array.__array_interface__["data"][0])
 
     def rates(t: float, y: Array, numbers: Array, series: Array) -> Array:
-        y, result = np.ascontiguousarray(y), np.empty(3)  # some solvers pass columns of a matrix
+        y = np.ascontiguousarray(y)  # Radau differentiates by columns of a matrix
+        result = np.empty(3)
         library.rates(address(y), address(numbers), address(series), len(series), address(result))
         return result
 
     def guard(t: float, y: Array, numbers: Array, series: Array, which: int) -> float:
-        y = np.ascontiguousarray(y)
         return float(library.guard(address(y), address(numbers), address(series), len(series), which))
 
     return rates, guard

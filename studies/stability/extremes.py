@@ -101,7 +101,7 @@ class Mechanism:
         coasting = Segment(TRAVEL / self.omega1, self.omega1, 0.0)
 
         def engages(speed: float) -> bool:
-            values = self.parameters | {"omega_out_start": speed, "tolerance": 1e-13}
+            values = self.parameters | {"omega_out_start": speed, "tolerance": 1e-12}
             module = Motion(values, (coasting,)).started(Module())
             module.advance(coasting.duration)
             return module["output_torque_mean"] != 0.0

@@ -14,7 +14,7 @@ from inertia_module.contract.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.fidelity.trials import Level
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
 from inertia_module.kernel.equations.motion import evaluate
-from inertia_module.kernel.equations.states import LOCKED, OPEN, are_allowed
+from inertia_module.kernel.equations.states import LOCKED, OVERRUNNING, is_mode_admissible
 from inertia_module.kernel.links import response
 from inertia_module.memory import Module
 
@@ -170,11 +170,11 @@ def solve_at(module: Module, held: bool, driving: bool, load: float = 0.0, **mot
         motion: q, omega1, omega2, omega3.
     """
     x, machine = module.state, module.derived.machine
-    x.housing_state, x.output_state = (LOCKED if locked else OPEN for locked in (held, driving))
+    x.housing_state, x.output_state = (LOCKED if locked else OVERRUNNING for locked in (held, driving))
     for name, value in motion.items():
         setattr(machine, name, value)
     prescribed = x.drive_torque if module.derived.by_torque else x.alpha1
-    evaluate(module.derived, x, prescribed, load, False)  # type: ignore[no-untyped-call]
+    evaluate(module.derived, x, prescribed, load, False)
     return machine
 
 
@@ -264,8 +264,8 @@ def _kick(module: Module, kick: float) -> None:
     x, d = module.state, module.derived
     if x.housing_state != LOCKED:
         before, carried = x.omega2, d.J3 if x.output_state == LOCKED else 0.0
-        x.omega2 += kick * response(d, d.J2 + carried)  # type: ignore[no-untyped-call]
-        if not are_allowed(d, x):  # type: ignore[no-untyped-call]
+        x.omega2 += kick * response(d, d.J2 + carried)
+        if not is_mode_admissible(d, x):
             x.omega2 = before
         x.rates_cached = 0.0
 

@@ -21,6 +21,8 @@ BASE = {
     INERTIA_MODULE: {
         **{"omega1": 80.0, "load_torque": 5.0, "drive_torque": 7.0, "input_inertia": 0.1},
         **{"omega_out_start": 3.0, "omega2_start": 1.0},
+        # 0 is rigid, and the smallest stiffness is far from it
+        **{"housing_stiffness": 4e3, "freewheel_stiffness": 5e3},
     },
     DRIVEN_SHAFT: {"hub_speed": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "shaft_damping": 2.0},
 }

@@ -217,7 +217,7 @@ def test_the_log_is_what_was_asked_for(fmu_path):
 # numbers of the kernel's records that are an index or a choice
 CHOICES = [
     *(("parameters", "fidelity"), ("parameters", "layout"), ("parameters", "method")),
-    *(("derived.forward", "count"), ("derived.backward", "count"), ("state", "mode"), ("state", "map_knot")),
+    ("state", "mode"),
 ]
 
 

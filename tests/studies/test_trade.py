@@ -50,7 +50,7 @@ def test_errors_follow_the_tolerance_and_the_reference_has_none_against_itself(r
 
 
 REFUSED = [
-    (Level(2, "tolerance 1", {"tolerance": 1.0}), 0.1, "tolerance must be between 1e-13 and 0.1 (got 1)"),
+    (Level(2, "tolerance 1", {"tolerance": 1.0}), 0.1, "tolerance must be between 1e-12 and 0.01 (got 1)"),
     (Level(2, "backwards", {"max_step": -1.0}), 0.1, "max_step must be between 0 and 1000000 s (got -1)"),
     (event(2, 1e-6), 0.03, "must be an integer fraction of 0.1 s (got 0.03 s)"),
 ]

@@ -75,7 +75,7 @@ def test_refusals_are_verdicts_with_their_reason(monkeypatch):
     assert verdicts.cause(at_the_start.reason).startswith("The inertia at link 2 vanishes")
     # a step that is given up leaves a module that goes on: in plain Python with a limit that is soon met
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
-    too_long = Motion(LEVEL.values, (Segment(1e4, 1e6, 1e12),))
+    too_long = Motion(LEVEL.values, (Segment(1e4, 1e5, 1e7),))
     given_up = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
     assert given_up.outcome == "rejected"
     assert "requires more than 5e7 right-hand-side evaluations" in given_up.reason

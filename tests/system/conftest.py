@@ -77,7 +77,8 @@ class Cluster:
         self.processes = []
         self.start("scheduler", "--scheduler-file", str(self.file), "--port", "0", "--no-dashboard")
         deadline = time.monotonic() + 60.0
-        while not self.file.exists() and time.monotonic() < deadline:
+        # The scheduler creates the file before it writes it
+        while not (self.file.exists() and self.file.read_text()) and time.monotonic() < deadline:
             time.sleep(0.05)
         self.address = json.loads(self.file.read_text())["address"]
 

@@ -25,8 +25,8 @@ from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.jobs.orders"]
 OMEGA1 = 100.0
-# the output is too heavy to move: link 2 is at rest
-HELD = {"mechanism.output_inertia": 1e9, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
+# the output is too heavy to move much: link 2 is nearly at rest
+HELD = {"mechanism.output_inertia": 1e5, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
 PLANAR = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"satellites": 3, "link2_inertia": 0.01}
 
@@ -321,7 +321,8 @@ def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
 def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path):
     scene = held(1.0, **PLANAR)
     swing = {"input_torque", "output_torque", "satellite_force_y", "satellite_force_z"}
-    assert set(jobs.orders(scene, fmu).amplitude) == swing
+    # The heavy output moves a little
+    assert set(jobs.orders(scene, fmu).amplitude) == swing | {"omega_out"}
     for in_hz, names in ((True, ["input_torque", "shaking_force_x", "omega1"]), (False, ["omega1"])):
         found = jobs.orders(scene, fmu, signals=names)
         assert list(found.amplitude) == names
@@ -392,13 +393,13 @@ def test_orders_that_cannot_be_are_refused_in_a_sentence(fmu, drive, options, wo
 
 
 def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeypatch):
-    monkeypatch.setattr(order_run, "SIGNALS", ("omega2", "input_speed"))
-    assert_refused("all signals are constant: omega2, input_speed", jobs.orders, held(stop=1.0), fmu)
+    monkeypatch.setattr(order_run, "SIGNALS", ("omega1", "input_speed"))
+    assert_refused("all signals are constant: omega1, input_speed", jobs.orders, held(stop=1.0), fmu)
     with pytest.raises(Refused, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"):
         jobs.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     words = r"must be increasing .got constant or decreasing at .* s.; choose another time range"
-    assert_refused(words, jobs.orders, locked, fmu, of="drive_angle")
+    assert_refused(words, jobs.orders, locked, fmu, of="drive_angle", signals=["omega2"])
 
 
 def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):

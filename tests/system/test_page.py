@@ -201,8 +201,8 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
     good = page.shown("omega_out")
     page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
     for name, text, sentence in (
-        ("imbalance_mass", "-3", "imbalance_mass must be between 0 and 1000000000 kg (got -3)"),
-        ("tolerance", "7", "tolerance must be between 1e-13 and 0.1 (got 7)"),
+        ("imbalance_mass", "-3", "imbalance_mass must be between 0 and 100000 kg (got -3)"),
+        ("tolerance", "7", "tolerance must be between 1e-12 and 0.01 (got 7)"),
         ("duration", "-1", "a run must have between 1 and 60000 steps (got duration -1 s, step 0.0005 s)"),
     ):
         set_field(page, name, text)

@@ -213,5 +213,5 @@ def test_bevel_sketch_is_to_scale():
     assert (satellite[1].min(), satellite[1].max()) == pytest.approx((0.0, 2.0 * apex))
     path = next(line for line in lines if line.shape[1] > 1000)
     for n in (0, 500):
-        x, _, z = layout.imbalance(module.derived, n * math.tau * 10 / (181 * 10 - 1), 0.0)[:3]
+        x, _, z = layout.imbalance_position(module.derived, n * math.tau * 10 / (181 * 10 - 1), 0.0)[:3]
         assert path[:, n] == pytest.approx([1e3 * x, 1e3 * z])

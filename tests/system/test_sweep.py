@@ -431,5 +431,7 @@ def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
 def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
-    with pytest.raises(SceneError, match=r"unknown metric .omega_out_last.; did you mean .omega_out_final."):
+    with pytest.raises(
+        SceneError, match=r"figures: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
+    ):
         jobs.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)

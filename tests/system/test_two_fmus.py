@@ -102,7 +102,7 @@ def swing(built, way, z, steps):
     shaft = {
         "shaft_stiffness": z * HUB["output_inertia"] / step**2,
         "shaft_damping": 0.0,
-        "driven_inertia": 1e6,
+        "driven_inertia": 1e5,
     }
     shaft |= {"twist_start": 1e-7, "omega_out_start": speed}
     twists, _, _ = stepped(

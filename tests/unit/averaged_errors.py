@@ -19,7 +19,7 @@ def of_pulses(_kernel, values, omega1, ratio):
 def of_map(kernel, values, omega1, ratio):
     """These numbers by fidelity averaged."""
     module = Module(kernel).start(
-        **{**values, "fidelity": 1, "output_inertia": 1e6},
+        **{**values, "fidelity": 1, "output_inertia": 1e5},
         omega1=omega1,
         omega_out_start=ratio * abs(omega1),
         load_torque=0.0,

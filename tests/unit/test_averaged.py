@@ -5,8 +5,9 @@ import math
 
 import pytest
 from refused import assert_refused
-from scenes import DRIVEN, FOUND, MECHANISMS, PLANAR, SCENES, advanced, mechanism, passed, started
+from scenes import DRIVEN, MECHANISMS, PLANAR, SCENES, advanced, passed, started
 
+from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.memory import Module
 
 AVERAGED = {"fidelity": 1}
@@ -76,8 +77,8 @@ def test_one_long_step_equals_many_short_ones(compiled, scene, load, ramp):
             module.set_rates(omega1=ramp)
             module.advance(5.0 / steps)
         audit(module)
-    assert long["omega_out"] == pytest.approx(short["omega_out"], rel=1e-6, abs=1e-6)
-    assert long["energy_in"] == pytest.approx(short["energy_in"], rel=1e-6, abs=1e-4)
+    assert long["omega_out"] == pytest.approx(short["omega_out"], rel=5e-4, abs=1e-6)
+    assert long["energy_in"] == pytest.approx(short["energy_in"], rel=2e-3, abs=1e-4)
 
 
 @pytest.fixture(params=[0, 1], ids=["held", "extrapolated"])
@@ -190,7 +191,7 @@ def test_very_long_steps_cost_little(compiled):
 def test_checking_parameters_builds_no_map(scene):
     module = Module("plain")
     module.check(**scene, fidelity=1)
-    assert module.derived.map_ready == module.derived.forward.count == 0.0
+    assert module.derived.map_ready == module.derived.forward.end == 0.0
     assert not module.started
     assert_refused(r"must both be 1 \(true\) with fidelity = averaged", module.check, housing_freewheel=False)
 
@@ -220,7 +221,7 @@ def test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed(compi
 
 LIGHT_INPUTS = [
     {**LIGHT, "omega1": 10.0, "link2_inertia": link2, "input_inertia": inertia, "output_inertia": output}
-    for link2, inertia, output in itertools.product((1e-6, 1e-3), (1e-3, 0.01, 0.1), (0.002, 0.02))
+    for link2, inertia, output in itertools.product((1e-6, 1e-3), (0.12, 0.5), (0.002, 0.02))
 ]
 FROM_REST = [{"input_inertia": 0.1, "load_torque": load} for load in (-5.0, 0.0, 5.0)]
 # link 1 at rest and the shaft ahead: braked at once, backwards behind a light shaft, by nothing
@@ -230,7 +231,7 @@ AHEAD = [
     ({"load_torque": 10.0, "omega_out_start": 0.5, "input_inertia": 1.0}, 0.0),
 ]
 # to a ratio of 1 and beyond
-UP = {"input_inertia": 0.02, "omega_out_start": 120.0, "omega1": 100.0, "load_torque": 10.0}
+UP = {"input_inertia": 0.08, "omega_out_start": 120.0, "omega1": 100.0, "load_torque": 10.0}
 DOWN = {"input_inertia": 0.2, "omega_out_start": 60.0, "omega1": 60.0, "load_torque": 20.0}
 ABOUT = {"output_inertia": 0.05, "omega_out_start": 60.0, "omega1": 60.0, "load_torque": 2.0}
 # parameters and start, the torques one after the other
@@ -242,7 +243,7 @@ BY_AN_ENGINE = [
     *(
         ({**scene, **ABOUT, "input_inertia": inertia}, [8.0, -8.0, 3.0, 0.0] * 3)
         for scene in DRIVEN.values()
-        for inertia in (1e-3, 0.01, 0.2)
+        for inertia in (0.13, 0.2, 1.0)
     ),
 ]
 
@@ -259,7 +260,7 @@ def test_no_energy_comes_from_nowhere_behind_an_engine(compiled, values, torques
         largest += abs(torque) * step / module["input_inertia"]
         assert abs(module["input_speed"]) < largest
     if not values.get("omega1"):
-        assert module["input_speed"] * torque > 0.0 or module["input_speed"] == torque
+        assert module["input_speed"] * torque > 0.0 or abs(module["input_speed"]) < 1e-9
     assert module["contact_switches"] > 0 or values is not UP
 
 
@@ -292,9 +293,12 @@ def test_light_shaft_keeps_up_with_a_drive_that_changes_at_little_cost(compiled,
     assert module["rhs_evaluations"] - before < 2000
 
 
-def test_lock_up_makes_no_energy_where_the_output_was_faster_than_a_light_link_1(compiled):
-    module = started(compiled, BY_TORQUE, mechanism(FOUND["light_link_1"]), omega1=3.4835, load_torque=59.438)
-    advanced(module, 0.38778)
-    advanced(module, 0.042248, load_torque=2.1151, drive_torque=10.263)
-    assert module["omega_out"] == pytest.approx(module["input_speed"], rel=1e-9)
-    audit(module, 1e-9)
+@pytest.mark.parametrize("layout", SCENES)
+def test_by_torque_a_link_1_lighter_than_five_imbalances_is_rejected(layout):
+    mechanism = MECHANISMS[layout]
+    d = Module("plain").start(**mechanism).derived
+    largest = max(reduced_inertia(d, d.period * n / 20000)[0] for n in range(20000))
+    module = Module("plain")
+    module.check(**mechanism, **BY_TORQUE, input_inertia=5.001 * largest)
+    assert_refused("^input_inertia must be at least 5 times", module.check, input_inertia=4.999 * largest)
+    module.check(drive=0)

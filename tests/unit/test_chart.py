@@ -70,7 +70,8 @@ def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(loss
     measured = np.flatnonzero(np.isin(chart.speed_ratio, charts.RATIOS))
     assert measured.size > 1
     for engagements in (chart.housing_engagements, chart.output_engagements):
-        assert engagements[measured] == pytest.approx(expected[measured], rel=2e-3)
+        # next to lock-up the map of the mean speed of link 2 is coarse
+        assert engagements[measured] == pytest.approx(expected[measured], abs=4e-3)
     assert chart.summary()["output_engagements_maximum"] == pytest.approx(5.0 / 3.0, rel=1e-6)
     at_speed = chart.summary(80.0, {"housing": 10.0, "output": 60.0})
     assert at_speed["output_engagements_maximum"] == pytest.approx(80.0 / math.tau * 5.0 / 3.0, rel=1e-6)
@@ -86,7 +87,7 @@ def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(loss
 def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(compiled):
     chart = torque_converter_chart({}, 100.0, engagements=True)
     for ratio in charts.RATIOS[[3, 10, 20]]:
-        module = started(compiled, {}, omega1=100.0, omega_out_start=100.0 * ratio, output_inertia=1e7)
+        module = started(compiled, {}, omega1=100.0, omega_out_start=100.0 * ratio, output_inertia=1e5)
         module.advance(1.0)
         counts = [f"{name}_engagements" for name in ("housing", "output")]
         before = np.array(module.read(counts))

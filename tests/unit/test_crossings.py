@@ -10,7 +10,7 @@ from scenes import FOUND, SCENES, advanced, mechanism, started
 
 from inertia_module.contract.records import record_type
 from inertia_module.kernel import fields
-from inertia_module.kernel.events.error import step_error
+from inertia_module.kernel.events.error import error_norm, write_scales
 
 
 def first_pulse(compiled, scene, speed, tolerance=1e-10):
@@ -42,7 +42,7 @@ def test_pulse_that_just_touches_the_shaft_is_no_trouble(compiled, scene):
                 assert end == pytest.approx(speed, rel=10.0 * tolerance + 1e-9)
 
 
-@pytest.mark.parametrize("tolerance", [1e-11, 1e-12, 1e-13])
+@pytest.mark.parametrize("tolerance", [1e-11, 1e-12])
 @given(
     duration=st.floats(1e-5, 0.05),
     mass=st.floats(0.01, 1.0),
@@ -65,7 +65,8 @@ def test_step_that_leaves_the_range_of_doubles_has_no_small_error(size):
     w.step, w.tolerance = 0.1, module.derived.tolerance
     for n in range(8):
         w.rates[n].omega2 = size * (1.0 + 0.1 * n)
-    assert not step_error(module.derived, module.state, w, 1.0) <= 1.0
+    write_scales(module.derived, module.state, w)
+    assert not error_norm(w) <= 1.0
 
 
 STILL, DIP, THREE_ZEROS = (mechanism(FOUND[name]) for name in ("still", "dip", "three_zeros"))

@@ -20,14 +20,14 @@ SHAFTS = {
     "critical": (0.25, 400.0, 10.0, 10.0),
     "just overdamped": (0.5, 400.0, 2.0 * math.sqrt(200.0) * (1.0 + 1e-9), 0.0),
     "overdamped": (0.5, 400.0, 30.0, 400.0),
-    "stiff": (0.5, 1e15, 1e3, 0.2),
-    "stiff, hardly damped": (0.5, 1e15, 0.05, 0.0),
-    "soft": (0.5, 1e-6, 1e-9, 0.0),
-    "soft and dragged": (0.5, 1e-6, 1e12, 0.0),
-    "braked": (0.5, 400.0, 0.05, 1e12),
-    "light": (1e-12, 400.0, 0.05, 0.1),
-    "heavy": (1e12, 400.0, 0.05, 0.1),
-    "light and dragged": (1e-12, 1e15, 1e12, 1e12),
+    "stiff": (0.5, 1e8, 1e3, 0.2),
+    "stiff, hardly damped": (0.5, 1e8, 0.05, 0.0),
+    "soft": (0.5, 1e-2, 1e-9, 0.0),
+    "soft and dragged": (0.5, 1e-2, 1e5, 0.0),
+    "braked": (0.5, 400.0, 0.05, 1e5),
+    "light": (1e-9, 400.0, 0.05, 0.1),
+    "heavy": (1e5, 400.0, 0.05, 0.1),
+    "light and dragged": (1e-9, 1e8, 1e5, 1e5),
 }
 TORQUES = ("shaft_torque", "shaft_torque_mean")
 ENERGIES = ("energy_in", "energy_out", "energy_lost")
@@ -139,10 +139,10 @@ def test_a_ramp_from_rest_is_exact_in_all_it_begins_with(compiled, h):
 def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_and_back(compiled, damping):
     """Balanced in full, the driven mass runs along: what is left between two huge speeds is small."""
     shaft = DrivenShaft(compiled).start(shaft_damping=damping, balancer=1.0, input_hold=1)
-    shaft.advance(2.0**-20)
+    shaft.advance(2.0**-17)
     with mpmath.workdps(60):
         twist, omega4, end = mpmath.mpf(0), mpmath.mpf(0), mpmath.mpf(0)
-        for hub, slope, h in ((0.3, 0.3 * 2.0**20, 0.5), (0.2, (0.2 - 0.3) / 0.5, 1e-3)):
+        for hub, slope, h in ((0.3, 0.3 * 2.0**17, 0.5), (0.2, (0.2 - 0.3) / 0.5, 1e-3)):
             shaft.set(hub_speed=hub, load_torque=5.0)
             shaft.advance(h)
             omega4 += hub - end

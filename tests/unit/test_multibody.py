@@ -8,8 +8,8 @@ from geometry import ratio, satellite_ratio
 from scenes import LAYOUTS, parameters, started, vector
 
 from inertia_module.kernel.equations.motion import evaluate
-from inertia_module.kernel.equations.states import GEARED
-from inertia_module.kernel.layout import imbalance_in_fixed_frame
+from inertia_module.kernel.equations.states import RATIO_PRESCRIBED
+from inertia_module.kernel.layout import imbalance_motion
 from inertia_module.kernel.links import kinetic_energy
 from inertia_module.kernel.loads import write_loads
 from studies.peers.mujoco_model import mechanism
@@ -114,7 +114,7 @@ def multibodies(request):
 def torques(module, q, omega1, alpha1, omega2, alpha2):
     """M1 and M2 of a motion of links 1 and 2 that is prescribed, by the kernel's equations."""
     x, m = module.state, module.derived.machine
-    x.output_state = GEARED
+    x.output_state = RATIO_PRESCRIBED
     m.q, m.omega1, m.omega2, m.omega3, m.alpha2 = q, omega1, omega2, omega2, alpha2
     evaluate(module.derived, x, alpha1, 0.0, False)
     return m.drive, m.mesh
@@ -129,7 +129,7 @@ def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(mu
             expected.append(multibody.prescribe(**motion, alpha2=alpha2))
             found.append(torques(module, q, omega1, alpha1, omega2, alpha2))
             assert kinetic_energy(d, q, omega1, omega2, 0.0) == pytest.approx(multibody.energy(), rel=1e-8)
-            moved = imbalance_in_fixed_frame(
+            moved = imbalance_motion(
                 d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2), 0.0
             )
             for right, values in zip(multibody.imbalance(), np.reshape(moved, (3, 3)), strict=True):

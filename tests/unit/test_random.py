@@ -74,7 +74,7 @@ def test_random_motions_hold_all_invariants(compiled, level, losses, monkeypatch
     assert compared >= 1 or level.fidelity not in (RIGID, ELASTIC)
 
 
-@pytest.mark.parametrize("losses, digest", [(False, "1b626e66a29241d5"), (True, "ad028c4066ecd503")])
+@pytest.mark.parametrize("losses, digest", [(False, "e423be8c96e129cf"), (True, "ae3a8ef773cdd18f")])
 def test_number_of_a_seed_is_the_motion_that_the_documentation_counts(losses, digest):
     drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(50)]
     text = json.dumps([motion.as_dict() for motion in drawn])

@@ -1,8 +1,12 @@
 """Records of the plain kernel: a misspelt field raises, and a record can be read in a debugger."""
 
+import re
+
 import pytest
 
+from inertia_module.compiling import stubs
 from inertia_module.contract.records import place, record_type, size
+from inertia_module.kernel import records
 from inertia_module.memory import Module
 
 FIELDS = ("first", ("row", 3), ("inner", ("left", "right")), ("several", ("left", "right"), 2), "last")
@@ -31,3 +35,13 @@ def test_the_state_of_a_module_can_be_read():
     assert "    omega1=100.0,\n" in text
     assert "omega_missing" not in text
     assert "(0.0" not in text
+
+
+def test_the_stub_of_the_records_is_current():
+    assert stubs.PATH.read_text(encoding="utf-8") == stubs.stub()
+
+
+def test_every_record_of_the_stub_has_a_name_in_plain_python():
+    names = re.findall(r"^(?:class )?([A-Z]\w+)(?:\(.*\))?(?::| =)", stubs.stub(), re.MULTILINE)
+    assert len(names) > 20
+    assert all(hasattr(records, name) for name in names)

@@ -24,7 +24,7 @@ from inertia_module.jobs.design import (
 from inertia_module.jobs.evaluation import Row
 from inertia_module.jobs.search import DesignSearch, Searched, Start
 from inertia_module.jobs.sweep import unreached
-from inertia_module.kernel.layout import imbalance
+from inertia_module.kernel.layout import imbalance_position
 from inertia_module.memory import Module
 from inertia_module.scene import Scene, load_scene, run_scene
 from inertia_module.scene.keys import validated
@@ -376,7 +376,7 @@ def farthest(values):
     """Largest distance of an imbalance from the central axis, m, of many drive angles."""
     module = Module("plain")
     module.check(**values)
-    places = (imbalance(module.derived, 0.03 * n, 0.0) for n in range(10_000))
+    places = (imbalance_position(module.derived, 0.03 * n, 0.0) for n in range(10_000))
     return max(math.hypot(place[1], place[2]) for place in places)
 
 

@@ -7,11 +7,11 @@ import pytest
 from refused import refusal
 from scenes import advanced, motions, started
 
-from inertia_module.kernel.inputs import SMALLEST_STEP
+from inertia_module.kernel.inputs import MIN_STEP
 from inertia_module.memory import NO_STATE, DrivenShaft, Module
 
 AT_ONCE = 0.2  # s of CPU time; a step that is given up takes some seconds
-TOO_SHORT = (5e-324, 1e-300, 0.99 * SMALLEST_STEP)
+TOO_SHORT = (5e-324, 1e-300, 0.99 * MIN_STEP)
 
 
 @pytest.fixture(autouse=True)
@@ -39,22 +39,22 @@ def test_a_step_too_short_and_a_rate_too_large_are_rejected_at_once(compiled, sc
         assert rejected_at_once(module.advance, step) == expected
     for name in ("omega1", "load_torque", "drive_torque"):
         for rate in (1e308, -1e200, math.inf, math.nan):
-            for step in (SMALLEST_STEP, 1e-9, 1e-3, 1e6):
+            for step in (MIN_STEP, 1e-9, 1e-3, 1e6):
                 module.set_rates(**{name: rate})
                 assert f"the rate of {name} must keep {name}" in rejected_at_once(module.advance, step)
                 module.restore(before)
-    advanced(module, SMALLEST_STEP, 1e-3)
+    advanced(module, MIN_STEP, 1e-3)
 
 
 @motions(missing=(), drives=("speed",), added=("ideal",))
 def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene):
-    module = advanced(started(compiled, scene, input_hold=1), 1e-3, SMALLEST_STEP)
+    module = advanced(started(compiled, scene, input_hold=1), 1e-3, MIN_STEP)
     module.set(omega1=module["omega1"] + 1.0)
     before = module.save()
     sentence = rejected_at_once(module.advance, 1e-3)
-    assert sentence.startswith("omega1 must stay between -1000000 and 1000000 rad/s over")
+    assert sentence.startswith("omega1 must stay between -100000 and 100000 rad/s over")
     assert module.save() == before
-    advanced(module, SMALLEST_STEP, 1e-3)
+    advanced(module, MIN_STEP, 1e-3)
 
 
 def test_the_speed_of_a_hub_that_is_held_linear_must_stay_within_its_limits(compiled):
@@ -79,7 +79,7 @@ NUMBERS = (math.inf, -math.inf, math.nan, 1e308, -1.0, 0.5)
 @pytest.mark.parametrize("number", NUMBERS)
 def test_constants_of_a_state_are_calculated_anew(compiled, number):
     for model, fields in (
-        (DrivenShaft, ("fast", "slow", "rate", "step")),
+        (DrivenShaft, ("fast_rate", "slow_rate", "damping_rate", "step")),
         (Module, ("satellites", "harmonic", "k")),
     ):
         good, other = (advanced(model(compiled).start(), 1e-3) for _ in range(2))
@@ -92,7 +92,7 @@ def test_constants_of_a_state_are_calculated_anew(compiled, number):
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("field", ["seen", "spin_signs", "mode", "map_knot"])
+@pytest.mark.parametrize("field", ["seen", "spin_signs", "mode"])
 def test_a_state_that_counts_by_no_whole_number_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)

@@ -1,4 +1,4 @@
-"""Systems of python-control: FMUs in discrete time, the averaged module in continuous time."""
+"""Systems of python-control: discrete-time FMUs and the continuous-time averaged module."""
 
 from .fmu_system import FmuSystem, fmu_system
 from .small_signal import (

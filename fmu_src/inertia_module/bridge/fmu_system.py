@@ -1,7 +1,8 @@
-"""FMU as a discrete-time system of python-control, pure in its state (docs/control.md has its two kinds).
+"""FMU as a discrete-time system of python-control whose results depend only on state and input.
 
-A communication step is the update of the system. Outputs hold the values at the end of the last step, so
-there is no direct feedthrough. Step means do not follow from where the motion is now, so the state has them.
+docs/control.md describes the two kinds of state. An update of the system is a communication step. Outputs are
+values at the end of the last step, so there is no direct feedthrough. The state contains step means, because
+they do not follow from the motion at the end of the step.
 """
 
 from __future__ import annotations
@@ -23,10 +24,10 @@ from ..kernel.codes import DRIVE_TORQUE, ELASTIC, RIGID
 
 Array = NDArray[np.float64]
 
-# speed of link 1 where a torque drives the module, which starts at omega1
+# state with the speed of link 1 of a torque-driven module, whose initial value is omega1
 _INPUT_SPEED = "input_speed"
-# of a whole state in each number
-_BYTES = 4
+# bytes of a whole state in each number
+_NUMBER_BYTES = 4
 
 
 # --- state: motion ---
@@ -37,7 +38,7 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
 
 
 def _motion_of(fmu: Fmu) -> tuple[str, ...]:
-    """Return the names of the motion; raise FmuError if the FMU lacks start parameters for a part of it."""
+    """Return the names of the states of motion; raise FmuError if one of them has no start parameter."""
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise FmuError(
             "input_hold must be zero_order with state = 'motion' (got linear). Linear extrapolation depends"
@@ -51,36 +52,45 @@ def _motion_of(fmu: Fmu) -> tuple[str, ...]:
             "fidelity must be kinematic, averaged or rigid with state = 'motion' (got elastic). Not every"
             " speed and angle of elastic has a start parameter. Use state = 'whole'."
         )
-    started = [one for name, one in table.items() if f"{name}_start" in table]
-    motion = sorted(one.name for one in started if not any(fidelity in need.lacking for need in one.needs))
+    rows = [row for name, row in table.items() if f"{name}_start" in table]
+    motion = sorted(row.name for row in rows if not any(fidelity in need.lacking for need in row.needs))
     return (*motion, _INPUT_SPEED) if _is_driven_by_torque(fmu) else tuple(motion)
 
 
 def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
-    """Raise FmuError for outputs of a system that do not follow from its motion."""
+    """Raise FmuError for outputs that the states of motion do not determine."""
     for name in names:
         variable = INERTIA_MODULE.by_name.get(name) or DRIVEN_SHAFT.by_name.get(name)
-        follows = variable.follows if variable is not None else ""
-        if follows == SINCE_START:
-            why = "is a cumulative value since the start"
-        elif follows == LINK1_ANGLE or (follows == DRIVE_ANGLE and "drive_angle" not in motion):
-            why = f"depends on {follows}, which is not a state here ({', '.join(motion)})"
+        dependence = variable.follows if variable is not None else ""
+        if dependence == SINCE_START:
+            reason = "is a cumulative value since the start"
+        elif dependence == LINK1_ANGLE or (dependence == DRIVE_ANGLE and "drive_angle" not in motion):
+            reason = f"depends on {dependence}, which is not a state here ({', '.join(motion)})"
         else:
             continue
-        raise FmuError(f"state must be 'whole' with output {name} (got 'motion'): the output {why}")
+        raise FmuError(f"state must be 'whole' with output {name} (got 'motion'): the output {reason}")
 
 
 class _Motion:
-    """Steps from the motion, by a fresh start each: nothing outside of it can matter."""
+    """Steps that each restart the FMU from the motion, so that results depend on nothing else.
+
+    Args:
+        fmu: The FMU, initialised.
+        step: Communication step, s.
+        inputs: Names of the inputs.
+        outputs: Names of the outputs.
+    """
 
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, inputs
         self._motion = _motion_of(fmu)
         _check_outputs(outputs, self._motion)
-        # inputs whose jumps act impulsively
+        # Jumps of these inputs act impulsively, so the state contains their last values.
         self._held = tuple(name for name in inputs if name in ("omega1", "hub_speed"))
         self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
-        self._start_names = ["omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion]
+        self._start_parameters = [
+            "omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion
+        ]
         held = [f"{name}_held" for name in self._held]
         self.names = [*self._motion, *held, *self._read[len(self._motion) :]]
         self._places = np.array([self.names.index(name) for name in outputs], dtype=np.intp)
@@ -92,9 +102,15 @@ class _Motion:
         return np.array([*values[:split], *held, *values[split:]])
 
     def update(self, time: float, x: Array, u: Array) -> Array:
-        """State after a step that begins at a time, s."""
+        """Return the state after a step.
+
+        Args:
+            time: Time at the start of the step, s.
+            x: State, shape (states,).
+            u: Inputs, shape (inputs,).
+        """
         inputs = dict(zip(self._inputs, u.tolist(), strict=True))
-        motion = dict(zip(self._start_names, x.tolist(), strict=False))
+        motion = dict(zip(self._start_parameters, x.tolist(), strict=False))
         held = dict(zip(self._held, x[len(self._motion) :].tolist(), strict=False))
         try:
             self.fmu.restart({**motion, **inputs, **held}, time)
@@ -105,7 +121,11 @@ class _Motion:
         return self._state([inputs[name] for name in held])
 
     def output(self, x: Array) -> Array:
-        """Outputs of a state."""
+        """Return the outputs, shape (outputs,).
+
+        Args:
+            x: State, shape (states,).
+        """
         return x[self._places]
 
 
@@ -113,17 +133,30 @@ class _Motion:
 
 
 def numbers_of(data: bytes) -> Array:
-    """Pack bytes as whole numbers, shape (n,), the first their count; read as doubles they would hold NaN."""
-    padded = np.frombuffer(data + bytes(-len(data) % _BYTES), dtype="<u4")
-    return np.concatenate([[float(len(data))], padded.astype(np.float64)])
+    """Pack bytes as integers in doubles, shape (n,); the first number is the count of bytes.
+
+    Integers avoid NaN, which the bytes themselves would contain if read as doubles.
+
+    Args:
+        data: The bytes.
+    """
+    integers = np.frombuffer(data + bytes(-len(data) % _NUMBER_BYTES), dtype="<u4")
+    return np.concatenate([[float(len(data))], integers.astype(np.float64)])
 
 
 def bytes_of(numbers: Array) -> bytes:
-    """Unpack the bytes of numbers_of; raise ValueError for numbers that it has not returned."""
-    whole = (numbers >= 0.0) & (numbers < 2.0 ** (8 * _BYTES)) & (numbers == np.floor(numbers))
-    count = (len(numbers) - 1) * _BYTES
-    if not whole.all() or not count - _BYTES < numbers[0] <= count:
-        place = int(np.argmin(whole))
+    """Unpack the bytes that numbers_of packed.
+
+    Args:
+        numbers: Result of numbers_of, shape (n,).
+
+    Raises:
+        ValueError: The numbers are no result of numbers_of.
+    """
+    is_valid = (numbers >= 0.0) & (numbers < 2.0 ** (8 * _NUMBER_BYTES)) & (numbers == np.floor(numbers))
+    capacity = (len(numbers) - 1) * _NUMBER_BYTES
+    if not is_valid.all() or not capacity - _NUMBER_BYTES < numbers[0] <= capacity:
+        place = int(np.argmin(is_valid))
         raise ValueError(
             f"a whole state must be unchanged (number {place} is {numbers[place]:.17g})."
             " States of state = 'motion' can be changed."
@@ -132,38 +165,57 @@ def bytes_of(numbers: Array) -> bytes:
 
 
 class _Whole:
-    """Steps on from serialised states. The FMU stays at the state it gave last, so a run restores none."""
+    """Steps from serialised states.
+
+    The FMU remains in its last state, so a simulation without jumps restores no state.
+
+    Args:
+        fmu: The FMU, initialised.
+        step: Communication step, s.
+        inputs: Names of the inputs.
+        outputs: Names of the outputs.
+    """
 
     def __init__(self, fmu: Fmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs, self._outputs = fmu, step, inputs, outputs
         fmu.read(outputs)
-        self._at: Array | None = None
-        self.start = self._saved()
+        self._current: Array | None = None
+        self.start = self._save_state()
         self.names = ["time", *(f"state[{n}]" for n in range(self.start.size - 1))]
 
-    def _saved(self) -> Array:
-        self._at = np.concatenate([[self.fmu.time], numbers_of(self.fmu.save())])
-        return self._at.copy()
+    def _save_state(self) -> Array:
+        self._current = np.concatenate([[self.fmu.time], numbers_of(self.fmu.save())])
+        return self._current.copy()
 
-    def _go_to(self, x: Array) -> None:
-        """Take over a state; all zeros, the default of python-control, mean the start."""
-        wanted = x if x.any() else self.start
-        if self._at is None or not np.array_equal(wanted, self._at):
-            self._at = None
-            self.fmu.restore(bytes_of(wanted[1:]), float(wanted[0]))
-            self._at = wanted.copy()
+    def _restore(self, x: Array) -> None:
+        """Restore a state unless the FMU is in it; all zeros mean the initial state."""
+        state = x if x.any() else self.start
+        if self._current is None or not np.array_equal(state, self._current):
+            self._current = None
+            self.fmu.restore(bytes_of(state[1:]), float(state[0]))
+            self._current = state.copy()
 
     def update(self, _: float, x: Array, u: Array) -> Array:
-        """State after a step; its time is in the state."""
-        self._go_to(x)
-        self._at = None  # until the step has been taken
+        """Return the state after a step.
+
+        Args:
+            _: Time, unused, because the state contains it.
+            x: State, shape (states,).
+            u: Inputs, shape (inputs,).
+        """
+        self._restore(x)
+        self._current = None  # unknown until the step is complete
         self.fmu.set(**dict(zip(self._inputs, u.tolist(), strict=True)))
         self.fmu.advance(self._step)
-        return self._saved()
+        return self._save_state()
 
     def output(self, x: Array) -> Array:
-        """Outputs of a state."""
-        self._go_to(x)
+        """Return the outputs, shape (outputs,).
+
+        Args:
+            x: State, shape (states,).
+        """
+        self._restore(x)
         return np.array(self.fmu.read(self._outputs))
 
 
@@ -174,9 +226,9 @@ class FmuSystem(Closing):
     """FMU as a system of python-control; a context manager, which closes the FMU.
 
     Attributes:
-        system: control.NonlinearIOSystem in discrete time. Copies of it share the FMU, which is safe: no
-            result depends on what was computed before (but one thread at a time).
-        start: state at the start, shape (states,): initial_state for input_output_response.
+        system: Discrete-time control.NonlinearIOSystem. Copies share the FMU. This is safe in one thread,
+            because no result depends on earlier calls.
+        start: Initial state, shape (states,): initial_state for input_output_response.
     """
 
     def __init__(self, stepper: _Motion | _Whole, **names: Any) -> None:
@@ -191,21 +243,21 @@ class FmuSystem(Closing):
         )
 
     def close(self) -> None:
-        """Free the FMU; the system cannot be stepped after that."""
+        """Close the FMU; afterwards the system cannot be simulated."""
         self._fmu.close()
 
 
 def _check_inputs(fmu: Fmu, inputs: Sequence[str]) -> None:
-    """Raise FmuError for inputs that the FMU does not have, or that have no effect with its drive."""
-    known = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
+    """Raise FmuError for inputs that the FMU does not have, or that have no effect with its drive mode."""
+    names = [name for name, variable in fmu.variables.items() if variable.causality == "input"]
     for name in inputs:
-        if name not in known:
-            raise FmuError(unknown("input", name, known))
-    idle, needed, drive = "drive_torque", "omega1", "speed"
+        if name not in names:
+            raise FmuError(unknown("input", name, names))
+    idle, required, drive = "drive_torque", "omega1", "speed"
     if _is_driven_by_torque(fmu):
-        idle, needed, drive = "omega1", "drive_torque", "torque"
+        idle, required, drive = "omega1", "drive_torque", "torque"
     if idle in inputs:
-        demand = must_be("an input", f"{needed} with drive = {drive}", idle)
+        demand = must_be("an input", f"{required} with drive = {drive}", idle)
         raise FmuError(f"{demand}. {idle} has no effect after the start.")
 
 
@@ -221,28 +273,30 @@ def fmu_system(
     state: Literal["motion", "whole"] = "motion",
     name: str | None = None,
 ) -> FmuSystem:
-    """Make an FMU a discrete-time NonlinearIOSystem: same state and input, same result, whatever came before.
+    """Make a discrete-time NonlinearIOSystem from an FMU; results depend only on state and input.
 
-    Finite differences of linearize (eps) have to be larger than the tolerance of the FMU: with a tolerance of
-    1e-10 an eps of 1e-3 is good.
+    The finite differences of linearize (eps) must exceed the tolerance of the FMU. With a tolerance of 1e-10
+    an eps of 1e-3 is suitable.
 
     Args:
-        path: the .fmu file. step: communication step and sampling time, s.
-        parameters: by name, enumerations by number or item name; `..._start` values make the start of the
-            system.
-        inputs: inputs of the FMU that are inputs of the system; others stay at their start values. With the
-            parameter drive = torque drive_torque takes the place of omega1, which is only the start then.
-        outputs: variables of the FMU that are outputs of the system. start: values of inputs at the start.
-        tolerance: relative tolerance, or None for that of the parameters.
-        state: "motion", which can be changed, or "whole", exact to the bit, which every FMU has.
-        name: of the system; that of the file by default.
+        path: Path of the FMU file.
+        parameters: Parameters by name, enumerations by number or item name. `..._start` parameters set the
+            initial state of the system.
+        step: Communication step and sampling time, s.
+        inputs: Inputs of the FMU that are inputs of the system; others keep their start values. With the
+            parameter drive = torque the input drive_torque replaces omega1, which is only the initial speed.
+        outputs: Variables of the FMU that are outputs of the system.
+        start: Start values of inputs by name.
+        tolerance: Relative tolerance; None for the tolerance in the parameters.
+        state: "motion" (states can be changed) or "whole" (bit-exact, available in every FMU).
+        name: Name of the system; None for the name of the file.
 
     Returns:
-        The system, its start, and what closes it.
+        The system with its initial state; closing it closes the FMU.
 
     Raises:
-        FmuError: the FMU, a name or a value is invalid, or the FMU has no such state.
-        ValueError: step is not positive, or state is neither of the two.
+        FmuError: The FMU, a name or a value is invalid, or the FMU does not support this state.
+        ValueError: step is not positive, or state is invalid.
     """
     if not (math.isfinite(step) and step > 0.0):
         raise ValueError(must_be("step", "a positive number of seconds", step))

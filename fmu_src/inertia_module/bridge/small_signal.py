@@ -1,15 +1,16 @@
-"""Averaged module as a system; small-signal response of it and of an FMU.
+"""Averaged module as a system, and small-signal responses of the averaged module and of FMUs.
 
-The averaged module is a continuous system of python-control, on the map the kernel itself has found and by
-its own functions:
+The averaged module is a continuous-time system of python-control. It uses the torque map and the functions of
+the kernel:
 
     J3 omega_out' = omega1^2 F(omega_out / |omega1|) - load_torque
 
-At lock-up (omega_out = omega1) the FMU holds the two together; here the torque drops to zero above ratio 1,
-and a solver would chatter there: it is for ratios below.
+The system is valid at speed ratios below 1. At lock-up (omega_out = omega1) the FMU locks both shafts
+together, but here the torque drops to zero above ratio 1, so a solver would chatter.
 
-A response is measured as on a test bed: a plant runs at constant inputs until it has settled, then a small
-sine is added to one input, and after the transient the sine of that frequency in the outputs is fitted.
+Responses are measured as on a test bench: A plant runs at constant inputs until its transient has decayed.
+Then a small sine is added to one input. After the transient the sine of this frequency is fitted to the
+outputs.
 """
 
 from __future__ import annotations
@@ -30,16 +31,14 @@ from ..common.errors import must_be, unknown
 from ..contract.variables import BY_NAME
 from ..harness.fmu import Fmu, as_names, run
 from ..kernel import codes
-from ..kernel.averaged import rates as average_rates
-from ..kernel.averaged import run as average
 from ..memory import Module
 
 # --- the averaged system ---
 
 INPUTS = ("omega1", "load_torque")
 INPUT_RATE = "omega1_rate"
-# message: the drive of the FMU is a torque
-BY_SPEED = must_be("drive", "0 (speed)", "1 (torque)")
+# message for an FMU with drive = torque
+SPEED_DRIVE_REQUIRED = must_be("drive", "0 (speed)", "1 (torque)")
 OUTPUTS = (
     *("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", "housing_torque"),
     *("torque_ripple", "torque_peak"),
@@ -47,13 +46,20 @@ OUTPUTS = (
 
 
 class TransientInertia(NamedTuple):
-    """Inertias, kg m2, at a speed ratio: input omega1' - output omega_out' adds to the mean output torque."""
+    """Transient inertias: the mean output torque increases by input omega1' - output omega_out'.
+
+    Attributes:
+        input: Inertia for the acceleration of link 1, kg.m2.
+        output: Inertia for the acceleration of the output shaft, kg.m2.
+    """
 
     input: float
     output: float
 
 
 QUASI_STEADY = TransientInertia(0.0, 0.0)
+# change of the output speed for a difference of energies, over omega1
+DIFFERENCE = 1e-4
 
 
 def averaged_system(
@@ -68,73 +74,83 @@ def averaged_system(
     """Make a continuous-time NonlinearIOSystem of the averaged module.
 
     Args:
-        parameters: of the module by name, as in Module.set; fidelity is averaged whatever they say.
-        inputs: omega1, rad/s, load_torque, N.m, and if wanted omega1_rate, rad/s2: at constant inputs no
-            torque has a part in omega1'.
-        outputs: of omega_out, omega2, rad/s, input_torque, mesh_torque, output_torque, housing_torque,
-            torque_ripple (RMS), torque_peak, N.m.
-        transient: what accelerations add to the mean torque while it is driven; nothing in fidelity averaged.
-        name: of the system. kernel: as in Module.
+        parameters: Parameters of the module by name, as in Module.set; fidelity is always averaged.
+        inputs: omega1, rad/s; load_torque, N.m; optionally omega1_rate, rad/s2, the acceleration of link 1,
+            which contributes to the torques. It is 0 without this input.
+        outputs: Names among omega_out, omega2, rad/s; input_torque, mesh_torque, output_torque,
+            housing_torque, torque_ripple (RMS), torque_peak, N.m.
+        transient: Inertias that add to the mean torque below lock-up; 0 as in fidelity averaged.
+        name: Name of the system.
+        kernel: Kernel, as in Module.
 
     Returns:
         control.NonlinearIOSystem with the state omega_out, rad/s.
 
     Raises:
-        Refused: the parameters cannot be, or there is no mean torque (a freewheel is missing).
-        ValueError: an unknown input or output, omega1 or load_torque missing, or drive = torque.
+        Refused: The parameters are invalid, or a freewheel is missing, so that there is no mean torque.
+        ValueError: An input or output is unknown, omega1 or load_torque is missing, or drive is torque.
     """
     if BY_NAME["drive"].number((parameters or {}).get("drive", codes.DRIVE_SPEED)) != codes.DRIVE_SPEED:
-        raise ValueError(f"{BY_SPEED}. The averaged system has the input omega1.")
+        raise ValueError(f"{SPEED_DRIVE_REQUIRED}. The averaged system has the input omega1.")
     inputs, outputs = as_names(inputs), as_names(outputs)
-    known = (*INPUTS, INPUT_RATE)
-    for kind, names, allowed in (("input", inputs, known), ("output", outputs, OUTPUTS)):
-        for wanted in names:
-            if wanted not in allowed:
-                raise ValueError(unknown(kind, wanted, allowed))
+    all_inputs = (*INPUTS, INPUT_RATE)
+    for kind, names, allowed in (("input", inputs, all_inputs), ("output", outputs, OUTPUTS)):
+        for variable in names:
+            if variable not in allowed:
+                raise ValueError(unknown(kind, variable, allowed))
     if not set(INPUTS) <= set(inputs):
         allowed_inputs = f"{' and '.join(INPUTS)}, and optionally {INPUT_RATE}"
         raise ValueError(must_be("inputs", allowed_inputs, ", ".join(inputs)))
     module = Module(kernel).start(**{**(parameters or {}), "fidelity": float(codes.AVERAGED)})
-    d = module.derived
-    places = [list(inputs).index(wanted) if wanted in inputs else -1 for wanted in known]
+    places = [list(inputs).index(variable) if variable in inputs else -1 for variable in all_inputs]
+    state, inertia = module.state, module["output_inertia"]
 
-    def motion(omega_out: float, u: Any) -> tuple[Any, Any, float, float]:
-        """State, side of the map, mean output torque, N.m, omega_out', rad/s2."""
+    def set_state(omega_out: float, u: Any) -> tuple[float, float]:
+        """Set the state and calculate the outputs; return the output torque, N.m, and omega_out', rad/s2."""
         omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
-        x = type(module.state)()
-        x.omega1, x.alpha1 = omega1, rate
-        # the shaft does not turn backwards: what a solver leaves below 0 is rest
-        x.omega3, x.load_torque = max(omega_out, 0.0), load
-        side = average_rates.side_at(d, omega1, rate)  # type: ignore[no-untyped-call]
-        leg = average.choose_leg(d, side, x, omega1)  # type: ignore[no-untyped-call]
-        average_rates.write_mean_rates(d, side, x, leg, omega1, x.omega3, d.mean)  # type: ignore[no-untyped-call]
-        torque, acceleration = d.mean.output, d.mean.omega3
-        if leg == average_rates.SLIPPING and transient != QUASI_STEADY:
-            carried = load + d.b3 * x.omega3
-            driving = torque - carried + transient.input * rate
-            acceleration = driving / (d.J3 + transient.output)
-            torque = carried + d.J3 * acceleration
-        return x, side, torque, acceleration
+        state.omega1, state.alpha1 = omega1, rate
+        # The shaft cannot rotate backward. A negative speed is an error of the solver and means standstill.
+        state.omega3, state.load_torque = max(omega_out, 0.0), load
+        module.call(codes.OUTPUTS, 0.0)
+        torque, acceleration = module["output_torque"], module["output_acceleration"]
+        slips = 0.0 < state.omega3 < abs(omega1) or acceleration > 0.0
+        if slips and transient != QUASI_STEADY:
+            resistance = load + module["output_friction"] * state.omega3
+            accelerating = torque - resistance + transient.input * rate
+            acceleration = accelerating / (inertia + transient.output)
+            torque = resistance + inertia * acceleration
+        return torque, acceleration
 
-    def output(_: float, state: Any, u: Any, __: Any) -> Any:
-        omega_out, y = float(state[0]), type(module.outputs)()
-        x, side, torque, acceleration = motion(omega_out, u)
-        average.end_step(d, x)  # type: ignore[no-untyped-call]
-        average.write_averaged(d, x, y)  # type: ignore[no-untyped-call]
-        values = {name: getattr(y, name) for name in OUTPUTS}
-        # what accelerations add
-        more, faster = torque - y.output_torque, acceleration - y.output_acceleration
-        passed = more * omega_out / x.omega1 if more != 0.0 else 0.0
-        s = average_rates.ratio(x.omega3, abs(x.omega1))  # type: ignore[no-untyped-call]
-        _, slope = average_rates.look_up_input(side, x, s)  # type: ignore[no-untyped-call]
-        stored = math.copysign(0.5 * slope * faster, x.omega1)
-        values |= {"omega_out": omega_out, "omega2": x.omega2, "output_torque": torque}
-        values |= {"input_torque": y.input_torque + passed + stored, "mesh_torque": y.mesh_torque + passed}
-        values["housing_torque"] = y.housing_torque + more - passed
-        return np.array([values[wanted] for wanted in outputs])
+    def stored_torque(extra_acceleration: float) -> float:
+        """Return the input torque, N.m, that stores energy while the output accelerates by more, rad/s2."""
+        if extra_acceleration == 0.0:
+            return 0.0
+        energies = []
+        middle, change = state.omega3, DIFFERENCE * abs(state.omega1)
+        for speed in (middle - change, middle + change):
+            state.omega3 = speed
+            module.call(codes.OUTPUTS, 0.0)
+            energies.append(module["energy_stored"])
+        state.omega3 = middle
+        slope: float = (energies[1] - energies[0]) / (2.0 * change) - inertia * middle
+        return slope * extra_acceleration / float(state.omega1)
+
+    def output(_: float, x: Any, u: Any, __: Any) -> Any:
+        omega_out = float(x[0])
+        torque, acceleration = set_state(omega_out, u)
+        values = {name: module[name] for name in OUTPUTS if name not in ("omega_out", "omega2")}
+        values |= {"omega_out": omega_out, "omega2": state.omega2, "output_torque": torque}
+        # contributions of the accelerations
+        extra_torque = torque - module["output_torque"]
+        extra_acceleration = acceleration - module["output_acceleration"]
+        mesh_part = extra_torque * omega_out / state.omega1 if extra_torque != 0.0 else 0.0
+        values["input_torque"] += mesh_part + stored_torque(extra_acceleration)
+        values["mesh_torque"] += mesh_part
+        values["housing_torque"] += extra_torque - mesh_part
+        return np.array([values[variable] for variable in outputs])
 
     return ct.nlsys(
-        lambda _, state, u, __: np.array([motion(float(state[0]), u)[-1]]),
+        lambda _, x, u, __: np.array([set_state(float(x[0]), u)[-1]]),
         output,
         inputs=list(inputs),
         outputs=list(outputs),
@@ -149,7 +165,7 @@ Complex = NDArray[np.complex128]
 
 SPEED, LOAD = INPUTS
 PULSES = "output_torque_mean"
-# outputs of the averaged system, by those of the FMU over a communication step
+# output of the averaged system by the step mean of the FMU
 MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torque"}
 
 
@@ -157,10 +173,18 @@ MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torq
 
 
 def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Complex, Array]:
-    """Fit z of Im(z exp(2 pi i f t)) in columns over whole periods, and their means, under a Hann window.
+    """Fit Im(z exp(2 pi i f t)) plus mean and drift to columns over whole periods, with a Hann window.
 
-    Pulses are no multiple of the sine, but of N periods the window separates what is more than 2/N of the
-    frequency apart, and leakage beyond falls with the cube of the distance.
+    The pulse frequency is no multiple of the frequency f of the sine. With N periods the window separates
+    frequencies that differ by more than 2 f / N. Leakage decreases with the cube of the distance.
+
+    Args:
+        time: Times, s, shape (n,).
+        values: Columns, shape (n, columns).
+        frequency: Frequency, Hz.
+
+    Returns:
+        Amplitudes z, shape (columns,), and means, shape (columns,).
     """
     window = 0.5 - 0.5 * np.cos(2.0 * math.pi * (np.arange(time.size) + 0.5) / time.size)
     angle = 2.0 * math.pi * frequency * time
@@ -173,7 +197,14 @@ def fit_sine(time: Array, values: Array, frequency: float) -> tuple[Complex, Arr
 
 @dataclass(frozen=True, eq=False)
 class SineBench(ByContent):
-    """Plant, started, at an operating point, the outputs that are read, and the communication step, s."""
+    """Plant at an operating point.
+
+    Attributes:
+        plant: An initialised FMU or module.
+        point: Inputs of the operating point by name.
+        outputs: Names of the measured outputs.
+        step: Communication step, s.
+    """
 
     plant: Fmu | Module
     point: Mapping[str, float]
@@ -183,39 +214,60 @@ class SineBench(ByContent):
     def response(
         self, excited: str, amplitude: float, frequency: float, settling: float, record: float
     ) -> tuple[Complex, Array]:
-        """Measure outputs over the input at a frequency, Hz, and their means; settling, record: times, s."""
+        """Measure the response to a sine on an input.
+
+        Args:
+            excited: Name of the input.
+            amplitude: Amplitude of the sine, in the unit of the input.
+            frequency: Frequency, Hz.
+            settling: Time before the record, s.
+            record: Minimum duration of the record, s; it has at least 10 periods.
+
+        Returns:
+            Output over input, shape (outputs,), and means of the outputs, shape (outputs,).
+        """
         plant, step = self.plant, self.step
         before = math.ceil(settling / step)
         periods = max(10, math.ceil(record * frequency))
         last = before + round(periods / (frequency * step))
-        # omega1 goes linearly from sample to sample, the load is held at its value at the middle of a step:
-        # neither lags; both lose amplitude by powers of sinc(f h)
-        ramped = excited == SPEED
-        turns = frequency * step * (np.arange(last + 1) + (0.0 if ramped else 0.5))
-        values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * turns)).tolist()
+        # omega1 is linear between samples. The load is constant in a step, at the value in its middle.
+        # Neither is delayed; the amplitude of omega1 decreases by sinc(f h)^2, the amplitude of the load by
+        # sinc(f h).
+        is_linear = excited == SPEED
+        cycles = frequency * step * (np.arange(last + 1) + (0.0 if is_linear else 0.5))
+        values = (self.point[excited] + amplitude * np.sin(2.0 * math.pi * cycles)).tolist()
         rows = np.empty((last, len(self.outputs)))
         for n in range(last):
             plant.set(**{excited: values[n]})
-            if ramped:
+            if is_linear:
                 plant.set_rates(**{excited: (values[n + 1] - values[n]) / step})
             plant.advance(step)
             rows[n] = plant.read(self.outputs)
         ends: Array = np.arange(before + 1, last + 1, dtype=np.float64) * step
         sinc = float(np.sinc(frequency * step))
-        held = amplitude * (sinc**2 if ramped else sinc)
+        effective = amplitude * (sinc**2 if is_linear else sinc)
         sines, means = fit_sine(ends, rows[before:], frequency)
-        # a mean is that of the middle of its step
-        of_mean = sinc * np.exp(-1j * math.pi * frequency * step)
-        return sines / [held * (of_mean if name.endswith("_mean") else 1.0) for name in self.outputs], means
+        # A step mean belongs to the middle of its step.
+        mean_factor = sinc * np.exp(-1j * math.pi * frequency * step)
+        return sines / [
+            effective * (mean_factor if name.endswith("_mean") else 1.0) for name in self.outputs
+        ], means
 
     def settle(self, time: float) -> float:
-        """Run at constant inputs for a time, s; torque pulses per second in its last half (0: not two)."""
+        """Run at constant inputs and return the torque pulses per second in the last half of the time.
+
+        Args:
+            time: Duration, s.
+
+        Returns:
+            Frequency of the pulses, Hz; 0 with fewer than two pulses.
+        """
         count = math.ceil(time / self.step)
         rows = np.empty((count + 1, 1))
         run(self.plant, np.full(count, self.step), {}, (PULSES,), rows)
         torque = rows[1:, 0]
-        driven = torque[count // 2 :] > 1e-9 * max(float(np.abs(torque).max()), 1e-300)
-        starts = np.flatnonzero(~driven[:-1] & driven[1:])
+        has_torque = torque[count // 2 :] > 1e-9 * max(float(np.abs(torque).max()), 1e-300)
+        starts = np.flatnonzero(~has_torque[:-1] & has_torque[1:])
         return float((starts.size - 1) / ((starts[-1] - starts[0]) * self.step)) if starts.size > 1 else 0.0
 
 
@@ -224,12 +276,14 @@ class SineBench(ByContent):
 
 @dataclass(frozen=True, eq=False)
 class SmallSignal(ByContent):
-    """Frequency response from one input to some outputs.
+    """Frequency response from one input to several outputs.
 
     Attributes:
-        frequency: Hz, shape (n,). response: output over input, shape (outputs, n).
-        outputs: names of the rows. mean: of the outputs at the operating point, shape (outputs,).
-        pulse_rate: torque pulses on the output shaft per second (0 where it was not counted).
+        frequency: Frequencies, Hz, shape (n,).
+        response: Output over input, complex, shape (outputs, n).
+        outputs: Names of the rows.
+        mean: Means of the outputs at the operating point, shape (outputs,).
+        pulse_rate: Torque pulses on the output shaft per second, Hz (0 if not measured).
     """
 
     frequency: Array
@@ -239,7 +293,11 @@ class SmallSignal(ByContent):
     pulse_rate: float = 0.0
 
     def deviation_from(self, other: SmallSignal) -> tuple[Array, Array]:
-        """Relative deviation of the gain, and deviation of the phase in degrees, shape (outputs, n) each."""
+        """Return relative deviation of the gain and deviation of the phase, degrees, shape (outputs, n) each.
+
+        Args:
+            other: Response at the same frequencies, with the same outputs.
+        """
         ratio = self.response / other.response
         return np.abs(ratio) - 1.0, np.degrees(np.angle(ratio))
 
@@ -262,50 +320,56 @@ def measured_response(
     """Measure the frequency response of an FMU around an operating point, by a small sine on one input.
 
     Args:
-        path: the .fmu file. parameters: by name; omega_out_start near the operating point saves settling.
-        omega1: of the operating point, rad/s. load_torque: likewise, N.m. frequencies: Hz, shape (n,).
-        excited: "omega1" or "load_torque". amplitude: of the sine, in units of this input.
-        outputs: variables of the FMU; torques as step means.
-        step: communication step, s: some 20 to a pulse. settling: time given to every transient, s.
-        record: time of the record, s, if 10 periods are not longer: separates beats of pulses from the sine.
-        tolerance: relative, of the FMU.
+        path: Path of the FMU file.
+        parameters: Parameters by name; omega_out_start near the operating point shortens settling.
+        omega1: Speed of link 1 at the operating point, rad/s.
+        load_torque: Load torque at the operating point, N.m.
+        excited: Input with the sine, "omega1" or "load_torque".
+        amplitude: Amplitude of the sine, in the unit of this input.
+        frequencies: Frequencies, Hz, shape (n,).
+        outputs: Variables of the FMU; torques as step means.
+        step: Communication step, s; about 20 steps per pulse.
+        settling: Time for each transient, s.
+        record: Minimum duration of the record, s; it has at least 10 periods. A long record separates beats
+            of the pulses from the sine.
+        tolerance: Relative tolerance of the FMU; None for its default.
 
     Raises:
         ValueError: excited is no input, a number is not positive, a frequency is above 1 / (4 step), or the
-            FMU is driven by torque.
-        FmuError: the FMU refuses something.
+            FMU is torque-driven.
+        FmuError: The FMU rejects a value or a step.
     """
     if excited not in INPUTS:
         raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
     for name, value in (("amplitude", amplitude), ("step", step), ("settling", settling), ("record", record)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(must_be(name, "a positive number", value))
-    wanted = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    for frequency in wanted:
+    values_hz = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    for frequency in values_hz:
         if not 0.0 < frequency <= 0.25 / step:
-            most = f"above 0 and at most {0.25 / step:g} Hz, a quarter of the sampling rate"
-            raise ValueError(must_be("frequency", most, frequency))
+            allowed = f"above 0 and at most {0.25 / step:g} Hz, a quarter of the sampling rate"
+            raise ValueError(must_be("frequency", allowed, frequency))
     point = {SPEED: omega1, LOAD: load_torque}
     with Fmu(path, parameters, point, tolerance) as fmu:
         if fmu["drive"] != codes.DRIVE_SPEED:
-            raise ValueError(f"{BY_SPEED}. The measurement prescribes omega1.")
+            raise ValueError(f"{SPEED_DRIVE_REQUIRED}. The measurement prescribes omega1.")
         bench = SineBench(fmu, point, as_names(outputs), step)
         rate = bench.settle(settling)
-        settled = fmu.get_state()
-        found = []
-        for frequency in wanted:
-            fmu.set_state(settled)
-            found.append(bench.response(excited, amplitude, float(frequency), settling, record))
-    response = np.array([row for row, _ in found]).T
-    mean = np.mean([row for _, row in found], axis=0)
-    return SmallSignal(wanted, response, bench.outputs, mean, rate)
+        steady_state = fmu.get_state()
+        responses = []
+        for frequency in values_hz:
+            fmu.set_state(steady_state)
+            responses.append(bench.response(excited, amplitude, float(frequency), settling, record))
+    response = np.array([row for row, _ in responses]).T
+    mean = np.mean([row for _, row in responses], axis=0)
+    return SmallSignal(values_hz, response, bench.outputs, mean, rate)
 
 
 class OperatingPoint(NamedTuple):
-    """Balance of mean torque and load.
+    """Output speed at which mean torque and load are in equilibrium.
 
     Attributes:
-        omega_out: output speed, rad/s.
+        omega_out: Output speed, rad/s.
         is_stable: True if a small change of the output speed decays.
     """
 
@@ -316,23 +380,23 @@ class OperatingPoint(NamedTuple):
         return f"{self.omega_out:.6g} rad/s ({'stable' if self.is_stable else 'unstable'})"
 
 
-# speed ratios at which balances are looked for
+# grid of speed ratios for the search of operating points
 RATIOS = np.linspace(1e-3, 1.0 - 1e-6, 500)
 
 
 def operating_points(system: Any, omega1: float, load_torque: float) -> list[OperatingPoint]:
-    """Find all output speeds below lock-up at which an averaged_system carries a load.
+    """Find all output speeds below lock-up at which the mean torque of an averaged_system balances a load.
 
-    Sign changes of the acceleration over the speed ratio, refined by Brent's method. A balance is stable if
-    the acceleration falls with the speed (Lyapunov's indirect method).
+    Brent's method refines each sign change of the acceleration on a grid of speed ratios. An operating point
+    is stable if the acceleration decreases with the speed (Lyapunov's indirect method).
 
     Args:
-        system: of averaged_system.
-        omega1: rad/s, above 0.
-        load_torque: N.m.
+        system: System of averaged_system.
+        omega1: Speed of link 1, rad/s, above 0.
+        load_torque: Load torque, N.m.
 
     Returns:
-        Balances by rising speed; without any, an empty list.
+        Operating points in order of speed; empty if there are none.
     """
 
     def acceleration(omega_out: float) -> float:
@@ -357,31 +421,33 @@ def _acceleration(system: Any, omega1: float, load_torque: float, omega_out: flo
 
 
 def carried_range(system: Any, omega1: float) -> tuple[float, float]:
-    """Return the smallest and the largest load, N.m, that an averaged_system carries below lock-up.
+    """Return the minimum and maximum load, N.m, with an operating point of an averaged_system below lock-up.
 
     Args:
-        system: of averaged_system.
-        omega1: rad/s, above 0.
+        system: System of averaged_system.
+        omega1: Speed of link 1, rad/s, above 0.
     """
     loads = []
     for speed in omega1 * RATIOS:
-        # the acceleration is linear in the load
-        without, loaded = (_acceleration(system, omega1, load, speed) for load in (0.0, 1.0))
-        loads.append(without / (without - loaded))
+        # The acceleration is linear in the load.
+        unloaded, loaded = (_acceleration(system, omega1, load, speed) for load in (0.0, 1.0))
+        loads.append(unloaded / (unloaded - loaded))
     return min(loads), max(loads)
 
 
 def operating_point(system: Any, omega1: float, load_torque: float, guess: float | None = None) -> float:
-    """Find the stable output speed, rad/s, at which an averaged_system carries a load.
+    """Find the stable output speed, rad/s, at which an averaged_system balances a load.
 
     Args:
-        system: of averaged_system.
-        omega1: rad/s, above 0.
-        load_torque: N.m.
-        guess: rad/s; the balance next to it is returned, stable or not.
+        system: System of averaged_system.
+        omega1: Speed of link 1, rad/s, above 0.
+        load_torque: Load torque, N.m.
+        guess: Output speed, rad/s, to select the closest operating point, stable or not; None for the only
+            stable one.
 
     Raises:
-        ValueError: there is no balance below lock-up, or without a guess not exactly one that is stable.
+        ValueError: There is no operating point below lock-up, or there is no guess and not exactly one stable
+            operating point.
     """
     points = operating_points(system, omega1, load_torque)
     if not points:
@@ -411,67 +477,76 @@ def averaged_response(
     guess: float | None = None,
     transient: TransientInertia = QUASI_STEADY,
 ) -> SmallSignal:
-    """Compute the response of the linearised averaged module, with the means of the operating point.
+    """Compute the frequency response of the linearised averaged module.
 
-    Torques include their part in omega1'.
+    Torques include the contribution of the acceleration omega1'.
 
     Args:
-        parameters: of the module, as numbers. omega1, load_torque: operating point, rad/s and N.m.
-        excited: "omega1" or "load_torque". frequencies: Hz, shape (n,).
-        outputs: omega_out, input_torque_mean, output_torque_mean.
-        guess: see operating_point. transient: see averaged_system.
+        parameters: Parameters of the module, SI, by name.
+        omega1: Speed of link 1 at the operating point, rad/s.
+        load_torque: Load torque at the operating point, N.m.
+        excited: Input with the sine, "omega1" or "load_torque".
+        frequencies: Frequencies, Hz, shape (n,).
+        outputs: Names among omega_out, input_torque_mean, output_torque_mean.
+        guess: Output speed near the operating point, rad/s, as in operating_point.
+        transient: Transient inertias, as in averaged_system.
 
     Raises:
-        ValueError: there is no operating point below lock-up, or excited is no input.
+        ValueError: There is no operating point below lock-up, or excited is no input.
     """
     if excited not in INPUTS:
         raise ValueError(must_be("excited", " or ".join(INPUTS), repr(excited)))
     names = as_names(outputs)
-    own = [MEANS.get(name, name) for name in names]
-    system = averaged_system(parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own, transient=transient)
+    own_outputs = [MEANS.get(name, name) for name in names]
+    system = averaged_system(
+        parameters, inputs=(*INPUTS, INPUT_RATE), outputs=own_outputs, transient=transient
+    )
     state = [operating_point(system, omega1, load_torque, guess)]
     inputs = [omega1, load_torque, 0.0]
     linear = ct.linearize(system, state, inputs)
-    wanted = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    values = linear(2j * math.pi * wanted, squeeze=False)
+    values_hz = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    values = linear(2j * math.pi * values_hz, squeeze=False)
     response = values[:, INPUTS.index(excited), :]
     if excited == SPEED:
-        response = response + 2j * math.pi * wanted * values[:, len(INPUTS), :]
+        response = response + 2j * math.pi * values_hz * values[:, len(INPUTS), :]
     mean = np.asarray(system.output(0.0, state, inputs), dtype=float)
-    return SmallSignal(wanted, np.asarray(response, dtype=complex), names, mean)
+    return SmallSignal(values_hz, np.asarray(response, dtype=complex), names, mean)
 
 
-# --- how the mean output torque answers to accelerations ---
+# --- contribution of accelerations to the mean output torque ---
 
 
 def transient_inertia(
     parameters: Mapping[str, float], omega1: float, omega_out: float, kernel: str = "auto"
 ) -> TransientInertia:
-    """Find the two inertias of the mean output torque at an operating point, kg m2.
+    """Measure the two transient inertias of the mean output torque at an operating point.
 
-    The map of fidelity averaged holds for steady speeds; to first order in the accelerations the mean torque
-    is
+    The map of fidelity averaged is valid at steady speeds. To first order in the accelerations the mean
+    torque is
 
         T = omega1^2 F(sigma) + m1(sigma) omega1' - m3(sigma) omega_out'
 
-    with two inertias that depend on the speed ratio alone. The rigid module in memory is run with an output
-    so heavy that its speed is prescribed, once with a sine on omega1 and once with a sine of omega_out; the
-    part of the torque in quadrature gives m1 and m3.
+    with two inertias that depend only on the speed ratio sigma. The rigid module in memory runs with an
+    output inertia so large that its speed is prescribed, once with a sine on omega1 and once with a sine on
+    omega_out. The component of the torque in quadrature yields m1 and m3.
 
     Args:
-        parameters: of the module, as numbers. omega1, omega_out: rad/s, 0 < omega_out < omega1.
-        kernel: as in Module.
+        parameters: Parameters of the module, SI, by name.
+        omega1: Speed of link 1, rad/s.
+        omega_out: Output speed, rad/s, above 0 and below omega1.
+        kernel: Kernel, as in Module.
 
     Raises:
-        Refused: the parameters cannot be. ValueError: speeds out of range, or no pulses there.
+        Refused: The parameters are invalid.
+        ValueError: A speed is out of range, or there are no torque pulses at these speeds.
     """
     if not 0.0 < omega_out < omega1:
         raise ValueError(must_be("omega_out", f"above 0 and below omega1 = {omega1:g} rad/s", omega_out))
     averaged = averaged_system(parameters, outputs=("output_torque",), kernel=kernel)
     point = {SPEED: omega1, LOAD: float(averaged.output(0.0, [omega_out], [omega1, 0.0])[0])}
-    # that no torque moves, kg m^2
-    heavy = 1e7
-    prescribed = {"fidelity": float(codes.RIGID), "output_inertia": heavy, "tolerance": 1e-8}
+    # output inertia, kg.m2, that no torque accelerates noticeably
+    large_inertia = 1e4
+    prescribed = {"fidelity": float(codes.RIGID), "output_inertia": large_inertia, "tolerance": 1e-8}
     gains = []
     for excited in (SPEED, LOAD):
         module = Module(kernel).start(**{**parameters, **prescribed, "omega_out_start": omega_out}, **point)
@@ -481,13 +556,15 @@ def transient_inertia(
         rate = bench.settle(80.0 * cycle)
         if rate == 0.0:
             raise ValueError(f"no pulses at omega_out = {omega_out:g} rad/s and omega1 = {omega1:g} rad/s")
-        frequency, swing = 0.05 * rate, 0.005 * omega1
-        turn = 2.0 * math.pi * frequency
-        amplitude = swing if excited == SPEED else swing * turn * heavy
-        # beats of the pulses have to be separated from the sine
+        frequency, speed_amplitude = 0.05 * rate, 0.005 * omega1
+        angular_frequency = 2.0 * math.pi * frequency
+        amplitude = (
+            speed_amplitude if excited == SPEED else speed_amplitude * angular_frequency * large_inertia
+        )
+        # The record is long enough to separate beats of the pulses from the sine.
         settling, record = 40.0 / rate, 600.0 / rate
-        found, _ = bench.response(excited, amplitude, frequency, settling, record)
-        # torque per acceleration of the speed that swings
-        gain = found[1] if excited == SPEED else found[1] / found[0]
-        gains.append(float(gain.imag / turn))
+        response, _ = bench.response(excited, amplitude, frequency, settling, record)
+        # torque per acceleration of the oscillating speed
+        gain = response[1] if excited == SPEED else response[1] / response[0]
+        gains.append(float(gain.imag / angular_frequency))
     return TransientInertia(gains[0], -gains[1])

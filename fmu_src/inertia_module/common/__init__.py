@@ -1,1 +1,1 @@
-"""Common to every floor: errors, files, quantities with units, the terminal."""
+"""Modules that all layers use: errors, files, quantities with units, the terminal."""

@@ -1,6 +1,6 @@
-"""Look of all pictures: colours, and figures that a notebook shows by themselves.
+"""Style of all figures: the colours, and a figure that a notebook displays without a call.
 
-The colours are those that the colour-blind tell apart: Okabe and Ito (2008), Color Universal Design.
+Colour-blind people can distinguish the colours: Okabe and Ito (2008), Color Universal Design.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 
 
 class Picture(Figure):
-    """A matplotlib Figure that is its PNG in a notebook."""
+    """A matplotlib Figure that a notebook displays as PNG."""
 
     def _repr_png_(self) -> bytes:
         return picture_of(self, ".png")

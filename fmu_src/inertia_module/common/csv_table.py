@@ -1,7 +1,7 @@
 """CSV files from rigs, loggers and spreadsheets: columns of numbers by name, with units and file lines.
 
-Only the columns that are asked for must be numbers. Lines above the headings, comments and a row of units are
-understood. Nothing that could be read in two ways is guessed.
+Only the requested columns must contain numbers. A file may have lines above the headings, comments and a row
+of units. A number with two possible meanings is an error.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from .files import MAX_TEXT_SIZE, read_file
 from .units import parse_unit
 from .written_numbers import Reading, booleans, readings
 
-# of columns, the most common one last
+# separators of columns, the most common one last
 SEPARATORS = ";\t,"
-# the headings are among so many rows
+# number of rows that are searched for the headings
 HEADING_ROWS = 1000
-# rows that are moved to the columns together: fewer than the garbage collector waits for
+# number of rows that are moved to the columns together: too few to start the garbage collector
 BLOCK = 100
 COMMENTS = ("#", "%", "//")
-# name and, in brackets, unit of a column
+# heading of a column: its name and, in brackets, its unit
 _HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$", re.DOTALL)
-# first line by which a spreadsheet states the separator
+# first line in which a spreadsheet states the separator
 _SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*\n')
 
 
 class TableError(Refused):
-    """Error of a table: the message names the column and what is allowed."""
+    """Error of a table: the message contains the column and the allowed values."""
 
 
 def _text_of(path: Path | str) -> str:
@@ -88,20 +88,19 @@ def _is_comment(row: list[str]) -> bool:
 
 
 class CsvTable:
-    """Columns of a CSV file, which become numbers when they are asked for.
+    """Columns of a CSV file, which become numbers on request.
 
-    Commas, semicolons or tabs separate the columns, or the sign that a first line such as sep=; names. The
-    headings are the longest of the first rows that has all keys. Rows that begin with #, % or // are
-    comments.
+    Commas, semicolons, tabs, or the sign in a first line such as sep=; separate the columns. The headings are
+    the longest of the first rows that contains all keys. Rows that begin with #, % or // are comments.
 
     Args:
-        path: file.
-        keys: names of columns that the file must have; without keys the first row has the headings.
+        path: path of the file.
+        keys: names of columns that the file must have; without keys the first row contains the headings.
 
     Attributes:
-        path: file, for messages.
-        names: of the columns, in their order.
-        units: as written, by name, of the columns that have a unit.
+        path: path of the file, for messages.
+        names: names of the columns in the order of the file.
+        units: units by name, as written, for the columns that have a unit.
         lines: file line of each row, shape (rows,).
 
     Raises:
@@ -130,7 +129,7 @@ class CsvTable:
     # --- rows ---
 
     def _find_headings(self, text: str, keys: Sequence[str]) -> tuple[str, int, list[tuple[str, str]]]:
-        """Return separator, file line, and names with units of the first row that has most of the keys."""
+        """Return separator, file line, and names with units of the first row with the most keys."""
         stated = _SEPARATOR_LINE.match(text)
         ranked = []
         for separator in stated[1] if stated else SEPARATORS:
@@ -143,7 +142,7 @@ class CsvTable:
                 headings = [_name_and_unit(cell) for cell in row]
                 number = len({name for name, _ in headings}.intersection(keys))
                 rank = (number, len(row) if number else 0, -line, len(row))
-                # NumPy writes its headings as a comment
+                # a comment with keys contains the headings: NumPy writes such files
                 if not (stated and line == 1) and (number or not is_comment):
                     ranked.append((rank, separator, line, headings))
         if not ranked:
@@ -160,7 +159,7 @@ class CsvTable:
         """Yield the rows below a line with their file lines, without comments, as long as the headings."""
         reader, width = _reader(text, self._separator), len(self._headings)
         for row in reader:
-            # most rows have the right length and begin with a digit
+            # nearly all rows have the right length and begin with a digit: they skip the slow checks
             if len(row) != width or not row[0][:1].isdigit():
                 if _is_blank(row) or _is_comment(row) or reader.line_num <= line:
                     continue
@@ -173,7 +172,7 @@ class CsvTable:
         lines: list[int] = []
         columns: list[list[str]] = [[] for _ in self._headings]
         body = self._body(text, line)
-        # in blocks, because the garbage collector would pass over all rows again and again
+        # the rows are read in blocks, because the garbage collector would visit all of them repeatedly
         while block := list(islice(body, BLOCK)):
             numbers, rows = zip(*block, strict=True)
             lines += numbers
@@ -182,7 +181,7 @@ class CsvTable:
         return lines, columns
 
     def _fit(self, line: int, row: list[str]) -> None:
-        """Make a row as long as the headings; cells without a heading must be empty."""
+        """Cut or extend a row to the length of the headings; cells without a heading must be empty."""
         width = len(self._headings)
         if any(cell.strip() for cell in row[width:]):
             demand = must_be("the number of cells", f"{width}, as in the headings", f"{len(row)}")
@@ -202,7 +201,11 @@ class CsvTable:
                 raise TableError(f"{self.path} line {line}: {demand}")
 
     def place(self, row: int) -> str:
-        """Return the file and the line of a row, for messages."""
+        """Return the file and the line of a row, for messages.
+
+        Args:
+            row: index of the row.
+        """
         return f"{self.path} line {self.lines[row]}"
 
     # --- numbers ---
@@ -224,11 +227,11 @@ class CsvTable:
         """Return the numbers of a column, shape (rows,), in the unit of the file.
 
         Args:
-            name: of the column.
+            name: name of the column.
 
         Raises:
-            TableError: there is no such column, a cell is not a number, or it can be read in two ways. The
-                message has the line.
+            TableError: there is no such column, a cell is not a number, or it has two meanings. The message
+                contains the line.
         """
         cells = self._column(name)
         every = self._readings(cells)
@@ -241,7 +244,14 @@ class CsvTable:
         return values
 
     def points(self, name: str) -> NDArray[np.float64]:
-        """Return the numbers of a column that must not fall from row to row; all else as of numbers."""
+        """Return the numbers of a column that must not decrease, shape (rows,), in the unit of the file.
+
+        Args:
+            name: name of the column.
+
+        Raises:
+            TableError: a number decreases, or numbers() raises.
+        """
         values = self.numbers(name)
         falling = np.flatnonzero(np.diff(values) < 0.0)
         if falling.size:
@@ -254,8 +264,9 @@ class CsvTable:
     def _decide(self, name: str, cells: Sequence[str], possible: Sequence[Reading]) -> Reading:
         """Choose between decimals and groups for a column such as 1.200.
 
-        The other columns decide, if the column has the form that they ask for. A column with a sign in each
-        number has the form of three decimals; a column such as 900, 1.200 has the form of groups.
+        The decimal sign of the other columns decides, if this column has the matching form. A column with
+        a sign in each number has the form of three decimals. A column such as 900, 1.200 has the form of
+        groups.
         """
         plain, grouped = sorted(possible, key=lambda reading: reading.group)
         is_mixed = any(plain.decimal not in cell for cell in cells)
@@ -270,10 +281,10 @@ class CsvTable:
         raise TableError(f"{self.place(row)}: {demand}. Write {values}.")
 
     def _decimal_sign(self, name: str) -> str:
-        """Return the decimal sign of a column; "" if it has none, has two meanings, or is not numbers."""
+        """Return the decimal sign of a column; "" without a sign, with two meanings, or without numbers."""
         if name not in self._decimal_signs:
             cells = self._column(name) if self._headings.count(name) == 1 else []
-            # sensors that are read seldom leave cells empty
+            # slow sensors leave cells empty
             cells = [cell for cell in cells if cell.strip()]
             every = self._readings(cells) if any("." in cell or "," in cell for cell in cells) else []
             signs = [reading.decimal for reading in every if reading.is_complete]

@@ -10,21 +10,30 @@ from typing import Any
 import numpy as np
 
 
-def is_equal(one: Any, other: Any) -> bool:
-    """Return True if two values have equal content; NaN equals NaN."""
-    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
-        return np.array_equal(one, other, equal_nan=True)
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(is_equal(value, other[key]) for key, value in one.items())
-    if isinstance(one, list | tuple) and type(one) is type(other):
-        return len(one) == len(other) and all(map(is_equal, one, other))
-    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+def is_equal(first: Any, second: Any) -> bool:
+    """Return True if two values have equal content; NaN equals NaN.
+
+    Args:
+        first: a value of any type.
+        second: a value of any type.
+    """
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        return np.array_equal(first, second, equal_nan=True)
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return first.keys() == second.keys() and all(is_equal(first[key], second[key]) for key in first)
+    if isinstance(first, list | tuple) and type(first) is type(second):
+        return len(first) == len(second) and all(map(is_equal, first, second))
+    if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
         return False
-    return bool(one == other) or (_is_nan(one) and _is_nan(other))
+    return bool(first == second) or (_is_nan(first) and _is_nan(second))
 
 
 def hash_of(value: Any) -> int:
-    """Return a hash that is the same for all values that is_equal finds equal."""
+    """Return the hash of a value by content: equal values (is_equal) have the same hash.
+
+    Args:
+        value: a value of any type.
+    """
     if isinstance(value, np.ndarray):
         return hash(value.shape)
     if isinstance(value, Mapping):
@@ -42,8 +51,8 @@ class ByContent:
     """Base of dataclasses (with eq=False) that are equal if all their fields have equal content."""
 
     def _content(self) -> dict[str, Any]:
-        """Values of the fields by name, without the cached properties."""
-        return {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}  # type: ignore[arg-type]
+        """Return the values of the fields by name, without the cached properties."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, type(self)) and is_equal(self._content(), other._content())

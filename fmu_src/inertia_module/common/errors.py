@@ -1,7 +1,7 @@
 """The errors of the package and their messages.
 
 Forms: "NAME must be ALLOWED (got VALUE)", "unknown KIND 'NAME'; did you mean 'OTHER'?" and
-"cannot read FILE: REASON". A remedy follows as a sentence of its own.
+"cannot read FILE: REASON". A remedy follows in a separate sentence.
 """
 
 from __future__ import annotations
@@ -22,7 +22,11 @@ class Refused(ValueError):
 
 
 def sentence_of(error: BaseException) -> str:
-    """Return the message of an error in one line; of an error of the system with the name of its file."""
+    """Return the message of an error in one line; a system error includes the name of its file.
+
+    Args:
+        error: the error.
+    """
     text = str(error)
     if isinstance(error, OSError) and error.strerror:
         text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
@@ -32,43 +36,57 @@ def sentence_of(error: BaseException) -> str:
 
 
 def must_be(name: str, allowed: str, value: float | str) -> str:
-    """Return the message for a bad value or its text: "tolerance must be between 0 and 1 (got 7)"."""
+    """Return the message for an invalid value: "tolerance must be between 0 and 1 (got 7)".
+
+    Args:
+        name: name of the value.
+        allowed: allowed values, as they follow "must be".
+        value: the invalid number, or its text.
+    """
     return f"{name} must be {allowed} (got {value if isinstance(value, str) else format(value, '.16g')})"
 
 
 def listed(names: Iterable[str]) -> str:
-    """Return the first names, and the number of the others."""
+    """Return a text with the first LISTED names and the number of the others.
+
+    Args:
+        names: all names.
+    """
     every = list(names)
     more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
     return f"{', '.join(every[:LISTED])}{more}"
 
 
 def alternatives(words: Sequence[str]) -> str:
-    """Return words as alternatives: "a", "a or b", "a, b or c"."""
+    """Return a text with words as alternatives: "a", "a or b", "a, b or c".
+
+    Args:
+        words: at least one word.
+    """
     *others, last = words
     return " or ".join([", ".join(others), last] if others else [last])
 
 
 def _nearest(name: Any, names: Sequence[str]) -> list[str]:
-    """Return up to three names that contain a name, or else the one name that is similar to it."""
+    """Return up to three names that contain a name; otherwise the name that is similar to it."""
     text = str(name).lower()
     longer = sorted((other for other in names if text in other.lower()), key=len)[:3] if text else []
     return longer or difflib.get_close_matches(text, names, n=1)
 
 
 def hint(name: Any, names: Iterable[str]) -> str:
-    """Return the similar names for the end of a message: "; did you mean 'omega1'?"; "" if none is similar.
+    """Return the end of a message with similar names: "; did you mean 'omega1'?"; "" if none is similar.
 
     Args:
         name: the unknown name.
         names: valid names.
     """
-    near = _nearest(name, list(dict.fromkeys(names)))
-    return f"; did you mean {alternatives([repr(other) for other in near])}?" if near else ""
+    similar = _nearest(name, list(dict.fromkeys(names)))
+    return f"; did you mean {alternatives([repr(other) for other in similar])}?" if similar else ""
 
 
 def suggestion(name: Any, names: Iterable[str]) -> str:
-    """Return the similar names for the end of a message, or else the first names: "; available: a, b".
+    """Return the end of a message with similar names, otherwise with the first names: "; available: a, b".
 
     Args:
         name: the unknown name.
@@ -93,8 +111,8 @@ def cannot_read(path: Path | str, reason: BaseException | str) -> str:
     """Return the message for a file that cannot be read: "cannot read a.toml: no such file or directory".
 
     Args:
-        path: of the file.
-        reason: noun phrase or clause, or the error; of an error of the system only its text is used.
+        path: path of the file.
+        reason: noun phrase, clause or error; from a system error only its text is used.
     """
     text = (isinstance(reason, OSError) and reason.strerror) or " ".join(str(reason).split())
     is_word = text[1:2].islower()
@@ -108,12 +126,16 @@ class UnknownName(Refused, KeyError):
 
 
 class Named(dict[str, Value]):
-    """Values by name; the error for a missing name suggests others, or has the reason.
+    """Values by name; the error for a missing name suggests other names, or contains the reason.
 
     Args:
-        values: by name.
+        values: values by name.
         kind: noun for the names, such as "metric".
-        missing: reasons by name of values that some runs have.
+        missing: reasons by name, for values that exist in some runs only.
+
+    Attributes:
+        kind: noun for the names.
+        missing: reasons by name.
     """
 
     def __init__(
@@ -128,4 +150,4 @@ class Named(dict[str, Value]):
 
 
 class FmuError(Refused):
-    """The FMU cannot be loaded, or rejects parameters, inputs or a step: its own message."""
+    """The FMU cannot be loaded, or rejects parameters, inputs or a step; with the message of the FMU."""

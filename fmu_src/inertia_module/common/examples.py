@@ -1,4 +1,4 @@
-"""The examples that come along with the package, by name: scenes, specifications of designs, the tutorial."""
+"""The examples in the package by name: scenes, design specifications, the tutorial."""
 
 from __future__ import annotations
 
@@ -9,37 +9,48 @@ from pathlib import Path
 from .errors import Refused, unknown
 from .files import PACKAGE_FOLDER
 
-# in a wheel they are in the package, in a clone beside it
+# folder of the examples: in a wheel within the package, in a clone next to it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
 KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "studies/*.py")
-# parts of another example
+# files that belong to another example
 PARTS = ("speed_control_margins.py", "speed_control_report.py")
 
 
 @cache
 def examples() -> dict[str, Path]:
-    """The files of the examples, those of the papers too, by name; with its ending where one is taken."""
+    """Return the files of all examples by name; a file whose stem is in use has its ending in its name."""
     folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     for path in [] if folder is None else (path for kind in KINDS for path in sorted(folder.glob(kind))):
         if path.name not in PARTS:
-            found[path.name if path.stem in found else path.stem] = path
-    return dict(sorted(found.items()))
+            paths[path.name if path.stem in paths else path.stem] = path
+    return dict(sorted(paths.items()))
 
 
 def example(name: str) -> Path:
-    """The file of an example by its name, such as "planar" or "tutorial", or by that of its file."""
-    files = {path.name: path for path in examples().values()}
-    found = examples().get(name) or files.get(name)
-    if found is None:
+    """Return the path of an example file.
+
+    Args:
+        name: name of the example, such as "planar" or "tutorial", or name of its file.
+
+    Raises:
+        Refused: there is no such example.
+    """
+    files = {file.name: file for file in examples().values()}
+    path = examples().get(name) or files.get(name)
+    if path is None:
         raise Refused(unknown("example", name, examples()))
-    return found
+    return path
 
 
 def belonging(source: Path) -> list[Path]:
-    """Files that an example needs: a measurement of its name, the programs beside it that it imports."""
-    found = [source.with_suffix(".csv")]
+    """Return the files that an example needs: the measurement of the same name, and imported programs.
+
+    Args:
+        source: path of the example; all its files are in the same folder.
+    """
+    paths = [source.with_suffix(".csv")]
     if source.suffix == ".py":
         names = re.findall(r"^ *from (\w+) import", source.read_text(encoding="utf-8"), re.MULTILINE)
-        found += [source.with_name(f"{name}.py") for name in names]
-    return [path for path in found if path.is_file()]
+        paths += [source.with_name(f"{name}.py") for name in names]
+    return [path for path in paths if path.is_file()]

@@ -1,4 +1,4 @@
-"""Libraries of the extras: imported late, so that the package runs without them."""
+"""Libraries of the extras: imported on demand, so that the package runs without them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,20 @@ from typing import Any
 
 
 class NotInstalled(RuntimeError):
-    """A library of an extra is not installed: which one, and how to get it."""
+    """A library of an extra is not installed; the message contains its name and the command to install it."""
 
 
 def library(module: str, extra: str, name: str = "") -> Any:
-    """A module of an extra, or NotInstalled; name: what to install, if it is not called like the module."""
+    """Import a module of an extra.
+
+    Args:
+        module: name of the module.
+        extra: name of the extra.
+        name: name of the package to install, or "" if it follows from the name of the module.
+
+    Raises:
+        NotInstalled: the module is not installed.
+    """
     try:
         return importlib.import_module(module)
     except ImportError as error:

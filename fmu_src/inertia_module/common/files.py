@@ -1,4 +1,4 @@
-"""Files that are either whole or not there, a hash of them, and the folder where results are kept."""
+"""Files: written atomically, hashed by content, and stored in the cache folder."""
 
 from __future__ import annotations
 
@@ -14,21 +14,25 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE_FOLDER = Path(__file__).parent.parent
-# of the working directory: where FMUs are built, and where results go
+# folders within the working directory for built FMUs and for results
 BUILD_FOLDER = Path("build")
 OUTPUT_FOLDER = Path("out")
-# largest text file that is read, bytes: of a table about 10 million numbers
+# maximum size of a text file, bytes: a table of about 10 million numbers
 MAX_TEXT_SIZE = 100_000_000
 
 
 def ready_made(name: str) -> Path | None:
-    """A file that was built for the wheel; None in a clone, which builds its own."""
+    """Return the path of a file that was built for the wheel; None in a clone, which builds the file itself.
+
+    Args:
+        name: name of the file.
+    """
     path = PACKAGE_FOLDER / "ready" / name
     return path if path.is_file() else None
 
 
 def cache_folder() -> Path:
-    """Folder of the compiled kernels; the environment variable INERTIA_MODULE_CACHE overrides it."""
+    """Return the cache folder; the environment variable INERTIA_MODULE_CACHE overrides the default."""
     chosen = os.environ.get("INERTIA_MODULE_CACHE")
     if chosen:
         return Path(chosen)
@@ -36,23 +40,34 @@ def cache_folder() -> Path:
         return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "inertia-module"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "inertia-module"
-    # an empty one counts as none
+    # an empty variable means the same as an undefined one
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "inertia-module"
 
 
 def sources(*patterns: str) -> dict[str, bytes]:
-    """Files of this package by path within it; `*` in a pattern stands for any name, each finds a file."""
-    found: dict[str, bytes] = {}
+    """Return the contents of files of this package by path within the package.
+
+    Args:
+        patterns: glob patterns; each must match a file.
+
+    Raises:
+        FileNotFoundError: a pattern matches no file.
+    """
+    contents: dict[str, bytes] = {}
     for pattern in patterns:
         paths = [path for path in PACKAGE_FOLDER.glob(pattern) if path.is_file()]
         if not paths:
             raise FileNotFoundError(f"missing file of the package: {pattern}")
-        found |= {path.relative_to(PACKAGE_FOLDER).as_posix(): path.read_bytes() for path in paths}
-    return found
+        contents |= {path.relative_to(PACKAGE_FOLDER).as_posix(): path.read_bytes() for path in paths}
+    return contents
 
 
 def content_hash(files: Mapping[str, bytes]) -> str:
-    """Hash over names and contents, 32 hexadecimal digits."""
+    """Return a hash of names and contents, 32 hexadecimal digits.
+
+    Args:
+        files: contents by name.
+    """
     digest = hashlib.sha256()
     for name, content in sorted(files.items()):
         digest.update(name.encode() + b"\0" + len(content).to_bytes(8, "little") + content)
@@ -60,15 +75,22 @@ def content_hash(files: Mapping[str, bytes]) -> str:
 
 
 def writable_folder(folder: Path) -> Path:
-    """Return the folder if files can be written to it or it can be created; raise OSError otherwise."""
+    """Return the folder if files can be written to it or it can be created; raise OSError otherwise.
+
+    Args:
+        folder: path of the folder.
+
+    Raises:
+        OSError: the folder cannot be created or written.
+    """
     failure = f"cannot write to {folder}"
     try:
-        # a link to nothing is there too
-        there = (one for one in (folder, *folder.absolute().parents) if one.exists() or one.is_symlink())
-        place = next(there)
-        if not place.is_dir():
-            raise OSError(f"{failure}: {place} is not a folder")
-        with tempfile.TemporaryFile(dir=place):
+        parents = (folder, *folder.absolute().parents)
+        # a broken link counts as an existing path: it prevents the creation of the folder
+        existing = next(path for path in parents if path.exists() or path.is_symlink())
+        if not existing.is_dir():
+            raise OSError(f"{failure}: {existing} is not a folder")
+        with tempfile.TemporaryFile(dir=existing):
             pass
     except OSError as error:
         raise error if error.errno is None else OSError(f"{failure}: {error.strerror}") from error
@@ -79,11 +101,11 @@ def read_file(path: Path, limit: int) -> bytes:
     """Read a file of the user.
 
     Args:
-        path: the file.
-        limit: largest size, bytes.
+        path: path of the file.
+        limit: maximum size, bytes.
 
     Raises:
-        OSError: it cannot be read, is a device or a pipe, or is larger.
+        OSError: the file cannot be read, is a device or a pipe, or is larger.
     """
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise OSError(errno.EINVAL, "not a regular file (a device or a pipe)", str(path))
@@ -95,26 +117,45 @@ def read_file(path: Path, limit: int) -> bytes:
 
 
 def read_text(path: Path, limit: int = MAX_TEXT_SIZE) -> str:
-    """Read a text file of the user in UTF-8, with or without a byte-order mark; raises as read_file."""
+    """Read a text file of the user in UTF-8, with or without a byte-order mark.
+
+    Args:
+        path: path of the file.
+        limit: maximum size, bytes.
+
+    Raises:
+        OSError: the file cannot be read, is a device or a pipe, or is larger.
+    """
     return io.TextIOWrapper(io.BytesIO(read_file(path, limit)), "utf-8-sig").read()
 
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Put the path of a file into errors of the system: a full disk is reported without any."""
+    """Add the path of a file to system errors: the error of a full disk has no path.
+
+    Args:
+        path: path of the file.
+    """
     try:
         yield
     except OSError as error:
-        if error.errno is not None:  # otherwise the message has no place for a file
+        if error.errno is not None:  # without a number, Python does not print the path in the message
             error.filename, error.filename2 = str(path), None
         raise
 
 
 def write_atomically(path: Path, content: bytes) -> Path:
-    """Write a file so that it is either whole or not there, whoever else writes it.
+    """Write a file atomically: it is complete or missing, also if other processes write it.
+
+    Args:
+        path: path of the file; its folder is created if missing.
+        content: content of the file.
+
+    Returns:
+        The path.
 
     Raises:
-        OSError: it cannot be written; with its path.
+        OSError: the file cannot be written; the message contains the path.
     """
     writable_folder(path.parent).mkdir(parents=True, exist_ok=True)
     with naming(path):
@@ -131,14 +172,23 @@ def write_atomically(path: Path, content: bytes) -> Path:
 
 
 def write_text(path: Path, text: str) -> Path:
-    """Write a text file, whole or not at all."""
+    """Write a text file in UTF-8 atomically; return its path.
+
+    Args:
+        path: path of the file.
+        text: content of the file.
+    """
     return write_atomically(path, text.encode())
 
 
 def picture_of(figure: Any, ending: str) -> bytes:
-    """Draw a matplotlib Figure in the format of a file's ending.
+    """Draw a matplotlib Figure and return the image file.
 
-    The same figure gives the same bytes: no date, and names within an SVG that follow from what they name.
+    The same figure gives the same bytes: the file has no date, and names within an SVG are hashes.
+
+    Args:
+        figure: the matplotlib Figure.
+        ending: ending of a file name, which selects the format: ".png" or ".svg", for example.
     """
     from matplotlib import rc_context
 
@@ -149,22 +199,27 @@ def picture_of(figure: Any, ending: str) -> bytes:
 
 
 def write_figure(path: Path, figure: Any) -> Path:
-    """Write a matplotlib Figure in the format of the file's ending, whole or not at all."""
+    """Write a matplotlib Figure to a file atomically; return its path.
+
+    Args:
+        path: path of the file; its ending selects the format.
+        figure: the matplotlib Figure.
+    """
     return write_atomically(path, picture_of(figure, path.suffix))
 
 
 def kept_file(name: str, made_from: Mapping[str, bytes], folder: Path | None = None) -> Path | None:
-    """A whole file that kept has written for the same sources, or None.
+    """Return the path of an undamaged cache file for the same sources, or None.
 
     Args:
-        name: name of the file, with its ending.
-        made_from: all that the content depends on.
-        folder: where it is; None for the cache folder.
+        name: name of the file with its ending.
+        made_from: contents by name of everything that the file depends on.
+        folder: folder of the file; None for the cache folder.
     """
-    stem, ending = _kept_name(name, made_from)
+    stem, ending = _cache_name(name, made_from)
     for path in sorted((folder or cache_folder()).glob(f"{stem}-*.{ending}")):
         with contextlib.suppress(OSError):
-            if path.name == _checked_name(stem, ending, path.read_bytes()):
+            if path.name == _name_with_hash(stem, ending, path.read_bytes()):
                 return path
     return None
 
@@ -172,16 +227,17 @@ def kept_file(name: str, made_from: Mapping[str, bytes], folder: Path | None = N
 def kept(
     name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes], folder: Path | None = None
 ) -> Path:
-    """A file of the cache folder, made if no whole one is there, whoever else makes it.
+    """Return the path of a cache file; create it if there is no undamaged one.
 
-    Its name holds a hash of all that the content depends on and a hash of the content. So a file that is cut,
-    empty or of another program is not used, and made again.
+    The name of the file contains a hash of its sources and a hash of its content. Therefore a truncated,
+    empty or foreign file is not used, and the content is made again. Several processes may create the same
+    file.
 
     Args:
-        name: name of the file, with its ending.
-        made_from: all that the content depends on.
-        make: makes the content.
-        folder: where it is; None for the cache folder.
+        name: name of the file with its ending.
+        made_from: contents by name of everything that the file depends on.
+        make: function that returns the content.
+        folder: folder of the file; None for the cache folder.
 
     Raises:
         OSError: the folder cannot be written.
@@ -195,21 +251,21 @@ def kept(
     except OSError as error:
         raise OSError(f"{error}; INERTIA_MODULE_CACHE names another cache folder") from error
     content = make()
-    path = folder / _checked_name(*_kept_name(name, made_from), content)
+    path = folder / _name_with_hash(*_cache_name(name, made_from), content)
     try:
         return write_atomically(path, content)
-    except PermissionError:  # Windows, when another process has made it meanwhile and has it open
+    except PermissionError:  # Windows: another process has created the file in the meantime and has it open
         if kept_file(name, made_from, folder) != path:
             raise
         return path
 
 
-def _kept_name(name: str, made_from: Mapping[str, bytes]) -> tuple[str, str]:
-    """Stem, with a hash of all that a content depends on, and ending of the name of a file of the cache."""
+def _cache_name(name: str, made_from: Mapping[str, bytes]) -> tuple[str, str]:
+    """Return the stem of a cache file, with a hash of its sources, and its ending."""
     stem, _, ending = name.partition(".")
     return f"{stem}-{content_hash(made_from)[:16]}", ending
 
 
-def _checked_name(stem: str, ending: str, content: bytes) -> str:
-    """Name of a file of the cache with this content."""
+def _name_with_hash(stem: str, ending: str, content: bytes) -> str:
+    """Return the name of a cache file: its stem, a hash of its content, its ending."""
     return f"{stem}-{content_hash({stem: content})[:16]}.{ending}"

@@ -1,6 +1,6 @@
-"""The terminal: where all messages and tables are printed, character for character.
+"""The terminal: prints all messages and tables without interpreting markup.
 
-Its library is imported when something is printed: help needs none.
+The library Rich is imported at the first output: the help does not require it.
 """
 
 from __future__ import annotations
@@ -16,14 +16,18 @@ if TYPE_CHECKING:
     from rich import progress as rich_progress
     from rich.console import Console
 
-# is told the share of some work that is done, 0 to 1
+# function that receives the completed share of the work, 0 to 1
 Progress = Callable[[float], None]
-# work that takes longer than this, s, shows a bar
+# duration of the work after which a progress bar appears, s
 PATIENCE = 2.0
 
 
 def terminal(width: int | None = None) -> Console:
-    """A console that prints texts as they are: "[fast]" is no style, ":key:" no picture, 3 no number."""
+    """Return a console that prints texts unchanged: "[fast]" is not a style, ":key:" not an emoji.
+
+    Args:
+        width: width of the console, characters; None for the width of the terminal.
+    """
     from rich.console import Console
 
     class PlainConsole(Console):
@@ -35,7 +39,7 @@ def terminal(width: int | None = None) -> Console:
 
 
 def progress() -> rich_progress.Progress:
-    """A progress bar that shows titles as they are, and vanishes when it is done."""
+    """Return a progress bar that shows titles unchanged and disappears at its end."""
     from rich.progress import Progress, TextColumn
 
     _, *others = Progress.get_default_columns()
@@ -45,15 +49,22 @@ def progress() -> rich_progress.Progress:
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Progress]:
-    """A progress bar that appears once some work has taken more than PATIENCE seconds."""
+    """Show a progress bar after PATIENCE seconds of work.
+
+    Args:
+        title: title of the bar.
+
+    Yields:
+        Function that takes the completed share of the work, 0 to 1.
+    """
     started = time.monotonic()
     bar = progress()
     task = bar.add_task(title, total=1.0)
 
-    def report(done: float) -> None:
+    def report(share: float) -> None:
         if not bar.live.is_started and time.monotonic() - started > PATIENCE:
             bar.start()
-        bar.update(task, completed=done)
+        bar.update(task, completed=share)
 
     try:
         yield report

@@ -1,7 +1,7 @@
-"""Times of a table beside the times of the run that the table is for.
+"""Comparison of the times of an input table with the times of its run.
 
-Before its first row and after its last row a table is constant. That is right for a ramp and wrong for a log
-whose times are dates, have an offset, or are in another unit.
+A table is constant before its first row and after its last row. This is correct for a ramp. It is wrong for a
+log whose times are dates, have an offset, or are in another unit.
 """
 
 from __future__ import annotations
@@ -14,20 +14,24 @@ from numpy.typing import NDArray
 from .csv_table import TableError
 from .errors import must_be
 
-# rows from which on a table is a record and no drawing by hand
+# minimum number of rows of a recorded table; a shorter table is written by hand
 RECORD_ROWS = 20
-# share of the run in which a record may be constant
+# maximum share of the run in which a recorded table may be constant
 MAX_HELD_SHARE = 0.5
-# share of the changes of a table that a run must use at least
+# minimum share of the changes of a table that a run must use
 MIN_USED_SHARE = 0.01
-# s: later times are dates (1973 in seconds since 1970)
+# s; later times are dates (year 1973 in seconds since 1970)
 DATES = 1e8
 
 Array = NDArray[np.float64]
 
 
 def likely_cause(first: float) -> str:
-    """Return the remedy for times outside a run; first: time of the first row, s."""
+    """Return the remedy for times outside a run.
+
+    Args:
+        first: time of the first row, s.
+    """
     unit = "name their unit, such as ms, if they are not in s"
     if first > DATES:
         return f"they look like seconds since 1970; subtract the first time from all, or {unit}"
@@ -36,13 +40,13 @@ def likely_cause(first: float) -> str:
 
 
 def time_warnings(name: str, times: Array, columns: Iterable[Array], stop_time: float) -> list[str]:
-    """Return warnings of times that are probably not meant as times of the run.
+    """Return warnings about a table whose times probably have an offset or another unit.
 
     Args:
-        name: of the table, for messages.
-        times: s, shape (rows,), not falling.
+        name: name of the table, for messages.
+        times: times of the rows, s, shape (rows,), not decreasing.
         columns: values of the table, shape (rows,) each.
-        stop_time: end of the run, which begins at 0, s.
+        stop_time: end of the run, s; the run begins at 0.
 
     Raises:
         TableError: no time is within the run.
@@ -60,7 +64,7 @@ def time_warnings(name: str, times: Array, columns: Iterable[Array], stop_time: 
         return []
     begin, end = float(times[steps[0]]), float(times[steps[-1] + 1])
     used = min(end, stop_time) - max(begin, 0.0)
-    # a shorter run of a table whose changes come later is meant so
+    # a run that ends before the changes of the table is intended: it gets no warning
     if used < MIN_USED_SHARE * (end - begin) and stop_time < MIN_USED_SHARE * end:
         return [
             f"{name} changes from {begin:.12g} to {end:.12g} s, but the run, {ranges}, uses less than"

@@ -14,7 +14,7 @@ from .errors import hint, suggestion, unknown
 Dimension = dict[str, int]
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
-# a symbol or a unit in brackets, and its exponent
+# factor of a unit: a symbol or a unit in brackets, and its exponent
 _FACTOR = re.compile(r"(\(.*\)|[A-Za-z%‰°]+|1)(?:\^?(-?\d+))?$")
 
 BOOLEANS: Mapping[str, float] = {"false": 0.0, "true": 1.0}
@@ -26,7 +26,7 @@ _POWER = {"kg": 1, "m": 2, "s": -3}
 _POUND, _FOOT, _GRAVITY = 0.45359237, 0.3048, 9.80665
 _POUND_FORCE = _POUND * _GRAVITY
 
-# symbol: factor to SI, exponents of kg, m, s, rad
+# factor to SI and exponents of kg, m, s, rad for each symbol
 _SYMBOLS: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, {}),
     "%": (0.01, {}),
@@ -145,24 +145,24 @@ KINDS: dict[str, tuple[str, ...]] = {
     "power": ("W", "kW", "MW", "PS", "hp"),
 }
 
-# signs that are typed in several ways
+# variants of the signs in units
 _SIGNS = str.maketrans("·⋅∙•×*−µμº∕÷", "......-uu°//")
 _RAISED = str.maketrans("⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹", "-+0123456789")
-# revolutions a minute, alone or behind a bracket or a slash
+# revolutions per minute, alone or after a bracket or a slash
 _PER_MINUTE = re.compile(r"(?<![\w.^])(?:1?/min|min\^?-1)(?![\w^])")
 
 
 def _plain(text: str) -> str:
-    """A unit with "." for products, "-" for minus and digits for exponents."""
+    """Return a unit with "." for products, "-" for minus and digits for exponents."""
     raised = re.sub(r"[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda digits: f"^{digits[0].translate(_RAISED)}", text)
     typed = raised.strip().replace("**", "^").translate(_SIGNS)
-    # N-m, ft-lb
+    # a hyphen between letters is a product: N-m, ft-lb
     joined = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", ".", typed)
     return re.sub(r"[.\s]+", ".", re.sub(r"\s*([/()^])\s*", r"\1", joined))
 
 
 def _measure(part: str) -> tuple[float, Dimension, int]:
-    """Factor to SI, exponents of kg, m, s, rad, and the exponent of both, for one factor of a unit."""
+    """Return the factor to SI, the exponents of kg, m, s, rad, and the exponent of one factor of a unit."""
     product = _PRODUCTS.get(part.replace("^", ""))
     if product is not None:
         return (*parse_unit(product), 1)
@@ -175,14 +175,20 @@ def _measure(part: str) -> tuple[float, Dimension, int]:
 
 
 def parse_unit(text: str) -> tuple[float, Dimension]:
-    """Factor to SI and exponents of kg, m, s, rad of a unit such as N.m.s/rad, kg m², Nm/(rad/s) or km/h.
+    """Return the factor to SI and the exponents of kg, m, s, rad of a unit.
 
-    All that follows a slash divides, up to the end of the unit or of the brackets.
+    All factors after a slash divide, up to the end of the unit or of the brackets.
+
+    Args:
+        text: the unit, such as N.m.s/rad, kg m², Nm/(rad/s) or km/h.
+
+    Raises:
+        ValueError: the unit is unknown.
     """
     factor = 1.0
     dimension: Counter[str] = Counter()
     plain = _plain(text)
-    # a slash and a point within brackets belong to the unit in these
+    # a slash or a point within brackets belongs to the inner unit, so it does not split
     groups = re.split(r"/(?![^(]*\))", "1" if plain in ("", "-") else re.sub("^/", "1/", plain))
     for place, group in enumerate(groups):
         sign = 1 if place == 0 else -1
@@ -195,12 +201,16 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
 
 
 def has_mass(unit: str) -> bool:
-    """Return True if a quantity in a unit ("" for none) scales with mass, like an inertia or a torque."""
+    """Return True if a quantity scales with mass, as an inertia or a torque does.
+
+    Args:
+        unit: unit of the quantity, or "" for a pure number.
+    """
     return "kg" in parse_unit(unit or "1")[1]
 
 
 def _readings(unit: str) -> Iterator[str]:
-    """Yield a unit as it is written, then as engineers mean it: 1/min of a shaft, lb of a force."""
+    """Yield a unit as written, then as engineers use it: 1/min for a shaft speed, lb for a force."""
     plain = _plain(unit)
     yield plain
     if _PER_MINUTE.search(plain):
@@ -210,41 +220,55 @@ def _readings(unit: str) -> Iterator[str]:
 
 
 def units_like(unit: str) -> tuple[str, ...]:
-    """Return the units of the same kind; the unit alone for a kind that is not in the table."""
+    """Return the units of the same kind; the unit alone if its kind is not in KINDS.
+
+    Args:
+        unit: a unit.
+
+    Raises:
+        ValueError: the unit is unknown.
+    """
     dimension = parse_unit(unit)[1]
     alike = [units for units in KINDS.values() if parse_unit(units[0])[1] == dimension]
     return next((units for units in alike if unit in units), alike[0] if alike else (unit,))
 
 
 @lru_cache(256)
-def factor_between(unit: str, wanted: str) -> float:
-    """Return the factor from a unit to the unit wanted.
+def factor_between(unit: str, target: str) -> float:
+    """Return the factor that converts numbers from a unit to another unit.
 
-    A unit of another dimension is read as engineers mean it: 1/min is rpm for a rotational speed, lb.ft is
-    lbf.ft for a torque.
+    A unit with a different dimension is read as engineers use it: 1/min is rpm for a rotational speed, lb.ft
+    is lbf.ft for a torque.
 
     Args:
-        unit: as it is written.
-        wanted: unit of the quantity.
+        unit: unit as written.
+        target: unit of the result.
 
     Raises:
-        ValueError: a unit is unknown, or both have different dimensions.
+        ValueError: a unit is unknown, or the dimensions differ.
     """
-    if unit == wanted:
+    if unit == target:
         return 1.0
-    to, needed = parse_unit(wanted)
+    to, needed = parse_unit(target)
     try:
         for reading in _readings(unit):
             factor, dimension = parse_unit(reading)
             if dimension == needed:
                 return factor / to
     except ValueError as error:
-        raise ValueError(f"{error}{suggestion(unit, units_like(wanted))}") from None
-    raise ValueError(f"incompatible unit {unit!r}; available: {', '.join(units_like(wanted))}")
+        raise ValueError(f"{error}{suggestion(unit, units_like(target))}") from None
+    raise ValueError(f"incompatible unit {unit!r}; available: {', '.join(units_like(target))}")
 
 
 def split_quantity(text: str) -> tuple[float, str]:
-    """The number and the unit ("" if there is none) of a string such as '1000 rpm'; else a ValueError."""
+    """Return the number and the unit ("" if there is none) of a string such as '1000 rpm'.
+
+    Args:
+        text: the string.
+
+    Raises:
+        ValueError: the string is not a number with a unit.
+    """
     match = _NUMBER.match(text)
     if match is None:
         raise ValueError("not a number with a unit")
@@ -256,7 +280,14 @@ def split_quantity(text: str) -> tuple[float, str]:
 def allowed_number(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> str:
-    """The allowed range of a number in a unit, as it follows "must be"."""
+    """Return the allowed range of a number, as it follows "must be".
+
+    Args:
+        unit: unit of the number and of the limits.
+        minimum: minimum, or None.
+        maximum: maximum, or None.
+        above: exclusive lower limit, or None.
+    """
     limits = (("above", above), ("at least", minimum), ("at most", maximum))
     bounds = " and ".join(f"{bound} {limit:g}" for bound, limit in limits if limit is not None)
     number = f"a number {'of ' if bounds and above is None else ''}{bounds}".rstrip()
@@ -267,15 +298,15 @@ def allowed_number(
 
 
 def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = None) -> float:
-    """Return the number that a variable takes for a value. The range of the variable is not checked.
+    """Convert a value to the number of a variable; the range of the variable is not checked.
 
     Args:
         value: a number, a string with a unit of the same dimension, or the name of an item.
         unit: SI unit of the variable.
-        items: numbers by name of an enumeration or a Boolean.
+        items: numbers by name, for an enumeration or a Boolean.
 
     Raises:
-        ValueError: it is none of these, or not finite.
+        ValueError: the value has another type, or is not finite.
     """
     factor = 1.0
     if isinstance(value, str) and items is not None:
@@ -297,13 +328,13 @@ def number_of(value: Any, unit: str = "1", items: Mapping[str, float] | None = N
 
 
 def with_reason(message: str, error: ValueError, value: Any, items: Mapping[str, float] | None = None) -> str:
-    """Append the reason of number_of to a message; for an unknown item only the item that was meant.
+    """Append the reason of an error to a message; for an unknown item append only a suggestion.
 
     Args:
-        message: "NAME must be ALLOWED (got VALUE)", where ALLOWED has the items.
-        error: of number_of.
+        message: "NAME must be ALLOWED (got VALUE)", where ALLOWED contains the items.
+        error: error of number_of.
         value: the invalid value.
-        items: numbers by name of an enumeration or a Boolean.
+        items: numbers by name, for an enumeration or a Boolean.
     """
     if items is not None and isinstance(value, str):
         return f"{message}{hint(value, items)}"

@@ -1,4 +1,4 @@
-"""Numbers of a column as people and programs write them.
+"""Numbers of a column in the notations of people and programs.
 
 The decimal sign is a point or a comma. Groups of three digits may be separated by the other sign, a blank, an
 apostrophe or an underscore. A column has one decimal sign and one group sign.
@@ -17,18 +17,18 @@ from numpy.typing import NDArray
 
 from .units import BOOLEANS
 
-# signs between groups of digits that are never decimal signs
+# signs that separate groups of digits and are never decimal signs
 GROUP_SIGNS = " '_"
-# blanks that do not break a line, and apostrophes, as GROUP_SIGNS
+# replacements of non-breaking blanks, the apostrophe and the minus sign by ASCII characters
 _SAME = str.maketrans({"\u00a0": " ", "\u2009": " ", "\u202f": " ", "\u2019": "'", "\u2212": "-"})
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read a column.
+    """One interpretation of a column.
 
     Attributes:
-        cells: text of the column.
+        cells: texts of the column.
         decimal: decimal sign.
         group: sign between groups of three digits, or "".
     """
@@ -48,13 +48,13 @@ class Reading:
 
     @cached_property
     def failure(self) -> int:
-        """Index of the first cell that cannot be read in this way, -1 if all can."""
+        """Index of the first cell that is not a number in this interpretation, or -1."""
         if not self.group:
             with contextlib.suppress(ValueError):
                 finite = np.isfinite(self.values)
                 return -1 if finite.all() else int(np.argmin(finite))
         number = _number(self.decimal, self.group)
-        # at once, which is faster than cell by cell; no cell has a character 0
+        # one match for all cells is faster than a match for each; no cell contains the character 0
         if re.compile(f"{number}(?:\0{number})*+", re.ASCII).fullmatch("\0".join(self.cells)):
             return -1
         matches = re.compile(number, re.ASCII).fullmatch
@@ -62,12 +62,12 @@ class Reading:
 
     @property
     def is_complete(self) -> bool:
-        """Return True if all cells can be read in this way."""
+        """True if all cells are numbers in this interpretation."""
         return self.failure < 0
 
 
 def _number(decimal: str, group: str) -> str:
-    """Return a regular expression of a number with these signs; without a group sign it has no groups."""
+    """Return a regular expression for a number with these signs; group "" excludes groups of digits."""
     point, exponent, whole = re.escape(decimal), r"(?:[eE][+-]?\d++)?", r"\d++"
     if group:
         whole, exponent = rf"(?:[1-9]\d{{0,2}}(?:{re.escape(group)}\d{{3}})++|\d{{1,3}})", ""
@@ -90,14 +90,14 @@ def _signs(text: str, comma_separated: bool) -> list[tuple[str, str]]:
 
 
 def readings(cells: Sequence[str], comma_separated: bool = False) -> list[Reading]:
-    """Read a column in each way that its signs allow.
+    """Return all interpretations of a column that its signs allow.
 
     Args:
-        cells: text of the column.
-        comma_separated: whether commas separate the columns of the file, so that the decimal sign is a point.
+        cells: texts of the column.
+        comma_separated: True if commas separate the columns of the file; the decimal sign then is a point.
 
     Returns:
-        At least one reading; two complete ones if the column has two meanings.
+        At least one interpretation; two complete ones if the column has two meanings.
     """
     text = "\n".join(cells)
     if not text.isascii():
@@ -110,6 +110,10 @@ def readings(cells: Sequence[str], comma_separated: bool = False) -> list[Readin
 
 
 def booleans(cells: Sequence[str]) -> NDArray[np.float64] | None:
-    """Read a column of true and false as 1 and 0; None if it has anything else."""
+    """Return 1 and 0 for a column of true and false, shape (cells,); None if a cell is neither.
+
+    Args:
+        cells: texts of the column.
+    """
     words = [cell.strip().lower() for cell in cells]
     return np.array([BOOLEANS[word] for word in words]) if BOOLEANS.keys() >= set(words) else None

@@ -1,5 +1,5 @@
-"""From the kernel's Python to C and to machine code that can be called."""
+"""Translation of the kernel from Python to C, and compilation to machine code."""
 
 
 class CompilationUnavailable(RuntimeError):
-    """No compiled kernel is available, and none can be made; the message gives the reason."""
+    """No compiled kernel is available, and none can be compiled; the message contains the reason."""

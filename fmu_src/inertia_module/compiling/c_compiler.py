@@ -1,4 +1,4 @@
-"""Machine code of a kernel: objects and shared libraries for every platform, compiled from its C."""
+"""Machine code of a kernel: object files and shared libraries for every platform, compiled from C."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .translate import translate
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic")
 FLAGS = ("-std=c99", "-O2", "-g0", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
-# of zig: the functions that each evaluation of the equations of motion calls become part of their callers
+# flags of zig; the threshold inlines the functions that each evaluation of the equations of motion calls
 ZIG_FLAGS = ("-Werror", "-fno-sanitize=all", "-fno-ident", "-mllvm", "-inline-threshold=500")
-# a function whose arrays are written beyond their ends aborts; Windows brings no functions for that along
+# aborts a function that writes beyond the end of an array; Windows has no runtime functions for this flag
 STACK_PROTECTOR = "-fstack-protector-strong"
-# functions of Windows' own C runtime, part of Windows 10 and later, that the shell needs
+# required functions of the C runtime that is part of Windows 10 and later
 RUNTIME = (
     *("calloc", "free", "memchr", "memcmp", "memcpy", "memmove", "memset", "strchr", "strcmp", "strcpy"),
     *("strlen", "strncmp", "strncpy", "strstr", "strtol", "__stdio_common_vsprintf", "fmax", "fmin"),
@@ -31,12 +31,20 @@ RUNTIME = (
 
 @functools.cache
 def kernel_source(model: Model) -> bytes:
-    """Return the kernel of a model in C."""
+    """Return the kernel of a model in C.
+
+    Args:
+        model: model of the kernel.
+    """
     return translate(model).encode()
 
 
 def dependencies(model: Model) -> dict[str, bytes]:
-    """Return all that the machine code of a kernel depends on, besides the platform, by name."""
+    """Return contents by name that determine the machine code of a kernel, in addition to the platform.
+
+    Args:
+        model: model of the kernel.
+    """
     return (
         model.source
         | sources("compiling/*.py", "compiling/*.[ch]", "contract/records.py")
@@ -50,7 +58,7 @@ def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None
     Args:
         target: the platform.
         arguments: files, flags and the output.
-        folder: folder of the files.
+        folder: folder in which the compiler runs, with the files.
 
     Raises:
         CompilationUnavailable: the compiler fails, or cannot compile for this platform.
@@ -66,7 +74,12 @@ def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None
 
 
 def object_file(model: Model, target: Target) -> bytes:
-    """Return the object file of a kernel for a target, kept in the cache; only the entry is visible in it."""
+    """Return the object file of a kernel; the cache stores it.
+
+    Args:
+        model: model of the kernel; its entry is the only visible symbol.
+        target: the platform.
+    """
 
     def compiled() -> bytes:
         with tempfile.TemporaryDirectory() as name:
@@ -84,12 +97,12 @@ def object_file(model: Model, target: Target) -> bytes:
 
 
 def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
-    """Make in a folder what links with functions of a library of Windows; return the name of its file.
+    """Write the import library of a Windows DLL and return the name of its file.
 
     Args:
         target: the platform.
-        folder: the folder.
-        library: name of the library.
+        folder: folder of the import library.
+        library: name of the DLL.
         names: names of the functions.
     """
     stem = library.removesuffix(".dll")
@@ -100,20 +113,25 @@ def import_library(target: Target, folder: Path, library: str, names: Sequence[s
 
 
 def windows_headers() -> list[str]:
-    """Return the flags for the headers of Windows.
+    """Return the compiler flags for the headers of Windows.
 
-    Without them the compiler would first build the whole of its C library for Windows: some minutes.
+    Without these flags the compiler would first build its complete C library for Windows, for some minutes.
     """
     zig = Path(str(importlib.import_module("ziglang").__file__)).parent
     headers = zig / "lib" / "libc" / "include" / "any-windows-any"
-    # Windows has no sincos, which LLVM would make of sin and cos
+    # Windows has no sincos, but LLVM would replace sin and cos by it
     own = ("-nostdlib", "-mno-stack-arg-probe", "-fno-builtin-sin", "-fno-builtin-cos")
     return [*own, "-isystem", str(headers)]
 
 
 def windows_runtime(target: Target, folder: Path) -> str:
-    """Make the import library of the C runtime of Windows; return the name of its file."""
-    # of the mathematics those that the kernel names, and those of ** and %
+    """Write the import library of the C runtime of Windows and return the name of its file.
+
+    Args:
+        target: the platform.
+        folder: folder of the import library.
+    """
+    # the mathematical functions are those in the source of the kernel, and pow and fmod for ** and %
     kernel = b"".join(sources("kernel/**/*.py").values()).decode()
     mathematics = {"pow", "fmod", *re.findall(r"\bmath\.(\w+)", kernel)}
     return import_library(target, folder, "ucrtbase.dll", [*RUNTIME, *sorted(mathematics)])
@@ -133,7 +151,7 @@ def link(
         file: name of the library.
         content: C files, headers, objects and resources by name.
         flags: additional flags of the compiler.
-        imports: on Windows, functions that it needs, by library of Windows.
+        imports: required functions by Windows DLL; ignored on other platforms.
 
     Raises:
         CompilationUnavailable: the compiler fails, or cannot compile for this platform.
@@ -160,7 +178,7 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
         model: the model.
         target: the platform.
         file: name of the library.
-        content: further files by name (link).
+        content: additional files by name (see link).
         flags: additional flags of the compiler.
     """
     entry = {Path(path).name: text for path, text in sources("compiling/*.[ch]").items()}
@@ -169,7 +187,11 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
 
 
 def kernel_library(model: Model) -> Path:
-    """Return the path of the shared library of a kernel alone, for this platform, in the cache."""
+    """Return the path in the cache of a shared library with a kernel only, for this platform.
+
+    Args:
+        model: model of the kernel.
+    """
     target = here()
     name = f"{model.name}-kernel-{target.label}{target.suffix}"
     return kept(

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 from .c_types import BOOL, DOUBLE, INT, SCALARS, Array, Record, TupleType, Type, common_type, type_name
 from .python_source import Scope
 
-# how strongly an operator of C binds its operands
+# precedence of the operators of C, from low to high
 TERNARY, OR, AND, BIT_AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, PRIMARY = range(10)
 ARITHMETIC = {
     ast.Add: ("+", SUM),
@@ -30,18 +30,19 @@ COMPARISONS = {
 # functions of the module math by type of their result; `math.floor` is a double in C
 MATH_FUNCTIONS = {
     **dict.fromkeys(("sqrt", "floor", "ceil", "copysign", "fmod", "exp", "expm1", "log", "log1p"), DOUBLE),
+    "pow": DOUBLE,
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh"), DOUBLE),
     **dict.fromkeys(("isfinite", "isnan", "isinf"), BOOL),
 }
 MATH_CONSTANTS = {math.inf: "INFINITY"}
-# words that C does not accept as names of variables, and functions that a variable would hide
+# names that variables of C must not have: keywords, and functions that a variable would hide
 RESERVED = frozenset(MATH_FUNCTIONS) | frozenset(
     """
     auto bool case char const default do double enum extern false float goto inline int long register restrict
-    short signed sizeof static struct switch true typedef union unsigned void volatile pow
+    short signed sizeof static struct switch true typedef union unsigned void volatile
     """.split()  # noqa: SIM905 (a list of 28 strings is a line each)
 )
-# operations of Python that C has no operator for
+# definitions of the operations of Python that have no operator in C
 HELPERS = {
     "larger": "double larger(double a, double b)\n{\n    return b > a ? b : a;\n}",
     "smaller": "double smaller(double a, double b)\n{\n    return b < a ? b : a;\n}",
@@ -66,7 +67,7 @@ class Expression(NamedTuple):
         text: its text.
         binding: binding of its outermost operator.
         type: its type.
-        is_embedded: True for a record that is part of another; its address has to be taken.
+        is_embedded: True for a record within another record, which needs the operator & for its address.
     """
 
     text: str
@@ -75,12 +76,16 @@ class Expression(NamedTuple):
     is_embedded: bool = False
 
     def within(self, binding: int) -> str:
-        """Return the text as an operand of an operator, in brackets if that binds more strongly."""
+        """Return the text as an operand, in brackets if the operator binds more strongly.
+
+        Args:
+            binding: binding of the operator.
+        """
         return self.text if self.binding >= binding else f"({self.text})"
 
     @property
     def value(self) -> str:
-        """The text as a value: of a record its address."""
+        """Text of the value: for a record, its address."""
         return f"&{self.text}" if self.is_embedded else self.text
 
 
@@ -88,17 +93,36 @@ class Kernel(Protocol):
     """Definitions that all functions of a kernel share."""
 
     def constant(self, module: str, name: str, value: object) -> Expression:
-        """Return a constant or a table of a module."""
+        """Return a constant or a table of a module.
+
+        Args:
+            module: module that defines the constant.
+            name: name in this module.
+            value: a number, or a tuple of numbers.
+        """
 
     def call(self, function: types.FunctionType, arguments: tuple[Type, ...]) -> tuple[str, Type]:
-        """Return the name of a function in C, and the type of its result, for types of its arguments."""
+        """Return the name of a function in C, and the type of its result, for types of its arguments.
+
+        Args:
+            function: the function.
+            arguments: types of its arguments.
+        """
 
     def tuple_name(self, kind: TupleType) -> str:
-        """Return the name of the struct of a tuple."""
+        """Return the name of the struct of a tuple.
+
+        Args:
+            kind: type of the tuple.
+        """
 
 
 def variable_name(name: str) -> str:
-    """Return the name of a variable in C."""
+    """Return the name of a variable in C.
+
+    Args:
+        name: name in Python.
+    """
     return f"{name}_" if name in RESERVED else name
 
 
@@ -108,17 +132,20 @@ class Expressions:
     Args:
         kernel: definitions that all functions share.
         scope: names of the function.
-        variables: types of its variables by name, as far as they are known.
+        variables: types of its variables by name; a variable is missing until its type is determined.
     """
 
     def __init__(self, kernel: Kernel, scope: Scope, variables: dict[str, Type]) -> None:
         self.kernel, self.scope, self.variables = kernel, scope, variables
 
     def translate(self, node: ast.expr) -> Expression:
-        """Translate an expression.
+        """Return the translation of an expression.
+
+        Args:
+            node: the expression.
 
         Raises:
-            NotInLanguage: it is outside the language of the kernel.
+            NotInLanguage: the expression is outside the language of the kernel.
         """
         value = self.scope.look_up(node)
         if isinstance(node, ast.Attribute) and self.scope.look_up(node.value) is math:
@@ -135,7 +162,14 @@ class Expressions:
         return expression
 
     def scalar(self, node: ast.expr) -> Expression:
-        """Translate an expression whose value must be a number or a truth value."""
+        """Return the translation of an expression whose value must be a number or a truth value.
+
+        Args:
+            node: the expression.
+
+        Raises:
+            NotInLanguage: the value has another type.
+        """
         expression = self.translate(node)
         if expression.type is not None and expression.type not in SCALARS:
             raise self.scope.reject(
@@ -144,11 +178,11 @@ class Expressions:
         return expression
 
     def literal_tuple(self, node: ast.Tuple, kind: Type = None) -> Expression:
-        """Translate a tuple.
+        """Return the translation of a tuple.
 
         Args:
             node: the tuple.
-            kind: its type; None for the types of its items.
+            kind: type of the tuple; None for the types of its items.
         """
         items = [self.translate(item) for item in node.elts]
         own = TupleType(tuple(item.type for item in items))
@@ -216,12 +250,8 @@ class Expressions:
                 return Expression(f"{name}({left.text}, {right.text})", PRIMARY, kind)
             case ast.FloorDiv() if kind == INT:
                 return Expression(f"floor_divide({left.text}, {right.text})", PRIMARY, INT)
-            case ast.Pow() if isinstance(node.right, ast.Constant) and isinstance(node.right.value, int):
-                raise self.scope.reject(
-                    node, f"write {ast.unparse(node)} as a product: pow of C rounds differently"
-                )
             case ast.Pow():
-                return Expression(f"pow({left.text}, {right.text})", PRIMARY, DOUBLE)
+                raise self.scope.reject(node, f"write {ast.unparse(node)} as a product or with math.pow")
         if type(node.op) not in ARITHMETIC:
             raise self.scope.reject(node, f"unknown operator in {ast.unparse(node)}")
         operator, binding = ARITHMETIC[type(node.op)]
@@ -260,7 +290,7 @@ class Expressions:
             self.translate(node.body),
             self.translate(node.orelse),
         )
-        texts = [Expression(one.value, one.binding, None).within(TERNARY + 1) for one in (first, second)]
+        texts = [Expression(item.value, item.binding, None).within(TERNARY + 1) for item in (first, second)]
         kind = common_type(first.type, second.type)
         return Expression(f"{condition.within(TERNARY + 1)} ? {texts[0]} : {texts[1]}", TERNARY, kind)
 

@@ -21,7 +21,14 @@ Path = tuple[int, ...]
 
 
 def wrapped(line: str) -> list[str]:
-    """Break a long line of C at spaces."""
+    """Break a long line of C at spaces.
+
+    Args:
+        line: line with its indentation.
+
+    Returns:
+        The lines.
+    """
     indent = " " * (len(line) - len(line.lstrip()))
     lines = textwrap.wrap(
         line.strip(), WIDTH, initial_indent=indent, subsequent_indent=indent + 2 * INDENT,
@@ -36,10 +43,13 @@ def _unbroken(text: str) -> str:
 
 
 class Declarations:
-    """Where the variables of a function are declared in C.
+    """Places of the declarations of a function's variables in C.
 
-    A variable is declared by its first assignment if all of its uses are in the same block or further inside;
-    otherwise at the top of the function.
+    The first assignment declares a variable if all its uses are in the same block or in inner blocks.
+    Otherwise the declaration is at the top of the function.
+
+    Args:
+        scope: names of the function.
 
     Attributes:
         by_statement: names of the variables that a statement declares.
@@ -81,7 +91,7 @@ class Declarations:
 
 
 class FunctionTranslator:
-    """Translates one function for certain types of its arguments.
+    """Translates one function for one combination of argument types.
 
     Args:
         kernel: definitions that all functions share.
@@ -105,7 +115,7 @@ class FunctionTranslator:
         self.declarations = Declarations(self.scope)
 
     def translate(self) -> None:
-        """Translate the statements, until the types of all variables are known.
+        """Translate the statements repeatedly until the types of all variables are determined.
 
         Raises:
             NotInLanguage: a statement is outside the language of the kernel.
@@ -128,14 +138,18 @@ class FunctionTranslator:
             name: name of the function in C.
         """
         text = "\n".join(self.lines)
-        parameters = {variable_name(one): self.variables[one] for one in self.scope.parameters}
-        unused = [one for one in parameters if not re.search(rf"\b{one}\b", text)]
-        top = [f"{INDENT}(void){one};" for one in unused]
+        parameters = {
+            variable_name(parameter): self.variables[parameter] for parameter in self.scope.parameters
+        }
+        unused = [parameter for parameter in parameters if not re.search(rf"\b{parameter}\b", text)]
+        top = [f"{INDENT}(void){parameter};" for parameter in unused]
         top += [
-            f"{INDENT}{declaration(self.variables[one], variable_name(one))};"
-            for one in self.declarations.at_top
+            f"{INDENT}{declaration(self.variables[parameter], variable_name(parameter))};"
+            for parameter in self.declarations.at_top
         ]
-        arguments = ", ".join(_unbroken(declaration(kind, one)) for one, kind in parameters.items())
+        arguments = ", ".join(
+            _unbroken(declaration(kind, parameter)) for parameter, kind in parameters.items()
+        )
         head = wrapped(f"{storage} {declaration(self.result or VOID, f'{name}({arguments})')}")
         return "\n".join(
             [*_comment(ast.get_docstring(self.scope.tree)), *head, "{", *top, *self.lines, "}", ""]
@@ -198,7 +212,7 @@ class FunctionTranslator:
             return self._put("return;")
         value = self.expressions.translate(statement.value)
         self.result = common_type(self.result, value.type)
-        if isinstance(statement.value, ast.Tuple):  # of the type that all returns share
+        if isinstance(statement.value, ast.Tuple):  # all returns have the same type
             value = self.expressions.literal_tuple(statement.value, self.result)
         return self._put(f"return {value.value};")
 
@@ -257,10 +271,8 @@ class FunctionTranslator:
         node = call.args[2]
         step = self.scope.look_up(node)
         if step is LOCAL:
-            try:
-                step = ast.literal_eval(node)
-            except ValueError:
-                step = None
+            text = self.expressions.translate(node).text  # of a literal or the length of a table a number
+            step = int(text) if re.fullmatch(r"-?\d+", text) else None
         if not isinstance(step, int) or step == 0:
             raise self.scope.reject(
                 call, f"the step {ast.unparse(node)} must be an integer constant other than 0"
@@ -298,7 +310,7 @@ class FunctionTranslator:
             else:
                 self._assign_value(target, self.expressions.translate(value), declared)
             if not isinstance(value, ast.Constant):
-                value = _as_load(target)  # in a = b = c: the second target takes the value of the first
+                value = _as_load(target)  # in a = b = c the second target takes the value of the first
 
     def _assign_items(
         self, statement: ast.Assign, target: ast.Tuple, value: ast.Tuple, declared: set[str] | tuple[()]
@@ -326,7 +338,7 @@ class FunctionTranslator:
         return any(isinstance(part, ast.Subscript) for part in parts)
 
     def _assign_value(self, target: ast.expr, value: Expression, declared: set[str] | tuple[()]) -> None:
-        """Assign a value to a variable, to a place in a record, or a tuple to several of them."""
+        """Assign a value to a variable or to a place in a record, or a tuple to several targets."""
         if isinstance(target, ast.Tuple):
             self._unpack(target, value, declared)
         elif not isinstance(target, ast.Name):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-# scalars, each of which can hold the values of those before it
+# scalar types; each can represent all values of the types before it
 BOOL, INT, DOUBLE = SCALARS = ("bool", "int64_t", "double")
 VOID = "void"
 
@@ -46,15 +46,19 @@ class TupleType(NamedTuple):
     items: tuple[Type, ...]
 
 
-# None while the type of a variable is not known yet
+# a type; None until the translator has determined it
 Type = str | Record | Array | TupleType | None
 
 
 def common_type(first: Type, second: Type) -> Type:
-    """Return the type that holds the values of both types.
+    """Return the type that can represent the values of both types.
+
+    Args:
+        first: a type.
+        second: a type.
 
     Raises:
-        TypeError: there is none.
+        TypeError: there is no such type.
     """
     if first is None or second is None or first == second:
         return second if first is None else first
@@ -70,7 +74,11 @@ def common_type(first: Type, second: Type) -> Type:
 
 
 def type_name(kind: Type) -> str:
-    """Return the name of a type; for a tuple, the name of its struct."""
+    """Return the name of a type; for a tuple, the name of its struct.
+
+    Args:
+        kind: the type.
+    """
     if isinstance(kind, TupleType) and set(kind.items) == {DOUBLE}:
         return f"doubles_{len(kind.items)}"
     if isinstance(kind, TupleType):

@@ -1,7 +1,8 @@
 """Rejects expressions whose value depends on the order in which C evaluates their operands.
 
-Python evaluates operands from left to right. C leaves the order open, but for `and`, `or` and `if ... else`.
-So an operand with a call that writes to a record must stand alone among operands that read one.
+Python evaluates operands from left to right. C does not define the order, except for `and`, `or` and
+`if ... else`. Therefore, if an operand calls a function that writes to a record, the other operands must not
+read a record.
 """
 
 from __future__ import annotations
@@ -17,7 +18,11 @@ Memory = ast.Attribute | ast.Subscript
 
 @functools.cache
 def writes(function: types.FunctionType) -> bool:
-    """Return True if a function writes to a record or an array of its caller."""
+    """Return True if a function writes to a record or an array of its caller.
+
+    Args:
+        function: function of the kernel.
+    """
     scope = Scope(function)
     return any(
         (isinstance(node, Memory) and isinstance(node.ctx, ast.Store)) or calls_writer(scope, node)
@@ -26,24 +31,44 @@ def writes(function: types.FunctionType) -> bool:
 
 
 def called_function(scope: Scope, node: ast.AST) -> types.FunctionType | None:
-    """Return the function of the kernel that a call calls; None if the node is no such call."""
+    """Return the kernel's function in a call; None if the node is no such call.
+
+    Args:
+        scope: names of the calling function.
+        node: the call.
+    """
     function = scope.look_up(node.func) if isinstance(node, ast.Call) else None
     return function if isinstance(function, types.FunctionType) else None
 
 
 def calls_writer(scope: Scope, node: ast.AST) -> bool:
-    """Return True if a node is a call of a function that writes."""
+    """Return True if a node is a call of a function that writes.
+
+    Args:
+        scope: names of the function that contains the node.
+        node: syntax tree of an expression.
+    """
     function = called_function(scope, node)
     return function is not None and writes(function)
 
 
 def contains_writer(scope: Scope, node: ast.AST) -> bool:
-    """Return True if an expression contains a call that writes."""
+    """Return True if an expression contains a call that writes.
+
+    Args:
+        scope: names of the function that contains the node.
+        node: syntax tree of an expression.
+    """
     return any(calls_writer(scope, part) for part in ast.walk(node))
 
 
 def reads_memory(scope: Scope, node: ast.AST) -> bool:
-    """Return True if the value of an expression may depend on records or arrays."""
+    """Return True if the value of an expression may depend on records or arrays.
+
+    Args:
+        scope: names of the function that contains the node.
+        node: syntax tree of an expression.
+    """
     return any(
         (isinstance(part, Memory) and scope.look_up(part) is LOCAL)
         or (isinstance(part, ast.Call) and called_function(scope, part) is not None)
@@ -52,7 +77,11 @@ def reads_memory(scope: Scope, node: ast.AST) -> bool:
 
 
 def operands(node: ast.AST) -> list[ast.expr]:
-    """Return the parts of an expression or an assignment that C evaluates in any order."""
+    """Return the parts of an expression or an assignment that C evaluates in any order.
+
+    Args:
+        node: the expression or assignment.
+    """
     match node:
         case ast.BinOp():
             return [node.left, node.right]
@@ -72,10 +101,14 @@ def operands(node: ast.AST) -> list[ast.expr]:
 
 
 def check_order(scope: Scope, statement: ast.AST) -> None:
-    """Reject a statement whose result depends on the order of its operands.
+    """Raise an error if the result of a statement depends on the order of its operands.
+
+    Args:
+        scope: names of the function.
+        statement: the statement, or an expression.
 
     Raises:
-        NotInLanguage: an operand writes to a record that another may read.
+        NotInLanguage: an operand writes to a record, and another operand may read it.
     """
     for node in ast.walk(statement):
         parts = operands(node)

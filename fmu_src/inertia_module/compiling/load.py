@@ -1,4 +1,4 @@
-"""The kernels as machine code that can be called: of an FMU, of a wheel, or compiled here once and kept."""
+"""Loads compiled kernels: from an FMU, from a wheel, or compiled on this machine and cached."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from ..contract.models import Model
 from . import CompilationUnavailable
 from .targets import here
 
-# operation, addresses of p, d, u, x, y and w, communication step; address of a memory.Run
+# argument types of the functions: operation, addresses of p, d, u, x, y, w, and communication step; or
+# the address of a memory.Run
 CALLS = {"": (ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double), "_run": (ctypes.c_void_p,)}
-# in a Python FMU: the libraries of its native twin, one a platform
+# folder within a Python FMU with the libraries of the native FMU, one per platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
 
 
 def _library(model: Model) -> Path:
-    """The shared library with the kernel of a model; out of the FMU of a wheel it goes to the cache."""
+    """Return the path of the shared library with a kernel; a library in an FMU is copied to the cache."""
     if SHIPPED.is_dir():
         path = SHIPPED / f"{here().folder}{here().suffix}"
         if not path.is_file():
-            there = ", ".join(sorted(found.stem for found in SHIPPED.iterdir()))
-            raise CompilationUnavailable(f"this FMU has compiled kernels only for {there}")
+            platforms = ", ".join(sorted(file.stem for file in SHIPPED.iterdir()))
+            raise CompilationUnavailable(f"this FMU has compiled kernels only for {platforms}")
         return path
     fmu = ready_made(f"{model.name}.fmu")
     if fmu is not None:
@@ -40,13 +41,16 @@ def _library(model: Model) -> Path:
 
 @functools.cache
 def load(model: Model) -> ctypes.CDLL:
-    """A compiled kernel: the library with the functions of compiling/entry.c.
+    """Return the library of a compiled kernel with the functions of compiling/entry.c.
 
-    An FMU and a wheel bring it along; in a clone the first call ever on a machine compiles in some seconds,
-    later ones load from the cache.
+    An FMU and a wheel contain the library. In a clone the first call on a machine compiles it in some
+    seconds; later calls load it from the cache.
+
+    Args:
+        model: model of the kernel.
 
     Raises:
-        CompilationUnavailable: there is none here, and it cannot be made.
+        CompilationUnavailable: there is no library, and it cannot be compiled.
     """
     try:
         library = ctypes.CDLL(str(_library(model)))

@@ -1,4 +1,4 @@
-"""Source text of the kernel: trees, comments, and where a name is defined."""
+"""Source text of the kernel: syntax trees, comments, and the modules that define names."""
 
 from __future__ import annotations
 
@@ -14,23 +14,34 @@ from typing import Any, NamedTuple
 
 from . import CompilationUnavailable
 
-# result of a look-up of a name that only the function knows
+# result of the look-up of a local name of a function
 LOCAL = object()
 
 
 class NotInLanguage(CompilationUnavailable):
-    """A construct of Python that is outside the language of the kernel, with file and line."""
+    """A construct of Python is outside the language of the kernel; the message contains file and line."""
 
 
 class Comment(NamedTuple):
-    """A comment: its text, and whether the line has nothing else."""
+    """A comment.
+
+    Attributes:
+        text: text without the sign #.
+        is_alone: True if the line contains nothing else.
+    """
 
     text: str
     is_alone: bool
 
 
 class SourceFile(NamedTuple):
-    """A file of Python: its path, its tree, and its comments by line."""
+    """A file of Python.
+
+    Attributes:
+        path: path of the file.
+        tree: syntax tree.
+        comments: comments by line number.
+    """
 
     path: Path
     tree: ast.Module
@@ -39,7 +50,11 @@ class SourceFile(NamedTuple):
 
 @functools.cache
 def source_file(module: str) -> SourceFile:
-    """Read the source of an imported module."""
+    """Read the source of an imported module.
+
+    Args:
+        module: name of the module.
+    """
     path = Path(str(sys.modules[module].__file__))
     text = path.read_text(encoding="utf-8")
     comments = {}
@@ -52,7 +67,14 @@ def source_file(module: str) -> SourceFile:
 
 @functools.cache
 def definition(function: types.FunctionType) -> ast.FunctionDef:
-    """Return the tree of a function of a module."""
+    """Return the syntax tree of a function.
+
+    Args:
+        function: function of a module.
+
+    Raises:
+        NotInLanguage: the function is not defined at the top level of a module.
+    """
     for statement in source_file(function.__module__).tree.body:
         if isinstance(statement, ast.FunctionDef) and statement.name == function.__name__:
             return statement
@@ -78,10 +100,17 @@ def defining_module(module: str, name: str) -> tuple[str, str]:
 
 
 class Scope:
-    """Names of a function: its local ones, and those of its module.
+    """Names of a function: its local names and the names of its module.
 
     Args:
         function: the function.
+
+    Attributes:
+        module: name of the module.
+        path: path of the module.
+        tree: syntax tree of the function.
+        parameters: names of the parameters.
+        local: names of parameters and local variables.
     """
 
     def __init__(self, function: types.FunctionType) -> None:
@@ -92,12 +121,21 @@ class Scope:
         self.local = {*self.parameters, *stored_names(self.tree)}
 
     def reject(self, node: ast.AST, reason: str) -> NotInLanguage:
-        """Return the error for a construct outside the language."""
+        """Return the error for a construct outside the language.
+
+        Args:
+            node: the construct.
+            reason: message.
+        """
         line = getattr(node, "lineno", self.tree.lineno)
         return NotInLanguage(f"{self.path}:{line}: {reason}")
 
     def look_up(self, node: ast.AST) -> Any:
-        """Return the value of a name, or of a name of a module, outside the function; else LOCAL."""
+        """Return the value of a global name or of an attribute of a module; otherwise LOCAL.
+
+        Args:
+            node: the name or attribute.
+        """
         if isinstance(node, ast.Name) and node.id not in self.local:
             return vars(sys.modules[self.module]).get(node.id, LOCAL)
         if isinstance(node, ast.Attribute):
@@ -106,18 +144,31 @@ class Scope:
         return LOCAL
 
     def origin(self, node: ast.Name | ast.Attribute) -> tuple[str, str]:
-        """Return the module that defines a constant, and its name there."""
+        """Return the module that defines a constant, and its name there.
+
+        Args:
+            node: the name or attribute.
+        """
         if isinstance(node, ast.Name):
             return defining_module(self.module, node.id)
         return defining_module(self.look_up(node.value).__name__, node.attr)
 
 
 def stored_names(*nodes: ast.AST) -> list[str]:
-    """Return the names that statements assign to, in the order of the text, with repetitions."""
+    """Return the names that statements assign to, in the order of the text, with repetitions.
+
+    Args:
+        nodes: syntax trees of the statements.
+    """
     names = (name for node in nodes for name in ast.walk(node) if isinstance(name, ast.Name))
     return [name.id for name in names if isinstance(name.ctx, ast.Store)]
 
 
 def reads(node: ast.AST, name: str) -> bool:
-    """Return True if an expression or a statement mentions a name."""
+    """Return True if an expression or a statement mentions a name.
+
+    Args:
+        node: syntax tree.
+        name: the name.
+    """
     return any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))

@@ -1,4 +1,4 @@
-"""The platforms that machine code is made for."""
+"""The platforms for which machine code is compiled."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Target(NamedTuple):
 
     Attributes:
         folder: folder of its binary in an FMU of FMI 2.0, below binaries.
-        processor: oldest processor that it supports, as zig calls it.
+        processor: name for zig of the oldest supported processor.
         compiler: name of the target for zig.
-        libraries: flags of the linker, for libraries besides the C library.
+        libraries: flags of the linker for libraries in addition to the C library.
     """
 
     folder: str
@@ -34,7 +34,7 @@ class Target(NamedTuple):
 
     @property
     def system(self) -> str:
-        """Name of the system, as the C compiler calls it."""
+        """Name of the operating system for the C compiler."""
         return self.label.split("-")[1]
 
     @property
@@ -44,11 +44,11 @@ class Target(NamedTuple):
 
     @property
     def platform(self) -> str:
-        """Name of the platform, and so of the folder, in FMI 3.0."""
+        """Name of the platform, and of the folder of its binary, in FMI 3.0."""
         return f"{self.label.split('-')[0]}-{self.system.replace('macos', 'darwin')}"
 
 
-# processors: any x86-64 since 2009, any 64-bit ARM; systems: glibc 2.17 is of 2012, macOS 11 of 2020
+# oldest processors: x86-64 of 2009, any 64-bit ARM; oldest systems: glibc 2.17 of 2012, macOS 11 of 2020
 _V2, _ARM = "x86_64_v2", "generic"
 LINUX64 = Target("linux64", _V2, "x86_64-linux-gnu.2.17", ("-lm",))
 LINUX_ARM = Target("aarch64-linux", _ARM, "aarch64-linux-gnu.2.17", ("-lm",))
@@ -56,28 +56,29 @@ WIN64 = Target("win64", _V2, "x86_64-windows-gnu")
 WIN_ARM = Target("aarch64-windows", _ARM, "aarch64-windows-gnu")
 MAC64 = Target("darwin64", _V2, "x86_64-macos.11.0")
 MAC_ARM = Target("darwin64", "apple_m1", "aarch64-macos.11.0")
-# any browser since 2021 knows what a "generic" processor may; bytes of the stack: the deepest calls take 800
+# size of the stack, bytes; the deepest calls need 800
 _STACK = "-Wl,-z,stack-size=65536"
+# all browsers since 2021 support the instructions of the "generic" processor
 BROWSERS = Target("", "generic", "wasm32-wasi", (_STACK,))
 
-# those of one folder go into one file that holds code for several processors
+# all platforms; targets with the same folder share one file with code for several processors
 TARGETS = (LINUX64, WIN64, MAC64, MAC_ARM, LINUX_ARM, WIN_ARM)
-# by the names of Python; processors have several
+# names for zig by the names of Python; a processor has several names in Python
 SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "macos"}
 PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 
 
 def here() -> Target:
-    """Target of this process.
+    """Return the target of this process.
 
     Raises:
-        CompilationUnavailable: it is none of TARGETS.
+        CompilationUnavailable: the platform is not one of TARGETS.
     """
     own = f"{PROCESSORS.get(platform.machine().lower())}-{SYSTEMS.get(sys.platform)}"
     for target in TARGETS:
         if target.label.startswith(own) and sys.maxsize > 2**32:
             return target
-    known = ", ".join(target.label for target in TARGETS)
+    labels = ", ".join(target.label for target in TARGETS)
     raise CompilationUnavailable(
-        f"unsupported platform {platform.machine()}-{sys.platform}; available: {known}"
+        f"unsupported platform {platform.machine()}-{sys.platform}; available: {labels}"
     )

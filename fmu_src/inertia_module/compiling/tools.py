@@ -1,4 +1,4 @@
-"""The C compiler that makes machine code, and versions of the tools that the code depends on."""
+"""The C compiler, and the versions of the tools that determine the machine code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from typing import NamedTuple
 from ..common.files import cache_folder
 from . import CompilationUnavailable
 
-# command of ziglang, before the name of a tool: cc, dlltool
+# command of ziglang; the name of a tool follows: cc, dlltool
 ZIG = (sys.executable, "-m", "ziglang")
 # environment variable with the command of a C compiler for this platform, instead of ziglang
 CHOSEN = "INERTIA_MODULE_CC"
@@ -25,8 +25,11 @@ CHOSEN = "INERTIA_MODULE_CC"
 def tool_versions(*packages: str) -> dict[str, bytes]:
     """Return the versions of packages by name.
 
+    Args:
+        packages: names of the packages.
+
     Raises:
-        CompilationUnavailable: one of them is not installed.
+        CompilationUnavailable: a package is not installed.
     """
     versions = {}
     for package in packages:
@@ -43,8 +46,8 @@ class Compiler(NamedTuple):
     """A C compiler.
 
     Attributes:
-        command: its command.
-        version: all that its machine code depends on, by name.
+        command: the command.
+        version: texts by name that identify the compiler and its version.
         is_zig: True for ziglang, which compiles for every platform.
     """
 
@@ -54,10 +57,10 @@ class Compiler(NamedTuple):
 
 
 def compiler() -> Compiler:
-    """Return the C compiler: ziglang, or the one that INERTIA_MODULE_CC names.
+    """Return the C compiler: the command in the environment variable INERTIA_MODULE_CC, or ziglang.
 
     Raises:
-        CompilationUnavailable: it is not installed.
+        CompilationUnavailable: the compiler is not installed.
     """
     chosen = os.environ.get(CHOSEN)
     if chosen:
@@ -67,12 +70,12 @@ def compiler() -> Compiler:
 
 @functools.cache
 def _chosen_compiler(chosen: str) -> Compiler:
-    """Return the compiler with a command."""
+    """Return the compiler for a command in INERTIA_MODULE_CC."""
     command = tuple(shlex.split(chosen))
     if shutil.which(command[0]) is None:
         raise CompilationUnavailable(f"{CHOSEN} must be the command of a C compiler (got {chosen!r})")
-    done = subprocess.run([*command, "--version"], capture_output=True, check=False)
-    return Compiler(command, {"compiler": chosen.encode(), "version": done.stdout}, is_zig=False)
+    process = subprocess.run([*command, "--version"], capture_output=True, check=False)
+    return Compiler(command, {"compiler": chosen.encode(), "version": process.stdout}, is_zig=False)
 
 
 def run_tool(command: Sequence[str], folder: Path) -> None:
@@ -80,15 +83,17 @@ def run_tool(command: Sequence[str], folder: Path) -> None:
 
     Args:
         command: the command with its arguments.
-        folder: the folder.
+        folder: working directory of the tool.
 
     Raises:
-        CompilationUnavailable: it fails, with the end of its messages.
+        CompilationUnavailable: the tool fails; the message contains the end of its output.
     """
     environment = os.environ | {
         "ZIG_GLOBAL_CACHE_DIR": str(cache_folder() / "zig"),
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
     }
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise CompilationUnavailable(f"{shlex.join(command[:4])} failed: {done.stderr.strip()[-2000:]}")
+    process = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    if process.returncode != 0:
+        raise CompilationUnavailable(f"{shlex.join(command[:4])} failed: {process.stderr.strip()[-2000:]}")

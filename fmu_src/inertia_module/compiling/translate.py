@@ -1,6 +1,6 @@
 """Translates a kernel from Python to one file of C99: the same names, the same operations in the same order.
 
-The kernel is a small part of Python, which this package defines:
+The language of the kernel is a small part of Python:
 
 - Functions of modules with positional arguments, translated once for each combination of argument types.
 - Numbers: `float` (double), `int` (int64_t), `bool`. Constants and tables (tuples of numbers) of modules.
@@ -11,7 +11,8 @@ The kernel is a small part of Python, which this package defines:
   `len`, and functions of `math` with the same name in C. Small powers are written as products.
 
 Everything else is rejected with file and line, also an expression that C may evaluate in another order
-(evaluation_order). Names of modules are looked up in the imported modules, so constants can be computed.
+(evaluation_order). Constants can be computed, because the translator reads their values from the imported
+modules.
 
 Run: python -m inertia_module.compiling.translate InertiaModule > kernel.c
 """
@@ -33,15 +34,18 @@ from .c_function import INDENT, FunctionTranslator, wrapped
 from .c_types import DOUBLE, INT, Array, Record, TupleType, Type, declaration, member_declaration, type_name
 from .python_source import Scope
 
-# functions that each evaluation of the equations of motion calls: compilers take them for too long to inline
+# functions in each evaluation of the equations of motion; compilers would not inline such long functions
 INLINED = frozenset(
     f"{kernel.__name__}.{name}"
     for name in (
-        *("equations.motion.equations", "equations.motion.accelerate_links", "events.stages.stages_of"),
-        *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
-        *("equations.choice.violation", "equations.choice.try_combination", "averaged.rates.look_up_input"),
-        *("equations.losses.outer_torques", "equations.losses.write_powers_lost"),
-        *("inertia.reduced_inertia", "layout.imbalance_at", "sine.sine_cosine", "sine.sines_cosines"),
+        *("equations.motion.equations_of_motion", "equations.motion.solve_slipping"),
+        *("equations.motion.solve_mesh_signs", "equations.motion.solve_links"),
+        *("equations.choice.mode_violation", "equations.choice.set_mode"),
+        *("equations.losses.applied_torques", "equations.losses.write_loss_powers"),
+        *("inertia.reduced_inertia", "layout.bevel_imbalance_position"),
+        *("sine.sine_cosine", "sine.sines_cosines"),
+        *("events.stages.stages_of", "events.stages.rates_of"),
+        *("events.stages.weighed_four", "events.stages.weigh"),
     )
 )
 RECORDS = ("parameters", "constants", "inputs", "state", "outputs", "workspace")
@@ -71,16 +75,30 @@ HEAD = """\
 
 
 def c_name(module: str, name: str) -> str:
-    """Return the name in C of a function or a constant of a module of the kernel."""
+    """Return the name in C of a function or a constant of a module of the kernel.
+
+    Args:
+        module: module that defines the name.
+        name: name in this module.
+    """
     folder = module.removeprefix(kernel.__name__).lstrip(".").replace(".", "_")
     return f"{folder.upper() if name.isupper() else folder}_{name}".lstrip("_")
 
 
 class KernelTranslator:
-    """All definitions of one kernel in C, in the order in which they need each other.
+    """All definitions of one kernel in C, in the order of their dependencies.
 
     Args:
         record_names: names of records by the identity of their lists of fields.
+
+    Attributes:
+        records: records by their lists of fields.
+        structs: definitions of structs by name.
+        constants: definitions of constants by name.
+        functions: definitions of functions by name.
+        texts: different translations of each function.
+        translations: name and type of the result of each function, by function and argument types.
+        open: functions that are being translated.
     """
 
     def __init__(self, record_names: Mapping[int, str]) -> None:
@@ -94,7 +112,11 @@ class KernelTranslator:
         self.open: list[types.FunctionType] = []
 
     def record(self, field_list: Any) -> Record:
-        """Return the record with a list of fields (contract.records)."""
+        """Return the record for a list of fields.
+
+        Args:
+            field_list: list of fields (see contract.records).
+        """
         if field_list not in self.records:
             members: dict[str, Type] = {}
             size = 0
@@ -111,7 +133,11 @@ class KernelTranslator:
         return self.records[field_list]
 
     def tuple_name(self, kind: TupleType) -> str:
-        """Return the name of the struct of a tuple."""
+        """Return the name of the struct of a tuple.
+
+        Args:
+            kind: type of the tuple.
+        """
         name = type_name(kind)
         if name not in self.structs and None not in kind.items:
             lines = [f"{INDENT}{declaration(item, f'item{n}')};" for n, item in enumerate(kind.items)]
@@ -122,8 +148,8 @@ class KernelTranslator:
         """Return a constant or a table of a module.
 
         Args:
-            module: module that defines it.
-            name: its name there.
+            module: module that defines the constant.
+            name: name in this module.
             value: a number, or a tuple of numbers.
         """
         symbol = c_name(module, name)
@@ -148,7 +174,7 @@ class KernelTranslator:
             arguments: types of its arguments.
         """
         key = function, arguments
-        if None in arguments:  # not known before the next pass
+        if None in arguments:  # the next pass determines the types
             return c_name(function.__module__, function.__name__), None
         if key not in self.translations:
             if function in self.open:
@@ -162,7 +188,7 @@ class KernelTranslator:
         return self.translations[key]
 
     def _add_function(self, function: types.FunctionType, translator: FunctionTranslator) -> str:
-        """Add a function, unless it has the same text for other types; return its name."""
+        """Add a function, unless its text for other types is the same; return its name."""
         name = c_name(function.__module__, function.__name__)
         storage = "INLINED" if f"{function.__module__}.{function.__name__}" in INLINED else "static"
         texts = self.texts.setdefault(function, [])
@@ -184,18 +210,21 @@ class KernelTranslator:
 
 
 def translate(model: Model) -> str:
-    """Return the kernel of a model as a file of C99, whose entry is the macro KERNEL (compiling/kernel.h).
+    """Return the kernel of a model as a file of C99; the macro KERNEL is its entry (compiling/kernel.h).
+
+    Args:
+        model: model of the kernel.
 
     Raises:
-        NotInLanguage: the kernel has a construct outside its language.
+        NotInLanguage: the kernel contains a construct outside its language.
     """
     translator = KernelTranslator(record_names(model))
     records = [translator.record(record) for record in model.records]
     entry, _ = translator.call(model.call, (INT, *records, DOUBLE))  # type: ignore[arg-type]
     arguments = ", ".join(
-        f"(struct {record.name} *){one}" for record, one in zip(records, "pduxyw", strict=True)
+        f"(struct {record.name} *){letter}" for record, letter in zip(records, "pduxyw", strict=True)
     )
-    parameters = ", ".join(f"double *{one}" for one in "pduxyw")
+    parameters = ", ".join(f"double *{letter}" for letter in "pduxyw")
     return "\n".join(
         [
             HEAD.format(name=model.name),
@@ -209,7 +238,11 @@ def translate(model: Model) -> str:
 
 
 def record_names(model: Model) -> dict[int, str]:
-    """Return the names of all records of a model by the identity of their lists of fields."""
+    """Return the names of all records of a model by the identity of their lists of fields.
+
+    Args:
+        model: the model.
+    """
     names = dict(zip(map(id, model.records), RECORDS, strict=True))
     names |= {id(value): name.lower() for name, value in vars(fields).items() if isinstance(value, tuple)}
     pending = list(model.records)

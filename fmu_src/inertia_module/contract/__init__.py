@@ -1,1 +1,1 @@
-"""Contract with outsiders: variables, messages, models."""
+"""Contract with other programs: variables, messages, models."""

@@ -1,8 +1,8 @@
 """Messages for invalid values, rejected steps and warnings: names, values and allowed values.
 
-Each status of the kernels and each warning has one message. {name} stands for the value of that parameter
-or input, {omega1_rate} and the like for the input rates, {step} for the communication step. Python, the
-native FMU and the viewer insert the values.
+Each status of the kernels and each warning has one message. {name} is replaced by the value of the parameter
+or input, {omega1_rate} by the rate of the input omega1, {step} by the communication step. Python, the native
+FMU and the viewer insert the values.
 """
 
 from __future__ import annotations
@@ -11,40 +11,48 @@ from collections.abc import Iterable, Mapping
 
 from ..common.errors import must_be
 from ..kernel import codes
-from ..kernel.inputs import SMALLEST_STEP
+from ..kernel.inputs import MIN_STEP
 from .variables import INPUT, LARGEST_STEP, VARIABLES, Group, Variable, with_causality
 
-_STEPS = f"between {SMALLEST_STEP:g} and {LARGEST_STEP:g} s"
+_STEPS = f"between {MIN_STEP:g} and {LARGEST_STEP:g} s"
 _ABANDONED = "communication step = {step} s is rejected: "
 
 
 def named(*names: str) -> str:
-    """Return names and values, separated by commas."""
+    """Return a text of names and placeholders for their values, separated by commas.
+
+    Args:
+        names: names of parameters or inputs.
+    """
     return ", ".join(f"{name} = {{{name}}}" for name in names)
 
 
 def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
-    """Sentences for inputs, rates and steps that are not finite or absurd, and for an overflow."""
-    sentences = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
+    """Return the messages for inputs, rates and steps out of range and for an overflow, by status.
+
+    Args:
+        table: variables of the model.
+    """
+    messages = {codes.BAD_STEP: must_be("communication step", _STEPS, "{step}")}
     inputs = list(with_causality(INPUT, table=table))
     for n, variable in enumerate(inputs):
         name, allowed = variable.name, variable.allowed
-        sentences[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
-        sentences[codes.BAD_RATE + n] = (
+        messages[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
+        messages[codes.BAD_RATE + n] = (
             f"the rate of {name} must keep {name} {allowed} over {{step}} s (got {{{name}_rate}}"
             f" {variable.unit}/s from {named(name)})"
         )
     speed = inputs[0]
-    sentences[codes.BAD_HOLD] = (
+    messages[codes.BAD_HOLD] = (
         f"{speed.name} must stay {speed.allowed} over {{step}} s with input_hold = linear (got"
         f" {{{speed.name}}}). The extrapolation of its change in a far shorter step leaves this range. Use"
         " steps of similar length, or input_hold = zero_order."
     )
     *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
-    sentences[codes.NOT_FINITE] = (
+    messages[codes.NOT_FINITE] = (
         f"{_ABANDONED}numerical overflow (magnitude above 1e300) with {', '.join(others)} and {last}"
     )
-    return sentences
+    return messages
 
 
 _LINK_INERTIAS = ("link2_inertia", "input_inertia", "drive_inertia")
@@ -52,21 +60,25 @@ _FRICTION = ("input_friction", "drive_friction", "link2_friction", "output_frict
 _LOSSES = [v.name for v in VARIABLES if v.group == Group.LOSSES and v.name not in _FRICTION]
 
 MESSAGES: Mapping[int, str] = {
-    codes.NO_RECTIFIER: (
+    codes.FREEWHEELS_REQUIRED: (
         "housing_freewheel and output_freewheel must both be 1 (true) with fidelity = averaged (got"
         " {housing_freewheel} and {output_freewheel}). Without both freewheels nothing rectifies the pulses"
         " and there is no mean torque."
     ),
-    codes.NO_PLAY: (
+    codes.SOFT_FREEWHEEL: (
+        "housing_stiffness and freewheel_stiffness must each be 0 (rigid) or between 0.01 and 1e+08 N.m/rad"
+        " (got {housing_stiffness} and {freewheel_stiffness})"
+    ),
+    codes.BACKLASH_UNSUPPORTED: (
         "housing_engagement_angle and output_engagement_angle must be 0 with fidelity = kinematic (got"
         " {housing_engagement_angle} and {output_engagement_angle}). With prescribed motion no freewheel"
         " engages."
     ),
-    codes.NO_WINDAGE: (
+    codes.WINDAGE_UNSUPPORTED: (
         "windage must be 0 with fidelity = averaged (got {windage}). Windage requires fidelity 0"
         " (kinematic), 2 (rigid) or 3 (elastic)."
     ),
-    codes.JAMMED: (
+    codes.SELF_LOCKING: (
         f"mesh_efficiency and satellite_mesh_efficiency must be higher with {named(*_LINK_INERTIAS)}"
         " (got {mesh_efficiency} and {satellite_mesh_efficiency}). The gear meshes are self-locking."
         " Increase the efficiencies or these inertias."
@@ -87,11 +99,11 @@ MESSAGES: Mapping[int, str] = {
         f"omega_out_start must be equal to {named('omega2_start')} without an output freewheel (got"
         " {omega_out_start})"
     ),
-    codes.NO_INPUT_INERTIA: (
+    codes.INPUT_INERTIA_TOO_SMALL: (
         "input_inertia must be above 1e-12 of the maximum inertia of the mechanism at the input with"
         " drive = torque (got {input_inertia}). It must include the inertia of the engine or motor."
     ),
-    codes.PRESCRIBED: (
+    codes.TORQUE_DRIVE_UNSUPPORTED: (
         "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic) with drive = torque (got {fidelity},"
         " kinematic). With prescribed motion the input torque is an output."
     ),
@@ -110,14 +122,19 @@ MESSAGES: Mapping[int, str] = {
         f"{_ABANDONED}the energy balance check failed with {named('tolerance', 'max_step')}. Reduce"
         " the parameter tolerance or max_step."
     ),
-    codes.NOT_STEADY: (
+    codes.NO_CYCLIC_STEADY_STATE: (
         "fidelity = averaged is rejected: no periodic steady state was found at constant output speed with"
         f" {named('link2_inertia', 'drive_friction', 'link2_friction')}, {named(*_LOSSES)}. Increase"
         " link2_inertia or use fidelity = rigid."
     ),
+    codes.LIGHT_INPUT: (
+        "input_inertia must be at least 5 times the largest inertia I of the unbalanced masses with"
+        " fidelity = averaged and drive = torque (got {input_inertia}). Otherwise the input speed oscillates"
+        " too much; use fidelity = rigid."
+    ),
 }
 
-# warnings on accepted parameters, by their numbers in kernel.codes
+# warnings about accepted parameters, by their numbers in kernel.codes
 WARNINGS: Mapping[int, str] = {
     codes.PLANAR_OVERLAP: (
         "the {satellites} satellites of a module overlap: (sun_radius + satellite_radius) sin(pi/satellites)"

@@ -1,4 +1,4 @@
-"""The models of the package, each described once: module, FMUs and documentation are made from this."""
+"""The models of the package. The module in memory, the FMUs and the documentation are made from them."""
 
 from __future__ import annotations
 
@@ -13,58 +13,73 @@ from ..kernel import codes, entry, fields
 from ..kernel.driven_shaft import entry as shaft
 from . import messages, variables
 from .records import Field, place, size
-from .variables import INPUT, LOCAL, LOSSES, OUTPUT, PARAMETER, Terminal, Variable, with_causality
+from .variables import INPUT, LOCAL, OUTPUT, PARAMETER, Terminal, Variable, with_causality
 
-# which record of the kernel holds the variables of a causality
+# index of the kernel's record with the variables of a causality
 RECORD_OF = {PARAMETER: 0, INPUT: 2, OUTPUT: 4, LOCAL: 4}
 
 
 class Bound(NamedTuple):
-    """A number of a state that the kernel takes for an index or a choice.
+    """Range of a number in a saved state that the kernel uses as an index or a choice.
 
     Attributes:
-        record: "d", the constants, or "x", the state. place: of the number in it, in doubles.
-        most: it must be a whole number from 0 to this.
+        record: record of the number: "d", the constants, or "x", the state.
+        place: place of the number in the record, doubles.
+        maximum: maximum; the number must be an integer from 0 to this.
     """
 
     record: str
     place: int
-    most: int
+    maximum: int
 
     def accepts(self, value: float) -> bool:
-        """Tell whether it may have this value."""
-        return 0.0 <= value <= self.most and value % 1.0 == 0.0
+        """Return True if the number may have a value.
+
+        Args:
+            value: the value.
+        """
+        return 0.0 <= value <= self.maximum and value % 1.0 == 0.0
 
 
 def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
-    """Fields of the kernel's records p, u and y: variables by name, inputs with their rates.
+    """Return the fields of the kernel's records p, u and y: names of variables, and of the rates of inputs.
 
-    What the map of fidelity averaged depends on comes first in p. In y what is lost by cause is first, what
-    holds for a step last.
+    p begins with the parameters that the map of fidelity averaged depends on. u begins with a speed, followed
+    by torques. y ends with the means and peaks of a step.
+
+    Args:
+        table: variables of the model.
     """
     rows = list(table)
     parameters = sorted(with_causality(PARAMETER, table=rows), key=lambda variable: not variable.in_map)
     outputs = sorted(with_causality(OUTPUT, LOCAL, table=rows), key=lambda variable: variable.of_step)
-    lost = [name for name in LOSSES if name in {variable.name for variable in outputs}]
-    inputs = [variable.name for variable in with_causality(INPUT, table=rows)]
+    inputs = with_causality(INPUT, table=rows)
+    names, units = zip(*((variable.name, variable.unit) for variable in inputs), strict=True)
+    assert units == ("rad/s", *["N.m"] * (len(units) - 1)), "kernel/inputs.py takes one speed, then torques"
     return (
         tuple(variable.name for variable in parameters),
-        tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in inputs),
-        (*lost, *(variable.name for variable in outputs if variable.name not in LOSSES)),
+        tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in names),
+        tuple(variable.name for variable in outputs),
     )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Model:
-    """One model: its variables, its kernel, and what it says.
+    """One model: its variables, its kernel and its messages.
 
     Attributes:
-        name: of the native FMU, of saved states. title: for people.
-        description: one sentence without its full stop. variables: its table. time: the time of FMI 3.0.
-        call: its kernel as plain Python. records: fields of the kernel's p, d, u, x, y and w.
-        messages: what it says for each status of its kernel but OK.
-        warnings: messages on accepted parameters: a mechanism that cannot be built, a deprecated value.
-        traced: variables that a log of every step shows. bounds: of d and x. terminals: the flanges.
+        name: name of the native FMU and of saved states.
+        title: name for people.
+        description: one sentence without its full stop.
+        variables: table of the variables.
+        time: the variable time of FMI 3.0.
+        call: the kernel as plain Python.
+        records: fields of the kernel's records p, d, u, x, y and w.
+        messages: messages for all statuses of the kernel except OK.
+        warnings: messages for accepted parameters: an infeasible geometry, a deprecated value.
+        traced: names of the variables in the log of every step.
+        bounds: ranges of the indices and choices in d and x.
+        terminals: the flanges.
     """
 
     name: str
@@ -85,63 +100,82 @@ class Model:
 
     @cached_property
     def by_name(self) -> dict[str, Variable]:
-        """The variables by their names."""
+        """Variables by name."""
         return Named({variable.name: variable for variable in self.variables}, f"variable of {self.name}")
 
     @property
     def symbol(self) -> str:
-        """Name of its kernel in machine code."""
+        """Name of the kernel in machine code."""
         within_kernel = self.call.__module__.rpartition(".kernel.")[2]
         return f"inertia_module_{within_kernel.replace('.', '_')}"
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """Doubles in p, d, u, x, y and w."""
+        """Numbers of doubles in p, d, u, x, y and w."""
         return tuple(size(record) for record in self.records)
 
     @property
     def source(self) -> dict[str, bytes]:
-        """Source files of the kernel and fields of its records: all that its results follow from."""
+        """Source files of the kernel and fields of its records: they determine the results."""
         return sources("kernel/**/*.py") | {"records": repr(self.records).encode()}
 
     @cached_property
     def source_hash(self) -> str:
-        """Hash of that: by it a saved state knows its build."""
+        """Hash of the source; a saved state contains it, so that another build rejects the state."""
         return content_hash(self.source)[:16]
 
     @property
     def switches(self) -> bool:
-        """Tell whether its steps can stop where a freewheel switches."""
+        """True if the steps can stop at the switching of a freewheel."""
         return "switching" in self.records[3]
 
     def place(self, name: str) -> int:
-        """Place of a variable, of the rate of an input or of whether that is given in its record."""
-        of = self.by_name.get(name)
-        return place(self.records[RECORD_OF[of.causality if of else INPUT]], name)
+        """Return the place of a field in its record, doubles.
+
+        Args:
+            name: name of a variable; or name of an input with "_rate" or "_rate_given" at its end.
+        """
+        variable = self.by_name.get(name)
+        return place(self.records[RECORD_OF[variable.causality if variable else INPUT]], name)
 
     def in_fmu(self, fmi: int) -> tuple[Variable, ...]:
-        """Variables that an FMU of this version of FMI has: the table and, in FMI 3.0, the time."""
+        """Return the variables of an FMU: the table and, in FMI 3.0, the time.
+
+        Args:
+            fmi: version of FMI, 2 or 3.
+        """
         return (*self.variables, self.time) if fmi == 3 else self.variables
 
     def with_causality(self, *causalities: str) -> Iterator[Variable]:
-        """Variables of these causalities, in the order of the table."""
+        """Return the variables of these causalities in the order of the table.
+
+        Args:
+            causalities: INPUT, OUTPUT, LOCAL or PARAMETER.
+        """
         return with_causality(*causalities, table=self.variables)
 
-    def refused(self, parameters: Any) -> list[str]:
-        """One message for each parameter of a record that is out of its own range."""
-        given = [(one, getattr(parameters, one.name)) for one in self.with_causality(PARAMETER)]
-        # start values are allowed, and most parameters have theirs
+    def range_errors(self, parameters: Any) -> list[str]:
+        """Return one message for each parameter out of its range.
+
+        Args:
+            parameters: record p.
+        """
+        numbers = [
+            (variable, getattr(parameters, variable.name)) for variable in self.with_causality(PARAMETER)
+        ]
+        # start values need no check, and nearly all parameters have their start values
         return [
-            must_be(one.name, one.allowed, number)
-            for one, number in given
-            if number != one.start and not one.accepts(number)
+            must_be(variable.name, variable.allowed, number)
+            for variable, number in numbers
+            if number != variable.start and not variable.accepts(number)
         ]
 
 
 _P, _U, _Y = interface(variables.VARIABLES)
 _D = (*_P, *fields.CONSTANTS, ("map_key", len(variables.MAP_KEY)))
 _RATED = tuple(name for name in _Y if not variables.BY_NAME[name].of_step)
-_W = (*fields.WORKSPACE, ("held", _D), ("outputs_0", _RATED), ("outputs_1", _RATED))
+assert _Y[: len(_RATED)] == _RATED, "kernel/entry.py differentiates the first outputs"
+_W = (*fields.WORKSPACE, ("outputs_0", _RATED), ("outputs_1", _RATED))
 
 INERTIA_MODULE = Model(
     name="InertiaModule",
@@ -158,11 +192,8 @@ INERTIA_MODULE = Model(
     warnings=messages.WARNINGS,
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
     bounds=(
-        Bound("d", place(_D, "forward.count"), fields.KNOTS),
-        Bound("d", place(_D, "backward.count"), fields.KNOTS),
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
-        Bound("x", place(fields.STATE, "map_knot"), fields.KNOTS - 1),
-        # moments that were seen in the last step; signs of all satellites, a bit each
+        # number of load samples in the last step; one bit for the sign of each satellite's spin
         Bound("x", place(fields.STATE, "seen"), 2**53),
         Bound("x", place(fields.STATE, "spin_signs"), 2 ** int(variables.BY_NAME["satellites"].ends[1])),
     ),

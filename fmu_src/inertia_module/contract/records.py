@@ -1,6 +1,6 @@
 """Records of doubles in memory, made from the lists of fields of the kernel (see kernel.fields).
 
-The plain kernel works on them as ctypes unions, the compiled one on the same memory.
+The plain kernel accesses them as ctypes unions; the compiled kernel accesses the same memory.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import functools
 import operator
 from typing import Any
 
-# a field: a name; a name and a length; a name, fields and maybe a number of records
+# a field: a name; a name and a length; a name and fields, optionally with a number of records
 Field = Any
 
 
@@ -25,7 +25,7 @@ def _member(field: Field) -> tuple[str, Any]:
 
 
 def _text(record: ctypes.Union) -> str:
-    """Return the fields of a record that are not 0, each on a line."""
+    """Return a text with the fields of a record that are not 0, one per line."""
     names = [_member(field)[0] for field in type(record).fields_of]  # type: ignore[attr-defined]
     lines = []
     for name in names:
@@ -40,9 +40,12 @@ def _text(record: ctypes.Union) -> str:
 
 @functools.cache
 def record_type(fields: tuple[Field, ...]) -> type[ctypes.Union]:
-    """Return the type of a record with these fields, and all its doubles in a row as `numbers`.
+    """Return the type of a record with these fields; `numbers` contains all its doubles in a row.
 
     A record has no other attributes: a misspelt field raises AttributeError.
+
+    Args:
+        fields: list of fields.
     """
     inner = type("Fields", (ctypes.Structure,), {"_fields_": [_member(field) for field in fields]})
     numbers = ctypes.c_double * (ctypes.sizeof(inner) // 8)
@@ -55,19 +58,27 @@ def record_type(fields: tuple[Field, ...]) -> type[ctypes.Union]:
 
 @functools.cache
 def _counted(fields: tuple[Field, ...]) -> Any:
-    """A record in which each double is its own place."""
+    """Return a record in which each double is equal to its place."""
     record = record_type(fields)()
     record.numbers[:] = range(len(record.numbers))
     return record
 
 
 def size(fields: tuple[Field, ...]) -> int:
-    """Doubles in a record."""
+    """Return the number of doubles in a record.
+
+    Args:
+        fields: list of fields.
+    """
     return len(_counted(fields).numbers)
 
 
 def place(fields: tuple[Field, ...], name: str) -> int:
-    """Where in a record a field begins, in doubles; "forward.count" is a field of a record within.
+    """Return the place of a field in a record, doubles.
+
+    Args:
+        fields: list of fields of the record.
+        name: name of the field; "forward.count" is a field of an inner record.
 
     Raises:
         AttributeError: there is no such field.

@@ -1,7 +1,7 @@
-"""The tables of variables of the models: all that is stated of a variable is in its row.
+"""The tables of variables of the models: a row contains all properties of a variable.
 
-Records of the kernel (models.interface), description and shell of the FMU, argument checks, documentation and
-the page are made from it. Names and meanings are the contract of the models.
+The records of the kernel (models.interface), the FMU with its description, argument checks, documentation and
+the viewer are made from the tables. Names and meanings are the contract of the models.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ PARAMETER = "parameter"
 FIXED = "fixed"
 TUNABLE = "tunable"
 
-# what a value depends on besides the speeds: the start, whence it is a sum, or an angle
+# dependencies of a value in addition to the speeds: a sum depends on its start, other values on an angle
 SINCE_START = "a cumulative value since the start"
 LINK1_ANGLE = "the carrier angle"
 DRIVE_ANGLE = "the pinion-shaft angle"
 
 
 class Group(StrEnum):
-    """Groups that variables are listed in, in this order: no host can make a tree of their flat names."""
+    """Groups of variables in the order of the documentation; FMUs have flat names, so they show no groups."""
 
     FLANGES = "Inputs at the flanges"
     MOTION = "Speeds, angles, accelerations"
@@ -61,10 +61,11 @@ class Group(StrEnum):
 
 
 class Need(NamedTuple):
-    """Part of the model without which a variable means nothing.
+    """Part of the model that a variable requires.
 
     Attributes:
-        lacking: fidelities without it. reason: why they are, after "fidelity averaged".
+        lacking: fidelities without this part.
+        reason: reason of the lack, as it follows the name of a fidelity such as "fidelity averaged".
     """
 
     lacking: tuple[int, ...]
@@ -76,12 +77,12 @@ PULSES = Need((AVERAGED,), "has no pulses, only their mean")
 PHASE = Need((AVERAGED,), "has no pinion-shaft angle, so the position of the unbalanced mass is undefined")
 TWIST = Need((AVERAGED, RIGID), "has no elastic shaft")
 
-# what the kernel takes for absurd
-LARGEST_SPEED: float = inputs.LARGEST_SPEED
-LARGEST_TORQUE: float = inputs.LARGEST_TORQUE
-LARGEST_STEP: float = inputs.LARGEST_STEP
+# limits of the inputs in the kernel: rad/s, N m, s
+LARGEST_SPEED: float = inputs.MAX_SPEED
+LARGEST_TORQUE: float = inputs.MAX_TORQUE
+LARGEST_STEP: float = inputs.MAX_STEP
 
-# units in the order of the description, by their exponents of kg, m, s, rad
+# exponents of kg, m, s, rad of each unit, in the order of the model description
 UNITS: dict[str, dict[str, int]] = {
     unit: parse_unit(unit)[1]
     for unit in (
@@ -90,7 +91,7 @@ UNITS: dict[str, dict[str, int]] = {
     )
 }
 
-# display units: name and factor from the base unit
+# display unit of a unit: its name and the factor to it
 DISPLAY_UNITS: dict[str, tuple[str, float]] = {
     "rad": ("deg", 180.0 / math.pi),
     "rad/s": ("rpm", 30.0 / math.pi),
@@ -135,18 +136,27 @@ class Variable:
     Attributes:
         reference: value reference in the FMUs. Other programs store it, so it never changes. A new row takes
             the lowest number above all numbers of its model, the number of the time included.
-        name: name in the FMU. group: that it is listed in. unit: of UNITS ("" where it has none).
-        description: one sentence. start: start value (None: calculated).
-        minimum, maximum, nominal: or None. kind: Real, Integer, Boolean or Enumeration.
-        causality, variability: as in FMI 2.0; discrete is what changes at switches alone, for FMI 3.0 has
-            that change in events alone. enumeration: name in ENUMERATIONS, or "".
-        follows: what it depends on besides the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
-        of_step: whether it is a mean or a peak of the last step, which has no rate.
-        late: whether the kernel's STEP_ONLY leaves it out, for it takes more work than some steps do.
-        needs: parts of the model without which it means nothing; a fidelity that lacks one has it not.
-        at_start: of an output, all that it depends on at initialisation; None: on all but what is idle.
-        idle: whether no output depends on this parameter at initialisation.
-        in_map: whether the torque map of fidelity averaged depends on this parameter.
+        name: name in the FMU.
+        group: group in the documentation.
+        unit: one of UNITS, or "" without a unit.
+        description: one sentence without its full stop.
+        start: start value in the unit, or None for a calculated variable.
+        minimum: minimum in the unit, or None.
+        maximum: maximum in the unit, or None.
+        nominal: nominal value in the unit, or None.
+        causality: causality of FMI 2.0: INPUT, OUTPUT, LOCAL or PARAMETER; independent for the time.
+        variability: variability of FMI 2.0. A discrete variable changes only at freewheel switching events,
+            because FMI 3.0 allows changes of discrete variables only in events.
+        kind: REAL, INTEGER, BOOLEAN or ENUMERATION.
+        enumeration: name in ENUMERATIONS, or "".
+        follows: dependency in addition to the speeds: SINCE_START, LINK1_ANGLE, DRIVE_ANGLE, or "".
+        of_step: True for a mean or a peak of the last step, which has no rate.
+        late: True if the kernel's operation STEP_ONLY omits the variable, because it is expensive.
+        needs: required parts of the model; a fidelity without one of them does not compute the variable.
+        at_start: for an output, names of all variables that it depends on at initialisation; None for all
+            inputs and parameters that are not idle.
+        idle: True if no output depends on this parameter at initialisation.
+        in_map: True if the torque map of fidelity averaged depends on this parameter.
     """
 
     reference: int
@@ -172,12 +182,12 @@ class Variable:
 
     @property
     def is_tunable(self) -> bool:
-        """Tell whether it is a parameter that may change between steps."""
+        """True for a parameter that may change between steps."""
         return self.variability == TUNABLE
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Ends of its range; the numbers of an enumeration have no gaps."""
+        """Minimum and maximum, infinite without a limit; the numbers of an enumeration have no gaps."""
         if self.kind == BOOLEAN:
             return 0.0, 1.0
         low = -math.inf if self.minimum is None else self.minimum
@@ -185,7 +195,7 @@ class Variable:
 
     @property
     def allowed(self) -> str:
-        """The allowed values, as they follow "must be"."""
+        """Allowed values, as they follow "must be"."""
         if self.kind == BOOLEAN:
             return "true or false"
         if self.kind == ENUMERATION:
@@ -198,7 +208,7 @@ class Variable:
 
     @property
     def items(self) -> Mapping[str, float] | None:
-        """Numbers by name, where it is an enumeration or a Boolean."""
+        """Numbers by name for an enumeration or a Boolean; None for other kinds."""
         if self.kind == BOOLEAN:
             return BOOLEANS
         if self.kind == ENUMERATION:
@@ -206,10 +216,13 @@ class Variable:
         return None
 
     def number(self, value: Any) -> float:
-        """The number that it accepts for a value: a number, a string with a unit, the name of an item.
+        """Convert a value to a number in the unit of the variable and check its range.
+
+        Args:
+            value: a number, a string with a unit, or the name of an item.
 
         Raises:
-            Refused: it is none of these, or out of its range.
+            Refused: the value has another type, or is out of range.
         """
         try:
             number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
@@ -221,7 +234,11 @@ class Variable:
         return number
 
     def accepts(self, value: float) -> bool:
-        """Tell whether a value is finite, whole where it has to be, and within the range."""
+        """Return True if a number is finite, in the range and, except for a Real, an integer.
+
+        Args:
+            value: number in the unit of the variable.
+        """
         low, high = self.ends
         return math.isfinite(value) and low <= value <= high and (self.kind == REAL or value % 1.0 == 0.0)
 
@@ -234,8 +251,8 @@ _local = partial(Variable, causality=LOCAL)
 _parameter = partial(Variable, causality=PARAMETER, variability=FIXED)
 _tunable = partial(Variable, causality=PARAMETER, variability=TUNABLE)
 
-_INERTIA_LIMIT = 1e12
-_SPEED_START_LIMIT = 1e6
+_INERTIA_LIMIT = 1e5
+_SPEED_START_LIMIT = 1e5
 
 VARIABLES: tuple[Variable, ...] = (
     _input(0, "omega1", Group.FLANGES, "rad/s", "speed of the input shaft (carrier, link 1); with drive = torque only its initial value", 100.0, -LARGEST_SPEED, LARGEST_SPEED, nominal=100.0),
@@ -305,50 +322,50 @@ VARIABLES: tuple[Variable, ...] = (
     _local(64, "contact_switches", Group.FREEWHEELS, "1", "number of changes of contact_mode since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(PULSES,)),
     _local(65, "rhs_evaluations", Group.FREEWHEELS, "1", "number of right-hand-side evaluations since the start (computational cost)", minimum=0.0, follows=SINCE_START),
     _parameter(66, "layout", Group.LAYOUT, "", "layout of the differential", 0, 0, 1, kind=ENUMERATION, enumeration="Layout", in_map=True),
-    _parameter(67, "z2", Group.BEVEL, "", "teeth of gear 2, which is fixed to link 2 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(68, "z16", Group.BEVEL, "", "teeth of pinion 16 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(69, "z17", Group.BEVEL, "", "teeth of gear 17, on which the satellites roll (bevel)", 34, 1, 1000000, kind=INTEGER, in_map=True),
-    _parameter(70, "z6", Group.BEVEL, "", "teeth of satellite gear 6 (bevel)", 20, 1, 1000000, kind=INTEGER, in_map=True),
+    _parameter(67, "z2", Group.BEVEL, "", "teeth of gear 2, which is fixed to link 2 (bevel)", 20, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(68, "z16", Group.BEVEL, "", "teeth of pinion 16 (bevel)", 20, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(69, "z17", Group.BEVEL, "", "teeth of gear 17, on which the satellites roll (bevel)", 34, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(70, "z6", Group.BEVEL, "", "teeth of satellite gear 6 (bevel)", 20, 1, 1000, kind=INTEGER, in_map=True),
     _parameter(71, "shaft_angle", Group.BEVEL, "rad", "angle Sigma between the axes of satellite gear 6 and the pinion shaft (bevel)", math.pi / 2, 1e-6, 3.141591, in_map=True),
-    _parameter(72, "wheel_radius", Group.BEVEL, "m", "pitch radius r17 of gear 17 (bevel)", 0.08, 1e-6, 1e3, in_map=True),
-    _parameter(73, "a", Group.BEVEL, "1", "distance AD of the unbalanced mass from the satellite axis, relative to the pitch radius of the satellite (bevel)", 1.0, 0.0, 100.0, in_map=True),
-    _parameter(74, "b", Group.BEVEL, "1", "distance QA of the unbalanced mass from the apex of the pitch cones along the satellite axis, relative to the height of the satellite's pitch cone (bevel)", 1.0, 0.0, 100.0, in_map=True),
-    _parameter(75, "c", Group.BEVEL, "1", "distance OQ of the apex of the pitch cones from the central axis, relative to the height of the pitch cone of gear 17 (bevel)", 1.0, 0.0, 100.0, in_map=True),
+    _parameter(72, "wheel_radius", Group.BEVEL, "m", "pitch radius r17 of gear 17 (bevel)", 0.08, 1e-4, 10.0, in_map=True),
+    _parameter(73, "a", Group.BEVEL, "1", "distance AD of the unbalanced mass from the satellite axis, relative to the pitch radius of the satellite (bevel)", 1.0, 0.0, 10.0, in_map=True),
+    _parameter(74, "b", Group.BEVEL, "1", "distance QA of the unbalanced mass from the apex of the pitch cones along the satellite axis, relative to the height of the satellite's pitch cone (bevel)", 1.0, 0.0, 10.0, in_map=True),
+    _parameter(75, "c", Group.BEVEL, "1", "distance OQ of the apex of the pitch cones from the central axis, relative to the height of the pitch cone of gear 17 (bevel)", 1.0, 0.0, 10.0, in_map=True),
     _parameter(76, "epsilon", Group.BEVEL, "rad", "angle of the unbalanced mass about the satellite axis at pinion-shaft angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
     _parameter(77, "gamma", Group.BEVEL, "rad", "angle of the satellite about the pinion-shaft axis at pinion-shaft angle 0 (bevel)", 0.0, -1e3, 1e3, in_map=True),
-    _parameter(78, "sun_radius", Group.PLANAR, "m", "radius R0 of the sun gear, link 2 (planar)", 0.05, 1e-6, 1e3, in_map=True),
-    _parameter(79, "satellite_radius", Group.PLANAR, "m", "radius r of a satellite (planar)", 0.03, 1e-6, 1e3, in_map=True),
-    _parameter(80, "eccentricity", Group.PLANAR, "m", "distance l of the unbalanced mass from the satellite axis (planar)", 0.02, 0.0, 1e3, in_map=True),
-    _parameter(81, "imbalance_mass", Group.MASSES, "kg", "mass m of each unbalanced mass", 1.0, 0.0, 1e9, in_map=True),
+    _parameter(78, "sun_radius", Group.PLANAR, "m", "radius R0 of the sun gear, link 2 (planar)", 0.05, 1e-4, 10.0, in_map=True),
+    _parameter(79, "satellite_radius", Group.PLANAR, "m", "radius r of a satellite (planar)", 0.03, 1e-4, 10.0, in_map=True),
+    _parameter(80, "eccentricity", Group.PLANAR, "m", "distance l of the unbalanced mass from the satellite axis (planar)", 0.02, 0.0, 10.0, in_map=True),
+    _parameter(81, "imbalance_mass", Group.MASSES, "kg", "mass m of each unbalanced mass", 1.0, 0.0, 1e5, in_map=True),
     _parameter(82, "modules", Group.LAYOUT, "", "number of identical modules, evenly spaced about the central axis", 1, 1, 1000, kind=INTEGER, in_map=True),
-    _parameter(83, "satellites", Group.LAYOUT, "", "number of satellites (and unbalanced masses) per module, evenly spaced", 1, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(83, "satellites", Group.LAYOUT, "", "number of satellites (and unbalanced masses) per module, evenly spaced", 1, 1, 24, kind=INTEGER, in_map=True),
     _parameter(84, "drive_inertia", Group.MASSES, "kg.m2", "total inertia J16 of all pinion shafts about their own axes", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(85, "input_inertia", Group.MASSES, "kg.m2", "inertia J1 of the carrier, link 1 (with drive = torque including the engine or motor)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(86, "link2_inertia", Group.MASSES, "kg.m2", "inertia J2 of link 2", 0.005, 0.0, _INERTIA_LIMIT, in_map=True),
-    _parameter(87, "output_inertia", Group.MASSES, "kg.m2", "inertia J3 of the output shaft (of the hub if elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
-    _parameter(88, "driven_inertia", Group.ELASTIC, "kg.m2", "inertia J4 of the driven mass (elastic)", 0.5, 1e-12, _INERTIA_LIMIT),
-    _parameter(89, "shaft_stiffness", Group.ELASTIC, "N.m/rad", "stiffness c of the output shaft (elastic)", 400.0, 1e-6, 1e15, idle=True),
-    _tunable(90, "shaft_damping", Group.ELASTIC, "N.m.s/rad", "damping d of the output shaft (elastic)", 0.05, 0.0, 1e12, idle=True),
-    _tunable(91, "driven_friction", Group.ELASTIC, "N.m.s/rad", "viscous friction f of the driven mass (elastic)", 0.0, 0.0, 1e12),
+    _parameter(87, "output_inertia", Group.MASSES, "kg.m2", "inertia J3 of the output shaft (of the hub if elastic)", 0.5, 1e-9, _INERTIA_LIMIT),
+    _parameter(88, "driven_inertia", Group.ELASTIC, "kg.m2", "inertia J4 of the driven mass (elastic)", 0.5, 1e-9, _INERTIA_LIMIT),
+    _parameter(89, "shaft_stiffness", Group.ELASTIC, "N.m/rad", "stiffness c of the output shaft (elastic)", 400.0, 1e-2, 1e8, idle=True),
+    _tunable(90, "shaft_damping", Group.ELASTIC, "N.m.s/rad", "damping d of the output shaft (elastic)", 0.05, 0.0, 1e5, idle=True),
+    _tunable(91, "driven_friction", Group.ELASTIC, "N.m.s/rad", "viscous friction f of the driven mass (elastic)", 0.0, 0.0, 1e5),
     _tunable(92, "balancer", Group.ELASTIC, "1", "gain beta of the balancer, a feed-forward inertia compensation (elastic)", 0.0, -10.0, 10.0),
     _tunable(93, "input_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b1 of the carrier, link 1", 0.0, 0.0, 1e3, in_map=True),
     _tunable(94, "drive_friction", Group.LOSSES, "N.m.s/rad", "viscous friction bq of all pinion shafts and satellites, relative to the pinion-shaft speed", 0.0, 0.0, 1e3, in_map=True),
     _tunable(95, "link2_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b2 of link 2", 0.0, 0.0, 1e3, in_map=True),
     _tunable(96, "output_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b3 of the output shaft (of the hub if elastic)", 0.0, 0.0, 1e3, in_map=True),
-    _parameter(97, "mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between link 2 and the pinions, with the carrier at rest", 1.0, 0.1, 1.0, in_map=True),
-    _parameter(98, "satellite_mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between the satellites and gear 17 (bevel)", 1.0, 0.1, 1.0, in_map=True),
-    _tunable(99, "journal_friction", Group.LOSSES, "m", "friction coefficient of a satellite bearing times its journal radius", 0.0, 0.0, 1e3, in_map=True),
+    _parameter(97, "mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between link 2 and the pinions, with the carrier at rest", 1.0, 0.3, 1.0, in_map=True),
+    _parameter(98, "satellite_mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between the satellites and gear 17 (bevel)", 1.0, 0.3, 1.0, in_map=True),
+    _tunable(99, "journal_friction", Group.LOSSES, "m", "friction coefficient of a satellite bearing times its journal radius", 0.0, 0.0, 10.0, in_map=True),
     _tunable(100, "windage", Group.LOSSES, "kg.m2", "windage torque on one satellite divided by the square of its absolute angular speed", 0.0, 0.0, 1e3, nominal=1e-4),
-    _tunable(101, "housing_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning housing freewheel", 0.0, 0.0, 1e9, in_map=True),
+    _tunable(101, "housing_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning housing freewheel", 0.0, 0.0, LARGEST_TORQUE, in_map=True),
     _tunable(102, "housing_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning housing freewheel: torque per speed of link 2", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(103, "output_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning output freewheel", 0.0, 0.0, 1e9, in_map=True),
+    _tunable(103, "output_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning output freewheel", 0.0, 0.0, LARGEST_TORQUE, in_map=True),
     _tunable(104, "output_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning output freewheel: torque per speed of the output shaft relative to link 2", 0.0, 0.0, 1e3, in_map=True),
-    _parameter(105, "housing_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked housing freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e15),
-    _tunable(106, "housing_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked housing freewheel (elastic)", 0.0, 0.0, 1e12),
-    _parameter(107, "freewheel_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked output freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e15),
-    _tunable(108, "freewheel_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked output freewheel (elastic)", 0.0, 0.0, 1e12),
-    _parameter(109, "housing_engagement_angle", Group.LOSSES, "rad", "angle by which the housing freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 1.0, in_map=True),
-    _parameter(110, "output_engagement_angle", Group.LOSSES, "rad", "angle by which the output freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 1.0, in_map=True),
+    _parameter(105, "housing_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked housing freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e8),
+    _tunable(106, "housing_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked housing freewheel (elastic)", 0.0, 0.0, 1e5),
+    _parameter(107, "freewheel_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked output freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e8),
+    _tunable(108, "freewheel_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked output freewheel (elastic)", 0.0, 0.0, 1e5),
+    _parameter(109, "housing_engagement_angle", Group.LOSSES, "rad", "angle by which the housing freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 0.5, in_map=True),
+    _parameter(110, "output_engagement_angle", Group.LOSSES, "rad", "angle by which the output freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 0.5, in_map=True),
     _parameter(111, "satellite_inertia", Group.MASSES, "kg.m2", "inertia Ja of one satellite gear about its own axis, without the unbalanced mass", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(112, "satellite_transverse_inertia", Group.MASSES, "kg.m2", "inertia Jt of one satellite gear about any transverse axis, without the unbalanced mass (bevel)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(113, "gravity", Group.MASSES, "m/s2", "gravitational acceleration of the unbalanced masses along -Oz (the central axis Ox is horizontal)", 0.0, 0.0, 1e3),
@@ -358,7 +375,7 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(117, "method", Group.SOLVER, "", "integration method; timestepping is deprecated", 0, 0, 1, kind=ENUMERATION, enumeration="Method", idle=True),
     _parameter(118, "drive", Group.FLANGES, "", "input quantity at the input shaft (carrier, link 1): its speed or its torque", 0, 0, 1, kind=ENUMERATION, enumeration="Drive", in_map=True),
     _parameter(119, "input_hold", Group.SOLVER, "", "extrapolation of omega1 between communication points", 0, 0, 1, kind=ENUMERATION, enumeration="InputHold", idle=True),
-    _parameter(120, "tolerance", Group.SOLVER, "1", "relative tolerance; a tolerance set by the importer overrides it", 1e-6, 1e-13, 0.1, nominal=1e-6, idle=True),
+    _parameter(120, "tolerance", Group.SOLVER, "1", "relative tolerance; a tolerance set by the importer overrides it", 1e-6, 1e-12, 1e-2, nominal=1e-6, idle=True),
     _parameter(121, "max_step", Group.SOLVER, "s", "maximum internal step, 0 = no limit", 0.0, 0.0, LARGEST_STEP, idle=True),
     _tunable(122, "kinematic_ratio", Group.SOLVER, "1", "prescribed speed ratio omega2/omega1 of link 2 and the carrier (kinematic)", 0.0, -10.0, 10.0),
     _parameter(123, "omega2_start", Group.START, "rad/s", "initial speed of link 2", 0.0, -_SPEED_START_LIMIT, _SPEED_START_LIMIT),
@@ -366,12 +383,12 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(125, "drive_angle_start", Group.START, "rad", "initial angle q of the pinion shaft", 0.0, -1e6, 1e6),
 )  # fmt: skip
 
-# of FMI 3.0 alone; it was numbered after the 126 rows that the table had then
+# only in FMI 3.0; its number follows the 126 rows of the table at the introduction of FMI 3.0
 TIME = Variable(126, "time", "", "s", "simulation time", causality="independent")
 
 BY_NAME: dict[str, Variable] = {variable.name: variable for variable in VARIABLES}
 
-# parts of energy_lost, in the order of the causes: what they begin with; what follows is the cause
+# beginning of the names of the parts of energy_lost; the cause of the loss follows
 LOST_TO = "energy_lost_"
 LOSSES: tuple[str, ...] = tuple(LOST_TO + cause for cause in CAUSES)
 # parameters that the torque map of fidelity averaged depends on
@@ -379,7 +396,12 @@ MAP_KEY: tuple[str, ...] = tuple(variable.name for variable in VARIABLES if vari
 
 
 def with_causality(*causalities: str, table: Iterable[Variable] = VARIABLES) -> Iterator[Variable]:
-    """Variables of these causalities, in the order of the table."""
+    """Return the variables of these causalities in the order of the table.
+
+    Args:
+        causalities: INPUT, OUTPUT, LOCAL or PARAMETER.
+        table: variables of a model.
+    """
     return (variable for variable in table if variable.causality in causalities)
 
 
@@ -388,7 +410,7 @@ COMPUTED = tuple(variable.name for variable in with_causality(OUTPUT, LOCAL))
 
 
 def default_parameters() -> dict[str, float]:
-    """Start values of all parameters of the module by name: scene R1."""
+    """Return the start values of all parameters of the module by name: reference case R1."""
     return {variable.name: float(variable.start or 0.0) for variable in with_causality(PARAMETER)}
 
 
@@ -396,14 +418,21 @@ def default_parameters() -> dict[str, float]:
 
 
 def _as_in_module(reference: int, of_module: str, text: str = "", **columns: Any) -> Variable:
-    """A variable of the shaft alone: that of the module; without "(elastic)", for there nothing else is."""
-    known = BY_NAME[of_module]
+    """Return a variable of the driven shaft, copied from the module.
+
+    Args:
+        reference: value reference.
+        of_module: name of the variable of the module.
+        text: description; "" for the description of the module without "(elastic)".
+        columns: attributes that differ from the variable of the module.
+    """
+    variable = BY_NAME[of_module]
     own: dict[str, Any] = {"late": False, "in_map": False, "idle": False, "needs": ()} | columns
-    own |= {"reference": reference, "description": text or known.description.replace(" (elastic)", "")}
-    return replace(known, **own)
+    own |= {"reference": reference, "description": text or variable.description.replace(" (elastic)", "")}
+    return replace(variable, **own)
 
 
-# the driven shaft alone; inputs are at rest unless they are set, as the driven mass is: a hub that jumps is a shock
+# Variables of the driven shaft. Hub and driven mass start at rest, because a jump of the hub speed is a shock.
 OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module(0, "omega1", "speed of the hub, the driven end of the shaft", name="hub_speed", start=0.0),
     _as_in_module(1, "load_torque", "torque of the load on the driven mass, positive against positive speed", start=0.0),
@@ -431,16 +460,20 @@ TIME_OF_SHAFT = replace(TIME, reference=20)
 
 # --- flanges ---
 
-# what a positive torque at a flange does at positive speed: brings energy into the model, or takes it out
+# direction of the energy at a flange with positive torque and positive speed: into the model, or out
 INFLOW, OUTFLOW = "inflow", "outflow"
 
 
 class Terminal(NamedTuple):
-    """A rotating flange where models are connected: its speed and its torque, of which one is an input.
+    """A rotating flange that connects models. Its speed or its torque is an input.
 
     Attributes:
-        name, description: for people. speed, torque: names of variables. flow: INFLOW or OUTFLOW.
-        angle: name of the variable, or "".
+        name: name of the flange.
+        description: description for people, without a full stop.
+        speed: name of the variable of the speed.
+        torque: name of the variable of the torque.
+        flow: INFLOW or OUTFLOW.
+        angle: name of the variable of the angle, or "".
     """
 
     name: str

@@ -1,1 +1,1 @@
-"""Systems of FMUs in the formats of other tools: SSP, OSP, and one FMU around them."""
+"""Systems of FMUs in the formats of other tools: SSP, OSP, and one container FMU."""

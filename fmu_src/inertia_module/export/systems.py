@@ -1,7 +1,8 @@
-"""Systems of FMUs: planned for a mechanism, and written in the files of SSP 1.0, of OSP and as one FMU.
+"""Systems of FMUs, planned for a mechanism and exported as SSP 1.0, as OSP and as one container FMU.
 
-A plan is the module or, if its shaft is elastic, the rigid module and its shaft as two FMUs, wired, with the
-values of a scene. What of SSP is used, and why, is told in docs/systems.md. The one FMU is FMPy's container.
+A plan contains the module and the values of a scene. With an elastic shaft it contains two connected FMUs:
+the rigid module and the driven shaft. docs/systems.md describes the used part of SSP. The container is from
+FMPy.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ from ..kernel.codes import ELASTIC, RIGID
 MODULE, SHAFT = "module", "shaft"
 TEMPLATES = Path(__file__).parent / "templates"
 OSP_STRUCTURE = "OspSystemStructure.xml"
-# outputs worth a connector
-SHOWN = {
+# names of the outputs with a connector, by part
+CONNECTED_OUTPUTS = {
     MODULE: (
         *("input_speed", "omega2", "omega_out", "input_torque_mean", "output_torque_mean"),
         "imbalance_acceleration",
@@ -40,22 +41,35 @@ SHOWN = {
 
 
 class Part(NamedTuple):
-    """One FMU of a system: its values by name, those that differ from the start values."""
+    """One FMU of a system.
+
+    Attributes:
+        name: name of the part.
+        fmu: the FMU.
+        values: values by name that differ from the start values.
+    """
 
     name: str
     fmu: NativeFmu
     values: dict[str, float]
 
     def variable(self, name: str) -> Variable:
-        """One of its variables."""
+        """Return a variable of the FMU.
+
+        Args:
+            name: name of the variable.
+        """
         return self.fmu.model.by_name[name]
 
 
 class Wire(NamedTuple):
-    """A connection: an output of one part drives an input of another.
+    """Connection of an output of one part to an input of another part.
 
     Attributes:
-        source, output: name of the part and of its output. sink, input: likewise.
+        source: name of the part with the output.
+        output: name of the output.
+        sink: name of the part with the input.
+        input: name of the input.
     """
 
     source: str
@@ -68,8 +82,12 @@ class Plan(NamedTuple):
     """A system of FMUs to export.
 
     Attributes:
-        title: of the system. parts: its FMUs. wires: between them.
-        outputs: those that are shown (part, variable). step: communication step, s. stop_time: s.
+        title: title of the system.
+        parts: the FMUs.
+        wires: connections between the FMUs.
+        outputs: outputs of the system as pairs of part and variable.
+        step: communication step, s.
+        stop_time: stop time, s.
     """
 
     title: str
@@ -80,7 +98,11 @@ class Plan(NamedTuple):
     stop_time: float
 
     def part(self, name: str) -> Part:
-        """A part by its name."""
+        """Return a part.
+
+        Args:
+            name: name of the part.
+        """
         return next(part for part in self.parts if part.name == name)
 
 
@@ -99,9 +121,11 @@ def make_plan(
     """Plan the system for a mechanism: the module alone or, if it is elastic, the rigid module and its shaft.
 
     Args:
+        title: title of the system.
         values: parameters of the module that differ from their start values.
-        inputs: omega1, load_torque and, of a module driven by torque, drive_torque at the start.
-        title, step, stop_time: as of Plan.
+        inputs: omega1, load_torque and, for a torque-driven module, drive_torque at the start.
+        step: communication step, s.
+        stop_time: stop time, s.
     """
     own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
     own.setdefault("tolerance", 1e-6)
@@ -121,14 +145,19 @@ def make_plan(
         )
     else:
         parts = (Part(MODULE, MODULE_FMU, {**own, **inputs}),)
-    shown = tuple((part.name, output) for part in parts for output in SHOWN[part.name])
-    return Plan(title, parts, wires, shown, step, stop_time)
+    outputs = tuple((part.name, output) for part in parts for output in CONNECTED_OUTPUTS[part.name])
+    return Plan(title, parts, wires, outputs, step, stop_time)
 
 
 def typed(variable: Variable, value: float) -> tuple[str, str]:
-    """(kind, value as text) of a variable in files of other tools; an enumeration as an Integer.
+    """Return the type and the value of a variable as texts for files of other tools.
 
-    libcosim and Ecos know no enumerations, FMPy does not accept item names.
+    An enumeration becomes an Integer, because libcosim and Ecos do not support enumerations and FMPy does not
+    accept item names.
+
+    Args:
+        variable: the variable.
+        value: its value.
     """
     if variable.kind == "Boolean":
         return "Boolean", "true" if value else "false"
@@ -141,7 +170,7 @@ def typed(variable: Variable, value: float) -> tuple[str, str]:
 
 
 def _filled(template: str, plan: Plan, **values: Any) -> bytes:
-    """A file of a plan from its template."""
+    """Return a file of a plan, made from its template."""
     origin = {
         "generationTool": f"inertia-module {__version__}",
         "generationDateAndTime": generation_date(),
@@ -150,47 +179,62 @@ def _filled(template: str, plan: Plan, **values: Any) -> bytes:
 
 
 def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
-    """Units of variables, by their exponents of base units."""
+    """Return the exponents of base units for the units of variables."""
     return {name: UNITS[name] for name in sorted({variable.unit for variable in variables} - {""})}
 
 
 def osp_structure(plan: Plan) -> bytes:
-    """OspSystemStructure.xml of a plan, for libcosim; its FMUs describe enumerations as Integers."""
+    """Return OspSystemStructure.xml of a plan for libcosim; the FMUs describe enumerations as Integers.
+
+    Args:
+        plan: the system.
+    """
     return _filled(OSP_STRUCTURE, plan)
 
 
 def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
-    """The content of the .ssp file; fmus: contents by file name, enumerations described as Integers."""
+    """Return the content of the .ssp file.
+
+    Args:
+        plan: the system.
+        fmus: contents of the FMUs by file name, with enumerations described as Integers.
+    """
     wired = [end for w in plan.wires for end in ((w.source, w.output), (w.sink, w.input))]
-    # variables that have a connector, by part and name: those that are wired or shown
+    # part and name of the variables with a connector: connected variables and outputs of the system
     ends = list(dict.fromkeys([*wired, *plan.outputs]))
-    shown = _units(plan.part(owner).variable(name) for owner, name in ends)
+    units_of_ends = _units(plan.part(owner).variable(name) for owner, name in ends)
     files = {f"resources/{name}": content for name, content in fmus.items()}
     for part in plan.parts:
         units = _units(map(part.variable, part.values))
         files[f"resources/{part.name}.ssv"] = _filled("ParameterSet.ssv", plan, part=part, units=units)
-    files["SystemStructure.ssd"] = _filled("SystemStructure.ssd", plan, ends=ends, units=shown)
+    files["SystemStructure.ssd"] = _filled("SystemStructure.ssd", plan, ends=ends, units=units_of_ends)
     return archive(files)
 
 
 # --- container ---
 
 LIBRARY = "container_fmu"
-# types in its configuration, which are those of FMI 3.0
+# names of types in the configuration of the container, as in FMI 3.0
 CONTAINED = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 
 
 def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
-    """Description of the container, and what its library reads; inside: files of each FMU, by their names."""
+    """Return the model description and the configuration of the container.
+
+    Args:
+        plan: the system.
+        guid: GUID of the container.
+        inside: files of each FMU by name of the FMU.
+    """
     wired = {(wire.sink, wire.input) for wire in plan.wires}
     values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
-    # values that no wire drives, then outputs: name of the part, variable, type, start value
-    shown: list[tuple[str, Variable, str, str | None]] = []
+    # part, variable, type and start value of the unconnected values, then of the outputs
+    rows: list[tuple[str, Variable, str, str | None]] = []
     for owner, name in [*(end for end in values if end not in wired), *plan.outputs]:
         variable, value = plan.part(owner).variable(name), values.get((owner, name))
         kind, start = typed(variable, value or 0.0)
-        shown.append((owner, variable, kind, None if value is None else start))
-    description = {"shown": shown, "units": _units(one[1] for one in shown), "guid": guid, "library": LIBRARY}
+        rows.append((owner, variable, kind, None if value is None else start))
+    description = {"shown": rows, "units": _units(row[1] for row in rows), "guid": guid, "library": LIBRARY}
 
     def reference(owner: str, name: str) -> int:
         part = plan.part(owner)
@@ -198,7 +242,7 @@ def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> 
 
     roots = {p.name: ElementTree.fromstring(inside[p.fmu.file_name][DESCRIPTION]) for p in plan.parts}
     configuration = {
-        **{"plan": plan, "shown": shown, "guid": guid, "version": fmpy.container_fmu.__version__},
+        **{"plan": plan, "shown": rows, "guid": guid, "version": fmpy.container_fmu.__version__},
         **{"types": CONTAINED, "reference": reference, "places": {name: n for n, name in enumerate(roots)}},
         "guids": {name: root.get("guid") for name, root in roots.items()},
     }
@@ -209,7 +253,7 @@ def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> 
 
 
 def _libraries() -> dict[str, bytes]:
-    """FMPy's libraries of the container, by their path in an FMU; for macOS one for both processors."""
+    """Return FMPy's libraries of the container by path in an FMU; macOS has one for both processors."""
     folder = Path(fmpy.container_fmu.__file__).parent / "binaries"
     mac = [
         (triple, (folder / name / f"{LIBRARY}.dylib").read_bytes())
@@ -223,10 +267,14 @@ def _libraries() -> dict[str, bytes]:
 
 
 def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
-    """The content of an FMU around the FMUs of a plan; fmus: contents by file name.
+    """Return the content of a container FMU with the FMUs of a plan.
 
-    Values of the parts are its start values, named part.variable; it steps its parts side by side (Jacobi)
-    at the step of the plan.
+    The start values of the container are the values of the parts, with names part.variable. It steps the
+    parts in parallel (Jacobi scheme) with the step of the plan.
+
+    Args:
+        plan: the system.
+        fmus: contents of the FMUs by file name.
     """
     inside = {file_name: _unpacked(content) for file_name, content in fmus.items()}
     guid = guid_of({**fmus, "structure": osp_structure(plan)})
@@ -238,15 +286,18 @@ def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
 
 
 def _unpacked(fmu: bytes) -> dict[str, bytes]:
-    """Files of an FMU by name."""
+    """Return the files of an FMU by name."""
     with zipfile.ZipFile(io.BytesIO(fmu)) as packed:
         return {name: packed.read(name) for name in packed.namelist()}
 
 
 def with_integers(fmu: bytes) -> bytes:
-    """Copy the content of an FMU, its enumerations described as Integers: to the library inside the same.
+    """Return a copy of an FMU that describes enumerations as Integers; its libraries are unchanged.
 
-    libcosim and Ecos leave variables out that are enumerations, so there no fidelity could be set.
+    libcosim and Ecos ignore enumerations, so without this change they could not set the fidelity.
+
+    Args:
+        fmu: content of the FMU.
     """
     content = _unpacked(fmu)
     root = ElementTree.fromstring(content[DESCRIPTION])
@@ -261,13 +312,15 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
     """Write system.ssp, osp/ (structure and FMUs) and container.fmu into a folder.
 
     Args:
-        plan: the system. folder: made if it is not there. progress: called with each stage as it begins.
+        plan: the system.
+        folder: output folder (created if missing).
+        progress: function that is called at the beginning of each stage, with its description.
 
     Returns:
         Paths of the files.
 
     Raises:
-        CompilationUnavailable: the native FMUs cannot be built here.
+        CompilationUnavailable: the native FMUs cannot be built on this machine.
     """
     fmus = {}
     for part in plan.parts:

@@ -1,1 +1,1 @@
-"""Cost of accuracy, measured: levels of fidelity, the trade of a scene, the choice of a level."""
+"""Fidelity levels of a scene: measured accuracy and run time, and the choice of a level."""

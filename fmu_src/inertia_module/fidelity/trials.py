@@ -1,8 +1,7 @@
-"""Cost of accuracy of a scene: its levels of fidelity, their measurements, the choice of a level, the trade.
+"""Accuracy and run time of a scene at its fidelity levels, and the choice of a level.
 
-Trial runs of a scene are measured against the finest level, the outputs by window and not by instant: a loop
-under control keeps speeds and torques where they belong, but nothing keeps the phase of the pulses, which
-drifts between any two runs.
+Trial runs are compared with the finest level by averages over time windows, not by instantaneous values. A
+closed loop controls speeds and torques but not the phase of the pulses, which drifts between two runs.
 """
 
 from __future__ import annotations
@@ -46,16 +45,22 @@ Array = NDArray[np.float64]
 
 FIDELITIES = {number: name for name, number, _ in ENUMERATIONS["Fidelity"]}
 
-# outputs that a fidelity does not model, and why; everything else it has
+# outputs that a fidelity does not model, with the reason
 NOT_MODELLED: Mapping[int, Mapping[str, str]] = {
-    fidelity: {one.name: need.reason for one in VARIABLES for need in one.needs if fidelity in need.lacking}
+    fidelity: {row.name: need.reason for row in VARIABLES for need in row.needs if fidelity in need.lacking}
     for fidelity in FIDELITIES
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Level(ByContent):
-    """Level of fidelity, by its numbers, at one setting, as it is printed, with what makes it."""
+    """Fidelity level with its settings.
+
+    Attributes:
+        fidelity: Number of the fidelity.
+        setting: Printed text of the setting, such as "tolerance 1e-06".
+        parameters: Parameters of the setting, by name.
+    """
 
     fidelity: int
     setting: str = ""
@@ -63,21 +68,30 @@ class Level(ByContent):
 
     @property
     def name(self) -> str:
-        """Name of the fidelity."""
+        """Return the name of the fidelity."""
         return FIDELITIES[self.fidelity]
 
     @property
     def values(self) -> dict[str, float]:
-        """Parameters of the module for this level."""
+        """Return the parameters of the module for this level, by name."""
         return {"fidelity": float(self.fidelity), **self.parameters}
 
     def row(self, step: float) -> Row:
-        """Make the row of the level in communication steps, s, before anything is measured."""
+        """Make the row of the level without measurements.
+
+        Args:
+            step: Communication step, s.
+        """
         return Row(self.name, "", self.setting, step)
 
 
 def event(fidelity: int, tolerance: float) -> Level:
-    """Make a level from event to event, at a tolerance."""
+    """Make an event-driven level.
+
+    Args:
+        fidelity: Number of the fidelity.
+        tolerance: Relative tolerance.
+    """
     return Level(fidelity, f"tolerance {tolerance:.0e}", {"tolerance": tolerance})
 
 
@@ -85,7 +99,12 @@ TOLERANCES = tuple(10.0**-n for n in range(3, 12))
 
 
 def all_levels(elastic: bool, few: bool = False) -> Iterator[Level]:
-    """Yield the levels to measure, from coarse to fine, without prescribed motion; few for long scenes."""
+    """Yield the levels to measure, except kinematic, from coarse to fine.
+
+    Args:
+        elastic: True to include fidelity elastic.
+        few: True for every second tolerance, for long scenes.
+    """
     yield Level(AVERAGED, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
         for tolerance in TOLERANCES[:-1:2] if few else TOLERANCES:
@@ -100,9 +119,9 @@ _COSTS = {
     "rhs_evaluations": "evaluations",
     "contact_switches": "switches",
 }
-# fidelity of a row of another integrator
+# fidelity in rows of other integrators
 PEER = "peer"
-# what a run may end with: refusals, missing libraries, integrators that give up
+# exceptions of a failed run: invalid parameters, missing libraries, failed integrators
 FAILURES = (ValueError, RuntimeError, ArithmeticError, MemoryError)
 
 
@@ -111,10 +130,15 @@ class Row(ByContent):
     """Measurements of one run.
 
     Attributes:
-        fidelity: its name, or "peer". method: of a peer, else "". setting: such as "tolerance 1e-06".
-        communication_step: s. errors: by name, NaN where nothing is known.
-        wall_time: s per simulated second, of the integration alone. evaluations: of the right-hand side.
-        switches: counted, NaN where they are not. failure: why there is nothing measured, else "".
+        fidelity: Name of the fidelity, or PEER.
+        method: Integrator of a peer; "" for the module.
+        setting: Text of the setting, such as "tolerance 1e-06".
+        communication_step: Communication step, s.
+        errors: Relative errors by output; NaN without a reference.
+        wall_time: Run time of the integration, s per simulated second.
+        evaluations: Number of right-hand-side evaluations.
+        switches: Number of contact switches; NaN if not counted.
+        failure: Reason of a failed run; "" for a successful run.
     """
 
     fidelity: str
@@ -129,45 +153,63 @@ class Row(ByContent):
 
     @property
     def level(self) -> str:
-        """Fidelity and, of a peer, method."""
+        """Return the fidelity and, for a peer, the method."""
         return f"{self.fidelity}, {self.method}" if self.method else self.fidelity
 
     @property
     def label(self) -> str:
-        """Fidelity, method and setting."""
+        """Return fidelity, method and setting."""
         return f"{self.level}, {self.setting}" if self.setting else self.level
 
-    def worst_of(self, wanted: Sequence[str]) -> tuple[float, str]:
-        """Largest error of the wanted ones and where it is: NaN in one that nothing is known of."""
-        errors = [(self.errors.get(name, math.nan), name) for name in wanted]
-        return max(errors, key=lambda one: (math.isnan(one[0]), one[0]))
+    def worst_of(self, outputs: Sequence[str]) -> tuple[float, str]:
+        """Return the maximum error of outputs and the name of the output; NaN if an output has no error.
 
-    def worst(self, wanted: Sequence[str]) -> float:
-        """Largest error of the wanted ones; infinite where one is not known."""
-        error, _ = self.worst_of(wanted)
+        Args:
+            outputs: Names of the outputs.
+        """
+        errors = [(self.errors.get(name, math.nan), name) for name in outputs]
+        return max(errors, key=lambda pair: (math.isnan(pair[0]), pair[0]))
+
+    def worst(self, outputs: Sequence[str]) -> float:
+        """Return the maximum error of outputs; infinite if an output has no error or the run failed.
+
+        Args:
+            outputs: Names of the outputs.
+        """
+        error, _ = self.worst_of(outputs)
         return math.inf if self.failure or math.isnan(error) else error
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the row for machines: what is not known is None."""
+        """Return the row for JSON; NaN becomes None."""
         heads = ("fidelity", "method", "setting", "communication_step", "errors")
         head = {name: getattr(self, name) for name in heads}
         costs = {name.partition(" ")[0]: getattr(self, cost) for name, cost in _COSTS.items()}
-        told = {**head, **costs, "failure": self.failure}
-        known: dict[str, Any] = to_jsonable_python(told, inf_nan_mode="null")
-        return known
+        numbers = {**head, **costs, "failure": self.failure}
+        row: dict[str, Any] = to_jsonable_python(numbers, inf_nan_mode="null")
+        return row
 
 
 def attempt(head: Row, measure: Callable[[], dict[str, Any]]) -> Row:
-    """Measure a run, which gives fields of Row by name; of one that fails the row has the reason."""
+    """Measure a run and return its row; after a failure the row contains the reason.
+
+    Args:
+        head: Row without measurements.
+        measure: Function that runs the measurement and returns fields of Row by name.
+    """
     try:
-        found = measure()
+        fields = measure()
     except FAILURES as error:
-        found = {"failure": " ".join(str(error).split()) or type(error).__name__}
-    return dataclasses.replace(head, **found)
+        fields = {"failure": " ".join(str(error).split()) or type(error).__name__}
+    return dataclasses.replace(head, **fields)
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> Path:
-    """Write all rows as CSV, failures too; whole or not at all."""
+    """Write rows, including failed runs, to a CSV file and return its path.
+
+    Args:
+        path: Path of the file, which is written atomically.
+        rows: The rows.
+    """
     names = list(dict.fromkeys(name for row in rows for name in row.errors))
     lines = []
     for row in rows:
@@ -180,7 +222,14 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Read rows that write_rows has written; of another table a ValueError."""
+    """Read rows from a file of write_rows.
+
+    Args:
+        path: Path of the file.
+
+    Raises:
+        ValueError: The file contains another table.
+    """
     table = csv.DictReader(path.read_text().splitlines())
     if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
         raise ValueError(f"{path}: the first headings must be {', '.join(_HEADS)}")
@@ -195,26 +244,33 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def failure_lines(rows: Sequence[Row]) -> list[str]:
-    """Say in a line for each kind of run that failed why it did."""
+    """Return a line for each reason of failed runs.
+
+    Args:
+        rows: The rows.
+    """
     labels: dict[str, dict[str, None]] = {}
     for row in rows:
         if row.failure:
             labels.setdefault(row.failure, {})[row.label] = None
-    return [f"failed: {'; '.join(found)}: {reason}" for reason, found in labels.items()]
+    return [f"failed: {'; '.join(names)}: {reason}" for reason, names in labels.items()]
 
 
-# --- the cheapest that meets an accuracy ---
+# --- cheapest level with the required accuracy ---
 
 _NUMBER = {name: number for number, name in FIDELITIES.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class Choice(ByContent):
-    """Chosen level and the reasons.
+    """Chosen level with the reasons.
 
     Attributes:
-        row: the cheapest that meets the error in the wanted outputs. following: the next level that meets it
-            too, or None. passed: cheaper levels and why not.
+        row: Cheapest level that meets the allowed error.
+        wanted: Names of the outputs that must meet the error.
+        error: Allowed relative error.
+        following: Next more accurate level that meets the error, or None.
+        passed: Reasons to reject cheaper levels, by label.
     """
 
     row: Row
@@ -225,111 +281,143 @@ class Choice(ByContent):
 
     @property
     def ratio(self) -> float | None:
-        """Wall time of the next level over that of the chosen one."""
+        """Return the run time of the next level over the run time of the chosen level."""
         return None if self.following is None else self.following.wall_time / self.row.wall_time
 
     def lines(self) -> list[str]:
-        """Say what was chosen, why, and what the next level would cost."""
+        """Return the choice, its reasons and the cost of the next level as lines."""
 
         def cost(row: Row) -> str:
             return f"{1e3 * row.wall_time:.3g} ms of kernel time per simulated second"
 
         error, worst = self.row.worst_of(self.wanted)
-        met = f"error {error:.2g} ({worst}), requested {self.error:g}"
-        lines = [f"chosen: {self.row.label}: {met}, {cost(self.row)}"]
+        accuracy = f"error {error:.2g} ({worst}), requested {self.error:g}"
+        lines = [f"chosen: {self.row.label}: {accuracy}, {cost(self.row)}"]
         lines += [f"rejected: {label}: {reason}" for label, reason in self.passed.items()]
         if self.following is None:
             return [*lines, "next level: none"]
-        reached = f"error {self.following.worst(self.wanted):.2g}, {cost(self.following)}"
-        return [*lines, f"next level: {self.following.label}: {reached}, {self.ratio:.3g} times the run time"]
+        next_accuracy = f"error {self.following.worst(self.wanted):.2g}, {cost(self.following)}"
+        return [
+            *lines,
+            f"next level: {self.following.label}: {next_accuracy}, {self.ratio:.3g} times the run time",
+        ]
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the choice for machines."""
+        """Return the choice for JSON."""
 
         def brief(row: Row) -> dict[str, Any]:
             errors = {name: row.errors[name] for name in self.wanted}
             return row.as_dict() | {"error": row.worst(self.wanted), "errors": errors}
 
         following = None if self.following is None else brief(self.following) | {"cost": self.ratio}
-        asked = {"error": self.error, "wanted": list(self.wanted)}
-        return {"asked": asked, "chosen": brief(self.row), "passed": dict(self.passed), "next": following}
+        request = {"error": self.error, "wanted": list(self.wanted)}
+        return {"asked": request, "chosen": brief(self.row), "passed": dict(self.passed), "next": following}
 
 
-def why_not(row: Row, error: float, wanted: Sequence[str]) -> str:
-    """Say why a row does not meet an error, "" where it does."""
+def why_not(row: Row, error: float, outputs: Sequence[str]) -> str:
+    """Return the reason why a row does not meet an error; "" if it does.
+
+    Args:
+        row: The row.
+        error: Allowed relative error.
+        outputs: Names of the outputs that must meet the error.
+    """
     if row.failure:
         return row.failure
-    lacking = NOT_MODELLED.get(_NUMBER.get(row.fidelity, -1), {})
-    for name in wanted:
-        if name in lacking:
-            return f"it {lacking[name]} ({name})"
-    unknown = [name for name in wanted if math.isnan(row.errors.get(name, math.nan))]
+    not_modelled = NOT_MODELLED.get(_NUMBER.get(row.fidelity, -1), {})
+    for name in outputs:
+        if name in not_modelled:
+            return f"it {not_modelled[name]} ({name})"
+    unknown = [name for name in outputs if math.isnan(row.errors.get(name, math.nan))]
     if unknown:
         return f"no reference for {', '.join(unknown)}"
-    largest, worst = row.worst_of(wanted)
-    return "" if largest <= error else f"error {largest:.2g} ({worst})"
+    maximum, worst = row.worst_of(outputs)
+    return "" if maximum <= error else f"error {maximum:.2g} ({worst})"
 
 
 def cheapest(rows: Sequence[Row]) -> Row | None:
-    """Pick the cheapest by wall time; of settings of one level by right-hand sides, which do not jitter."""
+    """Return the row with the minimum run time, or None without rows.
+
+    Settings of one level are compared by right-hand-side evaluations, which have no measurement noise.
+
+    Args:
+        rows: The rows.
+    """
     best: dict[tuple[str, float], Row] = {}
     for row in sorted(rows, key=lambda row: row.evaluations):
         best.setdefault((row.level, row.communication_step), row)
     return min(best.values(), key=lambda row: row.wall_time, default=None)
 
 
-def recommend(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> Choice:
-    """Recommend the cheapest level of the module that meets an error in all wanted outputs.
+def recommend(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> Choice:
+    """Recommend the cheapest level of the module that meets an error; peers are excluded.
 
-    The next is the cheapest of a higher fidelity that meets it too, else the cheapest with a tenth of the
-    error.
+    The next level is the cheapest level of a higher fidelity that meets the error. If there is none, it is
+    the cheapest level with a tenth of the error.
 
-    Those of peers are left out. Where none meets it, the sentence tells how far the best gets.
+    Args:
+        rows: Measured rows.
+        error: Allowed relative error.
+        outputs: Names of the outputs that must meet the error.
+
+    Raises:
+        Refused: No level meets the error; the message contains the error of the best level.
     """
-    ours = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(wanted))
-    meeting = [row for row in ours if not why_not(row, error, wanted)]
-    chosen = cheapest(meeting)
+    module_rows = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(outputs))
+    accurate = [row for row in module_rows if not why_not(row, error, outputs)]
+    chosen = cheapest(accurate)
     if chosen is None:
         best = (
-            f"best: {ours[0].label}: {why_not(ours[0], error, wanted)}" if ours else "no level was measured"
+            f"best: {module_rows[0].label}: {why_not(module_rows[0], error, outputs)}"
+            if module_rows
+            else "no level was measured"
         )
-        asked = f"error = {error:g} in {', '.join(wanted)}"
-        raise Refused(f"no fidelity level reaches {asked}; {best}")
-    higher = [row for row in meeting if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
-    much = 0.1 * min(error, chosen.worst(wanted))
-    finer = [row for row in meeting if row.worst(wanted) <= much and row.wall_time > chosen.wall_time]
-    # one line a level: its best that is cheaper or, where nothing is known, any
+        request = f"error = {error:g} in {', '.join(outputs)}"
+        raise Refused(f"no fidelity level reaches {request}; {best}")
+    higher = [row for row in accurate if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
+    fine_error = 0.1 * min(error, chosen.worst(outputs))
+    finer = [row for row in accurate if row.worst(outputs) <= fine_error and row.wall_time > chosen.wall_time]
+    # One line per level: its most accurate row that is not slower than the choice, or that failed.
     passed: dict[str, tuple[str, str]] = {}
-    for row in ours:
-        reason = why_not(row, error, wanted)
+    for row in module_rows:
+        reason = why_not(row, error, outputs)
         if reason and not row.wall_time > chosen.wall_time:
             passed.setdefault(row.level, (row.label, reason))
     following = cheapest(higher) or cheapest(finer)
-    return Choice(chosen, tuple(wanted), error, following, dict(passed.values()))
+    return Choice(chosen, tuple(outputs), error, following, dict(passed.values()))
 
 
 # --- on a terminal ---
 
 
-def at_levels(rows: Sequence[Row], error: float, wanted: Sequence[str]) -> list[Row]:
-    """Pick a row for each fidelity and method: its cheapest that meets the error, else its most accurate.
+def at_levels(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> list[Row]:
+    """Return a row for each level: its cheapest row that meets the error, or else its most accurate row.
 
-    The cheapest is found as in recommend, so the recommended row is one of these.
+    The rule is the rule of recommend, so the recommended row is included.
+
+    Args:
+        rows: Measured rows.
+        error: Allowed relative error.
+        outputs: Names of the outputs that must meet the error.
     """
     levels: dict[str, list[Row]] = {}
     for row in rows:
         levels.setdefault(row.level, []).append(row)
     return [
-        cheapest([row for row in level if not why_not(row, error, wanted)])
-        or min(level, key=lambda row: row.worst(wanted))
+        cheapest([row for row in level if not why_not(row, error, outputs)])
+        or min(level, key=lambda row: row.worst(outputs))
         for level in levels.values()
     ]
 
 
-def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: float | None = None) -> None:
-    """Print a line for each level of fidelity: its largest error in the wanted outputs, and its cost.
+def print_levels(title: str, rows: Sequence[Row], outputs: Sequence[str], error: float | None = None) -> None:
+    """Print a table with the maximum error and the run time of each level.
 
-    The rows are of one communication step; the largest error allowed is 1 % where none is given.
+    Args:
+        title: Title of the table.
+        rows: Measured rows of one communication step.
+        outputs: Names of the outputs.
+        error: Allowed relative error; None for 1 %.
     """
     from rich import box
     from rich.table import Table
@@ -341,10 +429,10 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
     for heading in ("fidelity level", "setting", "error", "maximum in", "ms per s"):
         table.add_column(heading, no_wrap=heading != "maximum in")
-    for row in at_levels(rows, allowed, wanted):
-        largest, worst = row.worst_of(wanted)
+    for row in at_levels(rows, allowed, outputs):
+        maximum, worst = row.worst_of(outputs)
         cost = text(1e3 * row.wall_time, ".3g")
-        table.add_row(row.level, row.setting, text(largest, ".1e"), worst.replace("_", " "), cost)
+        table.add_row(row.level, row.setting, text(maximum, ".1e"), worst.replace("_", " "), cost)
     console = terminal()
     console.print(title, style="bold")
     console.print(
@@ -357,28 +445,44 @@ def print_levels(title: str, rows: Sequence[Row], wanted: Sequence[str], error: 
 
 # --- trial runs ---
 
-# relative to the energy in, for they are small or zero by themselves
+# energies, whose errors are relative to the input energy because they can be small or zero
 _ENERGIES = ("energy_in", "energy_out", "energy_stored", "energy_lost", "energy_residual")
 
 
 def timed(run: Callable[[], Any]) -> float:
-    """Measure the wall time of a call, s."""
+    """Return the wall time of a call, s.
+
+    Args:
+        run: Function to call.
+    """
     begin = time.perf_counter()
     run()
     return time.perf_counter() - begin
 
 
 def median_of(measure: Callable[[], float], repeats: int = 11) -> float:
-    """Take the median of at most so many measurements; where they are slow of fewer, at least one."""
-    found: list[float] = []
-    begun = time.perf_counter()
-    while len(found) < repeats and (not found or time.perf_counter() - begun < 0.5):
-        found.append(measure())
-    return statistics.median(found)
+    """Return the median of repeated measurements.
+
+    Measurements end after 0.5 s; at least one is made.
+
+    Args:
+        measure: Function that returns one measurement.
+        repeats: Maximum number of measurements.
+    """
+    measurements: list[float] = []
+    start = time.perf_counter()
+    while len(measurements) < repeats and (not measurements or time.perf_counter() - start < 0.5):
+        measurements.append(measure())
+    return statistics.median(measurements)
 
 
 def median_time(run: Callable[[], Any], repeats: int = 11) -> float:
-    """Measure the median wall time, s, of at most so many calls, as median_of."""
+    """Return the median wall time of a call, s, as median_of.
+
+    Args:
+        run: Function to call.
+        repeats: Maximum number of calls.
+    """
     return median_of(lambda: timed(run), repeats)
 
 
@@ -389,42 +493,58 @@ def kernel_time(
     communication_step: float,
     repeats: int = 31,
 ) -> float:
-    """Measure the time of the kernel for a run that succeeds, s: of all steps less of none, in turns.
+    """Measure the kernel time of a successful run, s: time with all steps minus time without steps.
 
     Args:
-        module: that ran it. begin: its state before (Module.save).
-        inputs: (omega1, load_torque, drive_torque) of each step.
+        module: Module of the run.
+        begin: State before the run, from Module.save.
+        inputs: Values of PLANT_INPUTS in each step, shape (steps, 3).
+        communication_step: Communication step, s.
+        repeats: Maximum number of measurements.
     """
-    given, lengths = np.array(inputs, dtype=float), np.full(len(inputs), communication_step)
+    values, lengths = np.array(inputs, dtype=float), np.full(len(inputs), communication_step)
     rows = np.empty((len(inputs) + 1, 0))
 
     def steps(number: int) -> float:
         module.restore(begin)
-        given_steps = lengths[:number], PLANT_INPUTS, given[:number], (), rows[: number + 1]
-        return timed(partial(module.take_steps, *given_steps))
+        arguments = lengths[:number], PLANT_INPUTS, values[:number], (), rows[: number + 1]
+        return timed(partial(module.take_steps, *arguments))
 
-    spent = median_of(lambda: steps(len(inputs)) - steps(0), repeats)
-    # what can be measured takes 10 ns a call
-    return max(spent, 1e-8 * len(inputs))
+    duration = median_of(lambda: steps(len(inputs)) - steps(0), repeats)
+    # minimum measurable time: 10 ns per step
+    return max(duration, 1e-8 * len(inputs))
 
 
 def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
-    """Run a scene whose fidelity is chosen: all variables of the module and all signals of the loop."""
-    loop = ClosedLoop(_started(scene), scene.surroundings, COMPUTED, scene.signal_units)
+    """Run a scene in memory and record all variables of the module and all signals of the loop.
+
+    Args:
+        scene: Scene with a named fidelity.
+        progress: Function called with the completed fraction of the run, 0 to 1.
+
+    Raises:
+        Refused: The module rejects a value or a step.
+    """
+    loop = ClosedLoop(_start_module(scene), scene.surroundings, COMPUTED, scene.signal_units)
     return loop.run(scene.run.stop_time, progress)
 
 
-def _started(scene: Scene) -> Module:
+def _start_module(scene: Scene) -> Module:
     values, inputs = start_of(scene)
     return Module().start(**values, **inputs)
 
 
 def time_of(scene: Scene, record: Result) -> float:
-    """Measure the time of the kernel in a scene, s per simulated second; record: of run_in_process."""
-    plant = _started(scene)
-    # the signals of a row are held over the step it begins, the other inputs over the run
-    held = [record[name] if name in record else np.full(len(record), plant[name]) for name in PLANT_INPUTS]
-    steps = np.transpose(held)[:-1].tolist()
+    """Measure the kernel time of a scene, s per simulated second.
+
+    Args:
+        scene: Scene with a named fidelity.
+        record: Record of the scene, from run_in_process.
+    """
+    plant = _start_module(scene)
+    # Signals of a row are constant over the step after it, other inputs over the run.
+    inputs = [record[name] if name in record else np.full(len(record), plant[name]) for name in PLANT_INPUTS]
+    steps = np.transpose(inputs)[:-1].tolist()
     return kernel_time(plant, plant.save(), steps, scene.run.communication_step) / scene.run.stop_time
 
 
@@ -432,9 +552,10 @@ def time_of(scene: Scene, record: Result) -> float:
 
 
 def _features(record: Result, name: str, window: float) -> list[Array]:
-    """Window means and, of what pulses, window RMS; the start itself is left out: it is no step.
+    """Return window means of an output and, if it pulses, window RMS values.
 
-    What is left over belongs to the last window.
+    The first row is excluded because no step precedes it. Rows after the last whole window belong to this
+    window.
     """
     values = record[name][1:]
     rows = max(round(window / float(record.time[1] - record.time[0])), 1)
@@ -447,30 +568,50 @@ def _features(record: Result, name: str, window: float) -> list[Array]:
 
 
 def window_errors(record: Result, exact: Result, window: float, fidelity: int) -> Mapping[str, float]:
-    """Compute the error of each recorded output, NaN where the fidelity does not model it.
+    """Return the relative error of each recorded output; NaN if the fidelity does not model it.
 
-    Each is the largest difference over the windows, s, from the exact record over the same time, relative to
-    the largest magnitude of the output in that; energies relative to the largest energy in.
+    The error is the maximum difference of window averages. It is relative to the maximum magnitude of the
+    output in the reference, or to the maximum input energy for energies.
+
+    Args:
+        record: Record of the run.
+        exact: Reference record over the same time.
+        window: Length of the windows, s.
+        fidelity: Number of the fidelity of the run.
     """
-    largest_energy = float(np.abs(exact["energy_in"]).max())
-    # evaluations are a matter of cost
+    energy_scale = float(np.abs(exact["energy_in"]).max())
+    # Evaluations measure cost, not accuracy.
     errors = {"rhs_evaluations": 0.0} | dict.fromkeys(NOT_MODELLED[fidelity], math.nan)
     for name in exact.names:
         if name == TIME or name in errors:
             continue
         pairs = zip(_features(record, name, window), _features(exact, name, window), strict=True)
-        difference = max(float(np.abs(ours - theirs).max()) for ours, theirs in pairs)
-        scale = largest_energy if name in _ENERGIES else float(np.abs(exact[name]).max())
+        difference = max(float(np.abs(actual - expected).max()) for actual, expected in pairs)
+        scale = energy_scale if name in _ENERGIES else float(np.abs(exact[name]).max())
         errors[name] = 0.0 if difference == 0.0 else difference / scale if scale > 0.0 else math.inf
     return {name: errors[name] for name in exact.names if name != TIME}
 
 
-# --- levels, measured ---
+# --- measurements of levels ---
 
 
 def at_level(scene: Scene, level: Level, communication_step: float | None = None) -> Scene:
-    """Set a scene to a level; where that has no elastic shaft, the driven mass is rigid with the hub."""
-    values = {**at_fidelity(scene.given, level.fidelity), "method": None, "max_step": None, **level.values}
+    """Return a copy of a scene at a level; unless it is elastic, the driven mass is rigid with the hub.
+
+    Args:
+        scene: The scene.
+        level: The level.
+        communication_step: Communication step, s; None for the step of the scene.
+
+    Raises:
+        SceneError: The new scene is invalid.
+    """
+    values = {
+        **at_fidelity(scene.explicit_parameters, level.fidelity),
+        "method": None,
+        "max_step": None,
+        **level.values,
+    }
     tolerance = values.pop("tolerance", None)
     step = communication_step or scene.run.communication_step
     return scene.replaced(
@@ -479,8 +620,12 @@ def at_level(scene: Scene, level: Level, communication_step: float | None = None
 
 
 def reference_level(scene: Scene) -> Level:
-    """Pick the finest level of a scene: elastic where it has parameters of an elastic output."""
-    return event(ELASTIC if is_elastic(scene.given) else RIGID, 1e-12)
+    """Return the finest level of a scene: elastic if it has parameters of an elastic output, else rigid.
+
+    Args:
+        scene: The scene.
+    """
+    return event(ELASTIC if is_elastic(scene.explicit_parameters) else RIGID, 1e-12)
 
 
 def measure_scene(
@@ -489,27 +634,37 @@ def measure_scene(
     steps: Sequence[float] | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Run a scene at levels in communication steps, s, or its own; rows of errors against the finest level.
+    """Run a scene at levels and communication steps, and compare the runs with the finest level.
 
-    Refused where the reference itself is.
+    Args:
+        scene: The scene.
+        levels: Levels to measure.
+        steps: Communication steps, s; None for the step of the scene.
+        progress: Function called with the completed fraction, 0 to 1.
+
+    Returns:
+        A row per step and level, also for failed runs.
+
+    Raises:
+        Refused: The run at the finest level fails.
     """
     lengths = (scene.run.communication_step,) if steps is None else steps
     runs = [(level, step) for step in lengths for level in levels]
 
     def share(number: int) -> Progress:
-        """Tell how much is done, of one of the runs and of the reference, which is the first."""
-        tell = progress or (lambda done: None)
-        return lambda done: tell((number + done) / (1 + len(runs)))
+        """Return the progress function of a run; the reference is run 0."""
+        report = progress or (lambda fraction: None)
+        return lambda fraction: report((number + fraction) / (1 + len(runs)))
 
     reference = run_in_process(at_level(scene, reference_level(scene)), share(0))
 
     def measure(number: int, level: Level, step: float) -> dict[str, Any]:
-        ours = at_level(scene, level, step)
-        record = run_in_process(ours, share(number))
+        scene_at_level = at_level(scene, level, step)
+        record = run_in_process(scene_at_level, share(number))
         last = record.last()
         return {
             "errors": window_errors(record, reference, scene.accuracy.window, level.fidelity),
-            "wall_time": time_of(ours, record),
+            "wall_time": time_of(scene_at_level, record),
             "evaluations": last["rhs_evaluations"],
             "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
         }
@@ -520,11 +675,15 @@ def measure_scene(
     ]
 
 
-# --- kept between runs ---
+# --- measurements in the cache ---
 
 
 def measured_from(scene: Scene) -> dict[str, bytes]:
-    """All that the measurements of a scene depend on: the simulated system, and the code."""
+    """Return everything that the measurements of a scene depend on: the simulated system and the code.
+
+    Args:
+        scene: The scene.
+    """
     chosen = {"mechanism": {"fidelity", "method", "max_step"}, "accuracy": {"tolerance", "error"}}
     others: dict[str, Any] = {"title": True, "description": True, "run": {"outputs"}}
     content = scene.model_dump_json(exclude_none=True, exclude=chosen | others)
@@ -532,12 +691,21 @@ def measured_from(scene: Scene) -> dict[str, bytes]:
 
 
 def candidates(scene: Scene) -> list[Level]:
-    """List the levels that are tried for a scene."""
-    return list(all_levels(is_elastic(scene.given), few=True))
+    """Return the levels that are measured to choose one for a scene.
+
+    Args:
+        scene: The scene.
+    """
+    return list(all_levels(is_elastic(scene.explicit_parameters), few=True))
 
 
 def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Give the rows of the candidates for a scene, from the last time if nothing has changed since."""
+    """Return the rows of the candidates for a scene, from the cache if nothing has changed.
+
+    Args:
+        scene: The scene.
+        progress: Function called with the completed fraction, 0 to 1.
+    """
 
     def measure() -> bytes:
         rows = measure_scene(scene, candidates(scene), progress=progress)
@@ -548,31 +716,47 @@ def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
 
 
 def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choice]:
-    """Choose the cheapest level that meets accuracy.error in all of run.outputs; the scene at it, and why."""
+    """Choose the cheapest level that meets accuracy.error in all outputs of a scene.
+
+    Args:
+        scene: Scene with accuracy.error.
+        progress: Function called with the completed fraction, 0 to 1.
+
+    Returns:
+        The scene at the level, and the reasons.
+
+    Raises:
+        Refused: No level meets the error.
+    """
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)
     step = choice.row.communication_step
-    (chosen,) = (one for one in candidates(scene) if one.row(step).label == choice.row.label)
+    (chosen,) = (level for level in candidates(scene) if level.row(step).label == choice.row.label)
     return at_level(scene, chosen), choice
 
 
-# --- the trade: error over cost, on log-log axes ---
+# --- work-precision diagram ---
 
-# label of a cost, and factor to the unit in it
+# label of a cost, and factor to its displayed unit
 _AXES = {
     "wall_time": ("kernel time [ms per simulated second]", 1e3),
     "evaluations": ("right-hand-side evaluations", 1.0),
 }
 
 
-def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Figure:
-    """Draw the largest error in the wanted outputs over wall time and over right-hand sides.
+def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> Figure:
+    """Draw the maximum error over run time and over right-hand-side evaluations, on logarithmic axes.
 
-    Each run is a mark, a dot of the module or a cross of a peer, in the colour of its level.
+    Runs of the module are dots, runs of peers are crosses, in the colour of the level.
+
+    Args:
+        rows: Measured rows.
+        outputs: Names of the outputs.
+        title: Title of the figure.
     """
     levels: dict[str, list[Row]] = {}
     for row in rows:
-        if 0.0 < row.worst(wanted) < math.inf:
+        if 0.0 < row.worst(outputs) < math.inf:
             name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
             levels.setdefault(name, []).append(row)
     figure = Figure(figsize=(11.0, 5.5), dpi=110, layout="constrained")
@@ -582,7 +766,7 @@ def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Fi
         for name, level in levels.items():
             costs, errors = (
                 [factor * getattr(row, cost) for row in level],
-                [row.worst(wanted) for row in level],
+                [row.worst(outputs) for row in level],
             )
             axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=4, label=name)
         axes.set_xlabel(label)
@@ -593,8 +777,13 @@ def work_precision(rows: Sequence[Row], wanted: Sequence[str], title: str) -> Fi
 
 
 def measured_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
-    """Measure a scene at all levels, in its own communication step and in longer ones."""
+    """Measure a scene at all levels, with its communication step and with 10 and 100 times longer steps.
+
+    Args:
+        scene: The scene.
+        progress: Function called with the completed fraction, 0 to 1.
+    """
     longer = (factor * scene.run.communication_step for factor in (1, 10, 100))
     steps = [step for step in longer if whole_steps(scene.run.stop_time, step)]
-    levels = list(all_levels(is_elastic(scene.given)))
+    levels = list(all_levels(is_elastic(scene.explicit_parameters)))
     return measure_scene(scene, levels, steps, progress)

@@ -1,1 +1,1 @@
-"""Pictures."""
+"""Figures of mechanisms, scenes and jobs, and the HTML report."""

@@ -1,4 +1,4 @@
-"""Pictures of what the jobs found: charts, sweeps, designs, fits, orders."""
+"""Figures of charts, sweeps, designs, fits and order analyses."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from ..jobs.orders import BASES, Orders
 from ..jobs.sweep import SweepResult, varies
 from .panels import SIZE, Array, dress, plain, sheet, titled
 
-# --- torque converter charts, one curve a mechanism ---
+# --- torque converter charts, one curve per mechanism ---
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
-# of the lines of equal efficiency
-LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
-# panels of a chart, the last two of one with engagements: title and unit
+# efficiencies of the contour lines
+EFFICIENCY_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
+# title and unit of the panels of a chart; the last two panels require engagements
 PANELS = (
     ("torque ratio, efficiency (dashed)", ""),
     ("mean output torque{per_square}; bar: lock-up torque", "{torque}"),
@@ -40,8 +40,8 @@ PANELS = (
     ("engagements: output, housing (dashed), limit (dotted)", "{engagements}"),
     ("maximum output freewheel torque{per_square}", "{torque}"),
 )
-AT_ANY_SPEED = {"per_square": " / ω1²", "torque": "N·m·s²", "engagements": "per input revolution"}
-AT_ONE_SPEED = {"per_square": "", "torque": "N·m", "engagements": "Hz"}
+UNITS_PER_SPEED = {"per_square": " / ω1²", "torque": "N·m·s²", "engagements": "per input revolution"}
+UNITS_AT_SPEED = {"per_square": "", "torque": "N·m", "engagements": "Hz"}
 
 
 def chart_figure(
@@ -54,52 +54,54 @@ def chart_figure(
     """Draw torque ratio and efficiency, output and input torque, ripple and engagements over the speed ratio.
 
     Args:
-        charts: by the names for the legend.
-        maps: of steady_map, whose efficiency is drawn.
-        speed_unit: of the input.
-        allowed: by name, maximum number of engagements of a freewheel per revolution of the input.
-        omega1: speed of the input, rad/s, for torques in N.m; without it torques are divided by its square.
+        charts: Charts by the names in the legend.
+        maps: Results of steady_map by name, for efficiency maps.
+        speed_unit: Unit of the input speed.
+        allowed: Maximum engagements of a freewheel per revolution of the input, by chart.
+        omega1: Input speed, rad/s, for torques in N.m; None for torques divided by the square of the speed.
 
     Returns:
-        A matplotlib Figure of 1200 x 900 pixels, with engagements and with maps higher by half.
+        A matplotlib Figure of 1200 x 900 pixels, half as high again for engagements and for maps.
     """
-    engaged = any(one.output_engagements is not None for one in charts.values())
-    height = 1.0 + 0.5 * engaged
-    squared, turns = (1.0, 1.0) if omega1 is None else (omega1**2, abs(omega1) / math.tau)
-    units, at = AT_ANY_SPEED, ""
+    has_engagements = any(chart.output_engagements is not None for chart in charts.values())
+    height = 1.0 + 0.5 * has_engagements
+    torque_factor, frequency_factor = (1.0, 1.0) if omega1 is None else (omega1**2, abs(omega1) / math.tau)
+    units, at = UNITS_PER_SPEED, ""
     if omega1 is not None:
-        units = AT_ONE_SPEED
+        units = UNITS_AT_SPEED
         at = f" at {omega1 * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
     figure = sheet(f"Torque converter chart{at}", (height + 0.5 * bool(maps)) * SIZE[1])
     upper: Figure | SubFigure = figure
     if maps:
         parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0 * height, 1))
         upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
-        for axes, (name, found) in zip(below.flat, maps.items(), strict=True):
+        for axes, (name, steady_map) in zip(below.flat, maps.items(), strict=True):
             axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
-            _efficiency(axes, found, speed_unit)
-    panels = upper.subplots(2 + engaged, 2, sharex=True)
-    ratio, output, taken, ripple, *duty = panels.flat
+            _efficiency(axes, steady_map, speed_unit)
+    panels = upper.subplots(2 + has_engagements, 2, sharex=True)
+    ratio, output, input_torque, ripple, *duty = panels.flat
     for number, (name, chart) in enumerate(charts.items()):
         colour = COLOURS[number % len(COLOURS)]
         speed, torque = chart.speed_ratio, chart.output_torque
-        # torque ratio and ripple where they are not too steep
-        gentle = chart.input_torque * LARGEST_TORQUE_RATIO > torque
-        passing = torque > 1e-3 * max(chart.stall_torque, 1e-300)
-        ratio.plot(speed[gentle], torque[gentle] / chart.input_torque[gentle], color=colour, label=name)
+        # Torque ratio and ripple are drawn only within a limited range.
+        in_range = chart.input_torque * LARGEST_TORQUE_RATIO > torque
+        has_torque = torque > 1e-3 * max(chart.stall_torque, 1e-300)
+        ratio.plot(speed[in_range], torque[in_range] / chart.input_torque[in_range], color=colour, label=name)
         ratio.plot(speed, chart.efficiency, "--", color=colour)
-        output.plot(speed, squared * torque, color=colour, label=name)
+        output.plot(speed, torque_factor * torque, color=colour, label=name)
         if chart.lock_up_torque[0] > 0.0:
-            bar = [0.0, squared * chart.lock_up_torque[0]]
+            bar = [0.0, torque_factor * chart.lock_up_torque[0]]
             output.plot([1.0, 1.0], bar, color=colour, linewidth=3.0, alpha=0.5)
-        taken.plot(speed, squared * chart.input_torque, color=colour, label=name)
-        ripple.plot(speed[passing], chart.ripple[passing] / torque[passing], color=colour, label=name)
+        input_torque.plot(speed, torque_factor * chart.input_torque, color=colour, label=name)
+        ripple.plot(
+            speed[has_torque], chart.ripple[has_torque] / torque[has_torque], color=colour, label=name
+        )
         if chart.output_engagements is not None and chart.housing_engagements is not None:
-            duty[0].plot(speed, turns * chart.output_engagements, color=colour, label=name)
-            duty[0].plot(speed, turns * chart.housing_engagements, "--", color=colour)
-            duty[1].plot(speed, squared * chart.peak, color=colour, label=name)
+            duty[0].plot(speed, frequency_factor * chart.output_engagements, color=colour, label=name)
+            duty[0].plot(speed, frequency_factor * chart.housing_engagements, "--", color=colour)
+            duty[1].plot(speed, torque_factor * chart.peak, color=colour, label=name)
             if name in allowed:
-                duty[0].axhline(turns * allowed[name], color=colour, linestyle=":")
+                duty[0].axhline(frequency_factor * allowed[name], color=colour, linestyle=":")
     for axes, (title, unit) in zip(panels.flat, PANELS, strict=False):
         axes.set_title(title.format(**units), loc="left", fontsize=11)
         axes.set_ylabel(unit.format(**units))
@@ -114,15 +116,15 @@ def chart_figure(
     return figure
 
 
-def _efficiency(axes: Axes, found: Mapping[str, Array], unit: str) -> None:
+def _efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
     """Draw lines of equal efficiency over speed ratio and input speed."""
-    ratios, efficiency = found["speed_ratio"], found["efficiency"]
+    ratios, efficiency = steady_map["speed_ratio"], steady_map["efficiency"]
     end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
-    speeds = np.abs(found["omega1"]) * factor_between("rad/s", unit)
-    curves = ratios, speeds, efficiency, LEVELS
-    filled = axes.contourf(*curves, cmap="viridis")
+    speeds = np.abs(steady_map["omega1"]) * factor_between("rad/s", unit)
+    curves = ratios, speeds, efficiency, EFFICIENCY_LEVELS
+    contours = axes.contourf(*curves, cmap="viridis")
     axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
-    axes.figure.colorbar(filled, ax=axes)
+    axes.figure.colorbar(contours, ax=axes)
     axes.set_xlim(0.0, ratios[min(end, ratios.size - 1)])
     axes.set_xlabel("speed ratio, output / input")
     axes.set_ylabel(f"input speed [{unit}]")
@@ -130,24 +132,25 @@ def _efficiency(axes: Axes, found: Mapping[str, Array], unit: str) -> None:
 
 # --- sweeps ---
 
-# shown, where they vary and nothing else is asked for
+# metrics of the default selection, if they vary
 USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_mean", "satellite_force_peak")
-MOST = 3
+MAX_METRICS = 3
 
 
 def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
-    """Draw a sweep: maps over two keys, else each figure over each key.
+    """Draw a sweep: maps over two keys, otherwise each metric over each key.
 
     Args:
-        sweep: what it gave. figures: names of those to show, by default at most MOST that vary.
+        sweep: Result of the sweep.
+        figures: Names of metrics; without names up to MAX_METRICS metrics that vary.
 
     Raises:
-        Refused: the sweep has no such figure.
+        Refused: The sweep has no metric of this name.
     """
     names = list(figures)
     if not names:
-        known = sorted(sweep.figures, key=lambda name: name not in USUAL)
-        names = [name for name in known if varies(sweep.figure(name))][:MOST]
+        candidates = sorted(sweep.figures, key=lambda name: name not in USUAL)
+        names = [name for name in candidates if varies(sweep.figure(name))][:MAX_METRICS]
     rows, columns = max(len(names), 1), 1 if len(sweep.axes) == 2 else len(sweep.axes)
     picture = sheet(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
     panels = picture.subplots(rows, columns, sharey="row", squeeze=False)
@@ -167,28 +170,28 @@ def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
 
 
 def _places(sweep: SweepResult, axis: Axis) -> NDArray[Any]:
-    """Places of the points on an axis: numbers, or names, which matplotlib puts side by side."""
+    """Return the values of the samples on an axis: numbers, or names, which matplotlib spaces equally."""
     return np.array([row.point[axis.name] for row in sweep.rows])
 
 
 def _scale(panel: Axes, sweep: SweepResult, axis: Axis, side: str) -> None:
-    """Label one side, x or y, of a panel by an axis."""
+    """Set label and scale of one side, x or y, of a panel for an axis of the sweep."""
     getattr(panel, f"set_{side}label")(titled(axis.name, sweep.units.get(axis.name, "")))
     if axis.logarithmic:
         getattr(panel, f"set_{side}scale")("log")
 
 
 def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
-    """Draw a grid as a map, other samples as dots; what was refused stays white."""
+    """Draw a grid as a map, other samples as dots; failed samples stay white."""
     x, y = (_places(sweep, axis) for axis in sweep.axes)
     across, up = np.unique(x), np.unique(y)
     if across.size * up.size == values.size:
         table = np.full((up.size, across.size), np.nan)
         table[np.searchsorted(up, y), np.searchsorted(across, x)] = values
-        drawn: Any = panel.pcolormesh(across, up, table, shading="nearest")
+        artist: Any = panel.pcolormesh(across, up, table, shading="nearest")
     else:
-        drawn = panel.scatter(x, y, c=values, s=14)
-    panel.figure.colorbar(drawn, ax=panel, label=label)
+        artist = panel.scatter(x, y, c=values, s=14)
+    panel.figure.colorbar(artist, ax=panel, label=label)
     for axis, side in zip(sweep.axes, "xy", strict=True):
         _scale(panel, sweep, axis, side)
 
@@ -196,56 +199,58 @@ def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
 # --- designs ---
 
 
-def design_figure(found: DesignResult) -> Figure:
-    """Draw a design: one goal over the designs in their order, or the other goals over the first.
+def design_figure(result: DesignResult) -> Figure:
+    """Draw a design: a single goal over the number of the design, or the other goals over the first.
 
     Args:
-        found: of design.
+        result: Result of design.
     """
-    names = list(found.judge.spec.goals)
+    names = list(result.judge.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = sheet(found.judge.spec.title, 1.0 + 4.8 * len(up))
+    picture = sheet(result.judge.spec.title, 1.0 + 4.8 * len(up))
     for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
-        _goals(panel, found, across, name)
+        _goals(panel, result, across, name)
     return picture
 
 
-def _goals(panel: Axes, found: DesignResult, across: str | None, up: str) -> None:
+def _goals(panel: Axes, result: DesignResult, across: str | None, up: str) -> None:
     """Draw one goal over another, or over the number of the design."""
-    place = {str(row.point): n for n, row in enumerate(found.rows, 1)}
+    place = {str(row.point): n for n, row in enumerate(result.rows, 1)}
 
     def points(rows: Sequence[Row]) -> tuple[Array, Array]:
-        """Coordinates of rows, NaN without the figure."""
+        """Return the coordinates of rows; NaN for missing metrics."""
         x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
         return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
 
-    meets = [found.judge.meets(row) for row in found.rows]
+    meets = [result.judge.meets(row) for row in result.rows]
     groups = ("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")
-    for label, wanted, colour in groups:
-        rows = [row for row, one in zip(found.rows, meets, strict=True) if one is wanted]
+    for label, is_group, colour in groups:
+        rows = [row for row, is_valid in zip(result.rows, meets, strict=True) if is_valid is is_group]
         panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
     style = "k*" if across is None else "k-"
-    panel.plot(*points(found.front), style, linewidth=1.0, markersize=9, label="Pareto front")
-    for side, one in enumerate(found.finalists):
-        chosen = found.judge.meets(one.checked)
-        (x,), (y,) = points([one.checked])
-        panel.plot(x, y, "o" if chosen else "x", color="tab:green" if chosen else "tab:red", markersize=8)
-        # those beside each other to both sides
-        shift = (-14, -14) if side % 2 else (6, 6)
-        panel.annotate(one.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points")
-    panel.plot([], [], "o", color="tab:green", label=f"verified ({found.judge.spec.search.check})")
-    dress(panel, titled(up, found.judge.unit(up)))
-    x, y = points(found.rows)
+    panel.plot(*points(result.front), style, linewidth=1.0, markersize=9, label="Pareto front")
+    for number, finalist in enumerate(result.finalists):
+        is_valid = result.judge.meets(finalist.checked)
+        (x,), (y,) = points([finalist.checked])
+        panel.plot(x, y, "o" if is_valid else "x", color="tab:green" if is_valid else "tab:red", markersize=8)
+        # Labels of neighbours are on opposite sides.
+        shift = (-14, -14) if number % 2 else (6, 6)
+        panel.annotate(
+            finalist.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points"
+        )
+    panel.plot([], [], "o", color="tab:green", label=f"verified ({result.judge.spec.search.check})")
+    dress(panel, titled(up, result.judge.unit(up)))
+    x, y = points(result.rows)
     _stretch(panel.set_yscale, panel.yaxis, y)
     panel.set_xlabel("design number")
     if across is not None:
         _stretch(panel.set_xscale, panel.xaxis, x)
-        panel.set_xlabel(titled(across, found.judge.unit(across)))
+        panel.set_xlabel(titled(across, result.judge.unit(across)))
     panel.margins(0.03)
 
 
 def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
-    """Make an axis logarithmic, with plain numbers: the first designs of a search are far from the best."""
+    """Make an axis logarithmic, with plain numbers, because the first designs are far from the best."""
     if (values < 0.0).any():
         set_scale("symlog")
         return
@@ -257,28 +262,28 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
 
 # --- fits ---
 
-# standard deviations that 95 % of normal noise are within
-WITHIN = 1.96
+# half width of the band with 95 % of normally distributed noise, in standard deviations
+BAND_95 = 1.96
 
 
-def fit_figure(found: FitResult) -> Figure:
-    """Draw measured and computed over time, below residuals over noise and the band of 95 % of its values.
+def fit_figure(result: FitResult) -> Figure:
+    """Draw measured and computed values over time, and residuals over noise with a band of 95 %.
 
     Args:
-        found: of fit.
+        result: Result of fit.
     """
-    data, table = found.measurement, found.table()
-    figure = sheet(found.scene.title, 1.0 + 4.0 * len(data.columns))
+    data, table = result.measurement, result.table()
+    figure = sheet(result.scene.title, 1.0 + 4.0 * len(data.columns))
     panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
     for n, name in enumerate(data.columns):
         curves, residuals = panels[2 * n : 2 * n + 2]
-        counted, time = data.counted[:, n], table.time
+        is_used, time = data.counted[:, n], table.time
         curves.plot(time, table[f"{name}_measured"], ".", color=GREY, markersize=4, label="measured")
         curves.plot(time, table[f"{name}_computed"], color=VERMILION, linewidth=1.2, label="computed")
         dress(curves, titled(name, data.table.units.get(name, "")))
-        over = table[f"{name}_residual"] / data.noise.get(name, found.noise[name])
-        residuals.axhspan(-WITHIN, WITHIN, color=BLUE, alpha=0.12)
-        residuals.plot(time[counted], over[counted], ".", color=BLUE, markersize=4)
+        normalised = table[f"{name}_residual"] / data.noise.get(name, result.noise[name])
+        residuals.axhspan(-BAND_95, BAND_95, color=BLUE, alpha=0.12)
+        residuals.plot(time[is_used], normalised[is_used], ".", color=BLUE, markersize=4)
         dress(residuals, "residual / noise")
     panels[-1].set_xlabel("time [s]")
     return figure
@@ -286,22 +291,22 @@ def fit_figure(found: FitResult) -> Figure:
 
 # --- orders ---
 
-# lines named in a panel
+# number of labelled lines in a panel
 NAMED = 3
-# signals whose amplitudes differ by less than this share of the largest share a row
+# signals share a row if their amplitudes differ by less than this fraction of the maximum
 SAME_RTOL = 1e-6
 
 
 def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: str = "rad/s") -> Figure:
-    """Draw left the spectrum of each signal, right its waterfall: over the speed in a run-up, else over time.
+    """Draw the spectrum of each signal and its waterfall, over the speed in a run-up, otherwise over time.
 
-    Constant signals are left out. Signals with the same amplitudes share a row.
+    Constant signals are omitted. Signals with equal amplitudes share a row.
 
     Args:
-        result: of orders.
-        title: of the figure.
+        result: Result of orders.
+        title: Title of the figure.
         in_hz: True for waterfalls over Hz and rpm instead of orders.
-        speed_unit: unit of the speed of link 1 over orders.
+        speed_unit: Unit of the speed of link 1 in waterfalls over orders.
     """
     rows = _rows_of(result)
     figure = sheet(title, 1.2 + 2.6 * max(len(rows), 1))
@@ -311,9 +316,9 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
     panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
     for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
         _spectrum(left, result, name, label)
-        drawn = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
-        if drawn is not None:
-            figure.colorbar(drawn, ax=right, label=result.units[name])
+        mesh = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
+        if mesh is not None:
+            figure.colorbar(mesh, ax=right, label=result.units[name])
     for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
         axes.set_xlim(0.0, result.highest * (1.0 if in_order else float(result.rate.max())))
         axes.set_xlabel(f"order [cycles per {BASES[result.of]}]" if in_order else "frequency [Hz]")
@@ -321,23 +326,23 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
 
 
 def _rows_of(result: Orders) -> dict[str, str]:
-    """Return the signals that swing, each with its label, which lists signals with the same amplitudes."""
+    """Return the label of each oscillating signal, with the names of signals of equal amplitudes."""
     labels: dict[str, list[str]] = {}
     for name, amplitude in result.amplitude.items():
         if not amplitude.any():
             continue
-        largest = float(amplitude.max())
-        same = (
+        maximum = float(amplitude.max())
+        equal_signals = (
             other
             for other in labels
-            if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * largest)
+            if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * maximum)
         )
-        labels.setdefault(next(same, name), []).append(name.replace("_", " "))
+        labels.setdefault(next(equal_signals, name), []).append(name.replace("_", " "))
     return {name: titled(", ".join(names), result.units[name]) for name, names in labels.items()}
 
 
 def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
-    """Draw the mean spectrum of a signal with the orders of its largest lines."""
+    """Draw the mean spectrum of a signal and label the orders of its main lines."""
     amplitude = result.amplitude[name]
     axes.plot(result.order, amplitude, color=VERMILION, linewidth=1.2)
     for line in result.largest(NAMED)[name]:
@@ -348,7 +353,7 @@ def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
 
 
 def _waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: str) -> Any:
-    """Draw the amplitudes of a signal in each window; None if there is one window."""
+    """Draw the amplitudes of a signal in each window; return None if there is only one window."""
     over, label = result.time, "time [s]"
     if result.time.size > 1 and (np.diff(result.speed) > 1e-3 * result.speed[0]).all():
         over, label = result.speed * factor_between("rad/s", speed_unit), f"speed of link 1 [{speed_unit}]"
@@ -356,7 +361,7 @@ def _waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: s
     if over.size < 2:
         axes.text(0.5, 0.5, "one window", ha="center", transform=axes.transAxes)
         return None
-    largest = float(result.waterfall[name].max())
-    norm = LogNorm(1e-3 * largest, largest, clip=True)
+    maximum = float(result.waterfall[name].max())
+    norm = LogNorm(1e-3 * maximum, maximum, clip=True)
     across = result.frequency if in_hz else result.order
     return axes.pcolormesh(across, over, result.waterfall[name], norm=norm, cmap="viridis", shading="nearest")

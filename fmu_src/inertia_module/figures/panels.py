@@ -1,4 +1,4 @@
-"""Look of all pictures: sheets, dressed panels, labels with units, smoothed curves."""
+"""Common style of all figures: size, grid, legend, labels with units, smoothed curves."""
 
 from __future__ import annotations
 
@@ -12,14 +12,20 @@ from ..scene.keys import MECHANISM
 # 1200 x 900 pixels
 SIZE = (12.0, 9.0)
 DPI = 100
-# a weighted mean over this time, s, shows the drive behind the pulses
+# averaging time that removes pulses, s
 SMOOTHING = 1.0
 
 Array = NDArray[np.float64]
 
 
 def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> Picture:
-    """Make an empty figure with a title; height, width: inches."""
+    """Make an empty figure with a title.
+
+    Args:
+        title: Title; "" for none.
+        height: Height, inches.
+        width: Width, inches.
+    """
     figure = Picture(figsize=(width, height), dpi=DPI, layout="constrained")
     if title:
         figure.suptitle(title, fontsize=15, fontweight="bold")
@@ -27,13 +33,22 @@ def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> P
 
 
 def plain(axes: Axes) -> None:
-    """Grid, and no frame above and to the right."""
+    """Add a grid and remove the upper and right frame.
+
+    Args:
+        axes: The panel.
+    """
     axes.grid(alpha=0.25)
     axes.spines[["top", "right"]].set_visible(False)
 
 
 def dress(axes: Axes, label: str) -> None:
-    """Label, grid and, above the panel where it hides nothing, legend."""
+    """Add a label, a grid and, above the panel, a legend.
+
+    Args:
+        axes: The panel.
+        label: Label of the vertical axis.
+    """
     axes.set_ylabel(label)
     axes.margins(x=0.0)
     plain(axes)
@@ -50,18 +65,34 @@ def dress(axes: Axes, label: str) -> None:
 
 
 def titled(name: str, unit: str) -> str:
-    """Name of a key or a figure as a label, with its unit."""
+    """Return the label of a key or metric, with its unit.
+
+    Args:
+        name: Name of the key or metric.
+        unit: Unit; "" or "1" for none.
+    """
     text = name.removeprefix(MECHANISM).replace("_", " ")
     return f"{text} [{unit}]" if unit not in ("", "1") else text
 
 
 def headline(axes: Axes, text: str) -> None:
-    """Write a line above the legend of a panel."""
+    """Add a line of text above the legend of a panel.
+
+    Args:
+        axes: The panel.
+        text: The line.
+    """
     axes.set_title(text, loc="left", fontsize=11, pad=22)
 
 
 def smooth(time: Array, values: Array, window: float = SMOOTHING) -> Array:
-    """Mean of values over a Hann window, s, around each row (cut off at the ends); time in equal steps."""
+    """Return the mean of values over a Hann window around each row, truncated at the ends, shape (n,).
+
+    Args:
+        time: Times in equal steps, s, shape (n,).
+        values: Values, shape (n,).
+        window: Length of the window, s.
+    """
     rows = round(window / float(time[1] - time[0]))
     weights = np.hanning(min(max(rows, 1), len(time)) + 2)[1:-1]
     total = np.convolve(values, weights, mode="same")

@@ -1,6 +1,7 @@
-"""Report of a scene as one HTML file, to send or to print: its question, what was found, how to repeat it.
+"""Report of a scene as one HTML file, to send or to print: inputs, results, and the command that repeats it.
 
-All of it is what the commands run, chart and orders tell. A part that the scene cannot have says why.
+The results are the results of the commands run, chart and orders. A section that is not available for the
+scene contains the reason.
 """
 
 from __future__ import annotations
@@ -40,21 +41,28 @@ from .mechanism import mechanism_figure
 from .scenes import scene_figure
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
-# what a run for a report records besides what the scene wants
+# variables that a run for a report records in addition to the outputs of the scene
 RECORDED = (
     *(BEARING.get(name, name) for name in SIGNALS),
     *ANGLES,
     *("satellite_force", "satellite_force_peak", "shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
     "housing_torque",
 )
-# of pictures, and their size over that on the screen: letters are to be read on paper
-DPI, SMALLER = 190, 0.8
-# a list of more values is shown by its ends
-LISTED = 16
+# resolution of figures, and their size over the size on the screen, so that text is legible on paper
+DPI, PRINT_SIZE = 190, 0.8
+# maximum number of values of a list; of longer lists the report contains the ends
+MAX_VALUES = 16
 
 
 class Part(NamedTuple):
-    """Content of a section: sentences, a table with its columns, and the data URI of a picture."""
+    """Content of a section.
+
+    Attributes:
+        texts: Sentences.
+        columns: Headings of the table.
+        rows: Rows of the table.
+        picture: Data URI of a figure; "" for none.
+    """
 
     texts: Sequence[str] = ()
     columns: Sequence[str] = ()
@@ -69,25 +77,33 @@ def report_file(
     fmu: Path,
     command: str,
     chosen: Sequence[str] = (),
-    progress: Progress = lambda done: None,
+    progress: Progress = lambda fraction: None,
 ) -> bytes:
-    """Make the report of a run, of a module with RECORDED.
+    """Make the report of a run.
 
     Args:
-        file: of the scene. keys: given instead of its own, KEY=VALUE each. fmu: the file that was run.
-        command: that repeats it. chosen: lines on how the fidelity was chosen.
+        file: Scene file.
+        keys: Values that replace values of the file, KEY=VALUE each.
+        result: Result of the run; for a module with the variables in RECORDED.
+        fmu: FMU file of the run.
+        command: Command that repeats the report.
+        chosen: Lines about the choice of the fidelity.
+        progress: Function called with the completed fraction, 0 to 1.
+
+    Returns:
+        The HTML file.
     """
     content = read_file(file, MAX_TEXT_SIZE)
     text = content.decode("utf-8-sig")
     remarks = [f"warning: {warning}" for warning in result.warnings]
     remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
     remarks += chosen
-    asked, *parameters = _asked(result.scene, text, keys).items()
+    inputs, *parameters = _input_sections(result.scene, text, keys).items()
     sections = {
         "Warnings and remarks": Part(remarks or ["None."]),
-        "Results": _found(result),
+        "Results": _summary(result),
     }
-    sections |= dict([asked])
+    sections |= dict([inputs])
     parts = PARTS | {"Orders": partial(_orders, fmu=fmu, speed_unit=speed_unit(file, keys))}
     for number, (title, make) in enumerate(parts.items()):
         progress(number / len(PARTS))
@@ -106,8 +122,8 @@ def report_file(
     return filled_xml(TEMPLATE, {"scene": result.scene, "sections": sections, "origin": origin, "text": text})
 
 
-def _picture(figure: Figure, size: float = SMALLER) -> str:
-    """A figure as the text of a data URI; its title stands above it on the page."""
+def _picture(figure: Figure, size: float = PRINT_SIZE) -> str:
+    """Return a figure without its title as a data URI, because the section has a heading."""
     figure.suptitle("")
     figure.set_size_inches(*(size * figure.get_size_inches()))
     figure.set_dpi(DPI)
@@ -118,11 +134,11 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-# --- what was asked, and what was given ---
+# --- inputs ---
 
 
 def _flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Values of tables, by keys with dots."""
+    """Yield the dotted keys and values of nested tables."""
     for name, value in tables.items():
         if isinstance(value, dict):
             yield from _flat(value, f"{before}{name}.")
@@ -130,12 +146,12 @@ def _flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, An
             yield f"{before}{name}", value
 
 
-def _shown(value: Any) -> str:
-    """A value of a scene as text: numbers to six digits, of a long list the ends."""
+def _text_of(value: Any) -> str:
+    """Return a value of a scene as text: numbers with six digits, of a long list the ends."""
     if isinstance(value, list):
-        texts = [_shown(one) for one in value]
+        texts = [_text_of(element) for element in value]
         ends = [*texts[:3], f"… ({len(texts)} in all)", texts[-1]]
-        return ", ".join(texts if len(texts) <= LISTED else ends)
+        return ", ".join(texts if len(texts) <= MAX_VALUES else ends)
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):
@@ -143,62 +159,72 @@ def _shown(value: Any) -> str:
     return re.sub(r"\d+\.\d{6,}", lambda digits: f"{float(digits[0]):.6g}", str(value))
 
 
-def _asked(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
-    """Sections of the keys of a scene with their values and sources; last, by group, those of its model."""
-    sources = {key: ("scene file", written) for key, written in _flat(tomllib.loads(text))}
-    sources |= {key: ("--set", written) for key, written in _flat(keys_of(keys))}
+def _input_sections(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
+    """Return sections with the keys of a scene, their values and sources.
 
-    def source(key: str, shown: str, unsaid: str) -> str:
-        """Source of a value, with what is written there where that is something else."""
+    Args:
+        scene: The scene.
+        text: Text of the scene file.
+        keys: Values that replace values of the file, KEY=VALUE each.
+
+    Returns:
+        Section of the inputs, then a section of the model's parameters for each group.
+    """
+    sources = {key: ("scene file", source_value) for key, source_value in _flat(tomllib.loads(text))}
+    sources |= {key: ("--set", source_value) for key, source_value in _flat(keys_of(keys))}
+
+    def source(key: str, value_text: str, default: str) -> str:
+        """Return the source of a value, with the text in the source if it differs from the value."""
         table = key.rpartition(".")[0]
-        place, written = sources.get(key) or sources.get(f"{table}.file") or (unsaid, shown)
-        return place if _shown(written) == shown else f"{place}: {_shown(written)}"
+        place, source_value = sources.get(key) or sources.get(f"{table}.file") or (default, value_text)
+        return place if _text_of(source_value) == value_text else f"{place}: {_text_of(source_value)}"
 
-    module = isinstance(scene, Scene)
-    table, values = ("mechanism", start_of(scene)[0]) if module else ("shaft", scene.parameters())
-    idle = {Group.BEVEL if values.get("layout") else Group.PLANAR}
-    idle |= {Group.ELASTIC} if module and values.get("fidelity") != ELASTIC else set()
-    known, rows = set[str](), {group: list[Sequence[str]]() for group in ("", *Group)}
-    for one in with_causality(PARAMETER, table=scene.VARIABLES.values()):
-        key = "accuracy.tolerance" if module and one.name == "tolerance" else f"{table}.{one.name}"
-        value = values.get(one.name, one.start)
-        shown = _shown(in_range(one).written(value))
-        told = source(key, shown, "default" if value == one.start else "other keys")
-        known.add(key)
-        if told != "default" or one.group not in idle:
-            rows[one.group].append((one.name, shown, told, one.description))
+    is_module = isinstance(scene, Scene)
+    table, values = ("mechanism", start_of(scene)[0]) if is_module else ("shaft", scene.parameters())
+    unused_groups = {Group.BEVEL if values.get("layout") else Group.PLANAR}
+    unused_groups |= {Group.ELASTIC} if is_module and values.get("fidelity") != ELASTIC else set()
+    parameter_keys, rows = set[str](), {group: list[Sequence[str]]() for group in ("", *Group)}
+    for variable in with_causality(PARAMETER, table=scene.VARIABLES.values()):
+        name, group = variable.name, variable.group
+        key = "accuracy.tolerance" if is_module and name == "tolerance" else f"{table}.{name}"
+        value = values.get(name, variable.start)
+        value_text = _text_of(in_range(variable).written(value))
+        origin = source(key, value_text, "default" if value == variable.start else "other keys")
+        parameter_keys.add(key)
+        if origin != "default" or group not in unused_groups:
+            rows[group].append((name, value_text, origin, variable.description))
     for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)):
-        if key not in known and key.rpartition(".")[2] not in ("title", "description"):
-            rows[""].append((key, _shown(value), source(key, _shown(value), "default")))
+        if key not in parameter_keys and key.rpartition(".")[2] not in ("title", "description"):
+            rows[""].append((key, _text_of(value), source(key, _text_of(value), "default")))
     columns = ("parameter", "value", "source", "meaning")
     parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
-    added = (
+    note = (
         "A value that differs from its source includes contributions of other keys, such as the inertia of a"
         " load."
     )
-    return {"Inputs": Part([added], ("key", "value", "source"), rows[""]), **parts}
+    return {"Inputs": Part([note], ("key", "value", "source"), rows[""]), **parts}
 
 
 # --- results ---
 
 
-def _found(result: SceneResult) -> Part:
-    """The summary, in two columns."""
+def _summary(result: SceneResult) -> Part:
+    """Return the section of the summary, in two columns."""
     lines = list(result.lines().items())
     half = -(-len(lines) // 2)
     pairs = zip_longest(lines[:half], lines[half:], fillvalue=("", ""))
-    return Part([], ("number", "value") * 2, [(*one, *other) for one, other in pairs])
+    return Part([], ("number", "value") * 2, [(*left, *right) for left, right in pairs])
 
 
 def _module(result: SceneResult) -> Scene:
-    """The scene of a run, which must be one of the module."""
+    """Return the scene of a run; reject a scene of a driven shaft."""
     if isinstance(result.scene, Scene):
         return result.scene
     raise Refused("the scene is a driven shaft without satellites and freewheels")
 
 
 def _mechanism(result: SceneResult) -> Part:
-    """Sketch of one module."""
+    """Return the section with the sketch of one module."""
     text = (
         "One module, to scale. The sketch shows pitch circles or pitch cones; other dimensions are not"
         " parameters."
@@ -207,7 +233,7 @@ def _mechanism(result: SceneResult) -> Part:
 
 
 def _chart(result: SceneResult) -> Part:
-    """Chart at the largest speed of link 1 in the run."""
+    """Return the section with the chart at the maximum speed of link 1 in the run."""
     scene, speeds = _module(result), input_speed(result.record)
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
@@ -227,18 +253,18 @@ def _chart(result: SceneResult) -> Part:
 
 
 def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad/s") -> Part:
-    """Report the largest orders from the first to the last turn of link 1.
+    """Return the section with the main orders from the first to the last revolution of link 1.
 
     Args:
-        result: of the run.
-        fmu: the file that was run, for a run in shorter steps.
-        speed_unit: unit of the speed of link 1.
+        result: Result of the run.
+        fmu: FMU file of the run, for a run in shorter steps.
+        speed_unit: Unit of the speed of link 1.
     """
     scene, record = _module(result), result.record
-    turning = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
-    if not turning.size:
+    moving_rows = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
+    if not moving_rows.size:
         raise Refused("link 1 does not turn")
-    begin, end = record.time[turning[0]], record.time[turning[-1] + 1]
+    begin, end = record.time[moving_rows[0]], record.time[moving_rows[-1] + 1]
     spectra = orders(scene, fmu, record=record, begin=begin, end=end)
     lines = spectra.lines(NAMED, speed_unit=speed_unit)
     rows = [(_words(name), *line) for name, texts in lines.items() for line in texts.items()]
@@ -249,20 +275,20 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
 
 
 def _energy(result: SceneResult) -> Part:
-    """Energies, their mean power, and the causes of what is lost with their shares."""
-    time, lost = (result.quantities[name].value for name in ("simulated_time", "energy_lost"))
+    """Return the section of energies, their mean power, and the fraction of each cause of losses."""
+    time, losses = (result.quantities[name].value for name in ("simulated_time", "energy_lost"))
     rows = []
     for name, (value, unit) in result.quantities.items():
         if name.startswith("energy_") or name == "efficiency":
             power = f"{value / time:.4g} W" if unit == "J" else ""
-            share = f"{100.0 * value / lost:.3g} %" if name.startswith(LOST_TO) else ""
+            share = f"{100.0 * value / losses:.3g} %" if name.startswith(LOST_TO) else ""
             rows.append((_words(name), f"{value:.6g} {unit}", power, share))
-    texts = [] if lost else ["The mechanism is ideal: no losses."]
+    texts = [] if losses else ["The mechanism is ideal: no losses."]
     return Part(texts, ("energy", "value", "mean power", "share of the losses"), rows)
 
 
 def _duty(result: SceneResult) -> Part:
-    """How often each freewheel engages, and the most that it carries and overruns with."""
+    """Return the section of the freewheel duty: engagement frequencies, maximum torque and slip."""
     _module(result)
     if DUTY in result.remarks:
         raise Refused(f"it {result.remarks[DUTY]}")
@@ -279,7 +305,7 @@ def _duty(result: SceneResult) -> Part:
     return Part([text], ("number", *(f"{name} freewheel" for name in FREEWHEELS)), rows)
 
 
-# sections of the results, as far as a scene can have them
+# sections of the results by title
 PARTS: dict[str, Callable[[SceneResult], Part]] = {
     "Mechanism": _mechanism,
     "Curves": lambda result: Part(picture=_picture(scene_figure(result), size=1.0)),

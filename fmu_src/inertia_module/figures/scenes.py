@@ -1,4 +1,4 @@
-"""Pictures of scenes that answer their question at a glance: of the module and its losses, and of a shaft."""
+"""Figures of scenes: of a module with its losses, of a vehicle in a driving cycle, and of a driven shaft."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from ..scene import SceneResult
 from ..scene.run import TIME_TO, forces, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
-# draws a table from a row on: from the first the whole run, else close up
+# function that draws a table from a row; from row 0 it draws the whole run, else a close-up
 Panel = Callable[[Axes, Result, int], None]
 
-PULSES_SHOWN = 4
-# more of them one below the other make the figure higher
-MOST_PANELS = 4
-# switches of freewheels in a row that has any, on average, above which a line does not say what instants did
-MOST_SWITCHES = 1.1
-# largest share of the run over which its powers are averaged
-WINDOW = 1.0 / 8.0
-# a column that is added: what is stored less what was at the start
+CLOSE_UP_PULSES = 4
+# number of rows of panels above which the figure becomes higher
+MAX_PANELS = 4
+# Maximum mean number of switches in rows with switches. Above it, lines do not show instantaneous values.
+MAX_SWITCHES = 1.1
+# maximum averaging time of powers over the duration of the run
+MAX_WINDOW_FRACTION = 1.0 / 8.0
+# additional column: stored energy minus its initial value
 GAIN = "energy_stored_gain"
-# looks of columns: label, colour, line
+# label, colour and line style of columns
 LOOKS = {
     "omega1": ("input ω1", BLACK, "-"),
     "input_speed": ("input ω1", BLACK, "-"),
@@ -63,17 +63,17 @@ for _name, _colour in zip(LOSSES, (VERMILION, ORANGE, PURPLE, SKY, BLUE, VERMILI
     LOOKS[_name] = (_name.removeprefix(LOST_TO).replace("_", " "), _colour, "-")
 FORCES = ("satellite_force", "shaking_force")
 FLOWS = ("energy_in", "energy_out", "energy_lost")
-# what swings with the pulses
+# columns that oscillate with the pulses
 INSTANTS = ("omega2", *FORCES, "imbalance_acceleration")
-# units that are shown with a k where values are large
+# units with prefix k for large values
 LARGE = ("J", "W", "N", "m/s²")
 
 
 def scene_figure(result: SceneResult) -> Figure:
-    """Draw a scene: how a cycle was followed, how the pulses drive the shaft, or how a shaft alone turns.
+    """Draw the result of a scene: tracking of a speed, torque pulses, or motion of a driven shaft.
 
     Args:
-        result: of run_scene or run_shaft_scene.
+        result: Result of run_scene or run_shaft_scene.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
@@ -92,114 +92,141 @@ def scene_figure(result: SceneResult) -> Figure:
 
 
 def plot(
-    axes: Axes, table: Result, names: Iterable[str], what: str, unit: str, first: int = 0, **labels: str
+    axes: Axes, table: Result, names: Iterable[str], quantity: str, unit: str, first: int = 0, **labels: str
 ) -> None:
-    """Draw columns of a table that it has, in their LOOKS, and dress the panel.
+    """Draw columns in the style of LOOKS and dress the panel; missing columns are skipped.
 
-    Large values are shown in thousands; what swings with the pulses as dots where the rows are too far apart.
+    Large values are in thousands. Columns that oscillate with the pulses are dots if the rows are coarse.
 
     Args:
-        names: of the columns. what: they are, for the label. unit: of all. first: row to begin at.
-        labels: of columns by name, in place of those of LOOKS.
+        axes: The panel.
+        table: The table.
+        names: Names of columns.
+        quantity: Quantity of the columns, for the label.
+        unit: Unit of the columns.
+        first: First row.
+        labels: Labels of columns by name, instead of the labels in LOOKS.
     """
-    shown = [name for name in names if name in table]
-    factor, unit = in_thousands(unit, *(table[name] for name in shown))
-    for name in shown:
+    columns = [name for name in names if name in table]
+    factor, unit = in_thousands(unit, *(table[name] for name in columns))
+    for name in columns:
         label, colour, line = LOOKS[name]
         look: dict[str, Any] = {"color": colour, "linestyle": line, "label": labels.get(name, label)}
         if name in INSTANTS and is_coarse(table):
             dots = {"linestyle": "none", "marker": ".", "markersize": 2.0}
             look |= dots | {"label": f"{label}, instantaneous"}
         axes.plot(table.time[first:], table[name][first:] / factor, linewidth=1.5, **look)
-    dress(axes, f"{what} [{unit}]")
+    dress(axes, f"{quantity} [{unit}]")
 
 
 def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
-    """Divisor and unit in which values are shown: with a k where they are large."""
-    largest = max(float(np.abs(part).max()) for part in values)
-    return (1e3, f"k{unit}") if unit in LARGE and largest > 2e3 else (1.0, unit)
+    """Return divisor and unit for the display of values, with prefix k for large values.
+
+    Args:
+        unit: Unit of the values.
+        values: Arrays of values.
+    """
+    maximum = max(float(np.abs(part).max()) for part in values)
+    return (1e3, f"k{unit}") if unit in LARGE and maximum > 2e3 else (1.0, unit)
 
 
 # --- pulses ---
 
 
 def is_coarse(table: Result) -> bool:
-    """Tell whether the rows are too far apart for the pulses: instants make no curve then."""
+    """Return True if the rows are too far apart for curves of instantaneous values.
+
+    Args:
+        table: Record of the run.
+    """
     switches = np.diff(table["contact_switches"])
-    return bool(switches.sum() > MOST_SWITCHES * np.count_nonzero(switches))
+    return bool(switches.sum() > MAX_SWITCHES * np.count_nonzero(switches))
 
 
 def pulse_starts(table: Result) -> NDArray[np.int64]:
-    """Rows at which a torque pulse on the output shaft begins, as far as the rows show."""
+    """Return the rows at which torque pulses on the output shaft begin.
+
+    Args:
+        table: Record of the run.
+    """
     driving = table["output_torque_mean"] > 0.0
     return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
 
 
 def end_of_run(table: Result) -> tuple[int, str]:
-    """First row of a close-up of the end, and what it shows: the last pulses, or what came after them."""
+    """Return the first row of a close-up of the end of a run, and its title.
+
+    The close-up contains the last pulses, or the motion after them.
+
+    Args:
+        table: Record of the run.
+    """
     starts = pulse_starts(table)
-    if starts.size < PULSES_SHOWN:
+    if starts.size < CLOSE_UP_PULSES:
         return int(0.9 * len(table)), "end of the run"
     driving, time = table["output_torque_mean"] > 0.0, table.time
-    first, last = int(starts[-PULSES_SHOWN]), int(np.flatnonzero(driving[1:] != driving[:-1])[-1])
+    first, last = int(starts[-CLOSE_UP_PULSES]), int(np.flatnonzero(driving[1:] != driving[:-1])[-1])
     if time[-1] - time[last] > time[starts[-1]] - time[first]:
-        what = "lock-up" if driving[-1] else "no pulses"
-        return first, f"{what} from {time[last]:.4g} s"
-    return first, f"last {PULSES_SHOWN} pulses"
+        text = "lock-up" if driving[-1] else "no pulses"
+        return first, f"{text} from {time[last]:.4g} s"
+    return first, f"last {CLOSE_UP_PULSES} pulses"
 
 
 def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
-    """Draw left the whole run, right its end; the forces take the place of the acceleration."""
+    """Draw the whole run on the left and its end on the right; forces replace the acceleration."""
     numbers = result.summary
-    first, shown = end_of_run(table)
-    drawn: list[Panel] = [_speeds, _torques]
-    if found := [name for name in FORCES if name in forces(table)]:
-        drawn.append(partial(_magnitudes, names=found, what="force", unit="N"))
+    first, close_up = end_of_run(table)
+    draw_functions: list[Panel] = [_speeds, _torques]
+    if force_names := [name for name in FORCES if name in forces(table)]:
+        draw_functions.append(partial(_magnitudes, names=force_names, quantity="force", unit="N"))
     elif "imbalance_acceleration" in table:
-        drawn.append(partial(_magnitudes, names=INSTANTS[-1:], what="acceleration", unit="m/s²"))
-    if lost := losses(table):
-        drawn += [partial(_powers, names=FLOWS, what="power"), partial(_powers, names=lost, what="losses")]
-    drawn.append(_energies)
-    figure.set_figheight(SIZE[1] * max(1.0, len(drawn) / MOST_PANELS))
-    grid = figure.subplots(len(drawn), 2, sharex="col", width_ratios=(3, 2))
-    for draw, (left, right) in zip(drawn, grid, strict=True):
+        draw_functions.append(partial(_magnitudes, names=INSTANTS[-1:], quantity="acceleration", unit="m/s²"))
+    if causes := losses(table):
+        draw_functions += [
+            partial(_powers, names=FLOWS, quantity="power"),
+            partial(_powers, names=causes, quantity="losses"),
+        ]
+    draw_functions.append(_energies)
+    figure.set_figheight(SIZE[1] * max(1.0, len(draw_functions) / MAX_PANELS))
+    grid = figure.subplots(len(draw_functions), 2, sharex="col", width_ratios=(3, 2))
+    for draw, (left, right) in zip(draw_functions, grid, strict=True):
         draw(left, table, 0)
         draw(right, table, max(first, 1))
     for axes in grid[-1]:
         axes.set_xlabel("time [s]")
     for axes in grid[:2, 0]:
         axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
-    told = "whole run: output shaft at {omega_out_final:.4g} rad/s after {simulated_time:g} s, "
-    # the first speed of a vehicle that was asked for and reached, and when
+    text = "whole run: output shaft at {omega_out_final:.4g} rad/s after {simulated_time:g} s, "
+    # The title contains the first acceleration time of a vehicle.
     for name in [name for name in numbers if name.startswith(TIME_TO)][:1]:
-        told += f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
-    told += "mean torque {output_torque_mean:.3g} N·m"
-    headline(grid[0, 0], told.format_map(numbers))
-    headline(grid[0, 1], f"{shown} ({numbers['contact_switches']:.0f} switching events in total)")
+        text += f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
+    text += "mean torque {output_torque_mean:.3g} N·m"
+    headline(grid[0, 0], text.format_map(numbers))
+    headline(grid[0, 1], f"{close_up} ({numbers['contact_switches']:.0f} switching events in total)")
 
 
 def _speeds(axes: Axes, table: Result, first: int) -> None:
-    """Speeds of the links; close up without the input, which would press the others flat."""
+    """Draw the speeds of the links; the close-up excludes the input, whose range would hide the others."""
     reference = "reference" if table.units.get("reference") == "rad/s" else ""
     driven = "" if first else _input(table)
     plot(axes, table, (driven, "omega2", "omega_out", reference), "speed", "rad/s", first)
 
 
 def _input(table: Result) -> str:
-    """Column of the speed of link 1: as prescribed by the drive, or computed."""
+    """Return the column of the speed of link 1, prescribed or computed."""
     return "omega1" if "omega1" in table else "input_speed"
 
 
 def _torques(axes: Axes, table: Result, first: int) -> None:
-    """Torques: means over the whole run, close up what happens at each instant (if recorded often enough)."""
+    """Draw torques: means in the whole run, instantaneous values in the close-up unless rows are coarse."""
     instants, time = ("input_torque", "output_torque", "housing_torque"), table.time[first:]
     if first and set(instants) <= set(table) and not is_coarse(table):
         axes.fill_between(time, table["output_torque"][first:], color=VERMILION, alpha=0.35, linewidth=0)
         plot(axes, table, instants, "torque", "N·m", first)
         return
     torque = table["output_torque_mean"]
-    filled = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
-    filled.set_label("output, step mean")
+    area = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
+    area.set_label("output, step mean")
     starts = pulse_starts(table)
     if starts.size > 1 and not first:
         impulse = np.concatenate([[0.0], np.cumsum(torque[1:] * np.diff(time))])
@@ -212,34 +239,40 @@ def _torques(axes: Axes, table: Result, first: int) -> None:
 
 
 def losses(table: Result) -> list[str]:
-    """Columns of the energy lost by cause, of those that lose any."""
+    """Return the names of the causes of losses that are not zero.
+
+    Args:
+        table: Record of the run.
+    """
     return [name for name in LOSSES if table[name].any()]
 
 
 def _energies(axes: Axes, table: Result, first: int, **labels: str) -> None:
-    """Energies since the start: in, out, gain of what is stored and, if there is any, what is lost."""
-    lost = FLOWS[2:] if table["energy_lost"].any() else ()
-    plot(axes, table, (*FLOWS[:2], GAIN, *lost), "energy", "J", first, **labels)
+    """Draw input energy, output energy, change in stored energy and, unless zero, losses."""
+    loss_names = FLOWS[2:] if table["energy_lost"].any() else ()
+    plot(axes, table, (*FLOWS[:2], GAIN, *loss_names), "energy", "J", first, **labels)
 
 
-def _powers(axes: Axes, table: Result, first: int, names: Sequence[str], what: str) -> None:
-    """Rates of energies since the start, in the whole run without its pulses."""
+def _powers(axes: Axes, table: Result, first: int, names: Sequence[str], quantity: str) -> None:
+    """Draw the rates of cumulative energies; in the whole run pulses are averaged out."""
     time, rows = table.time[1:], slice(first, None)
     powers = {name: np.diff(table[name]) / np.diff(table.time) for name in names}
     if not first:
-        window = min(SMOOTHING, WINDOW * float(time[-1] - time[0]))
+        window = min(SMOOTHING, MAX_WINDOW_FRACTION * float(time[-1] - time[0]))
         powers = {name: smooth(time, power, window) for name, power in powers.items()}
-        # at the ends the window is cut off within a pulse
+        # At the ends the window is truncated within a pulse.
         cut = round(0.5 * window / float(time[1] - time[0]))
         rows = slice(cut, len(time) - cut)
     columns = {name: values[rows] for name, values in {"time": time, **powers}.items()}
-    plot(axes, Result(columns), names, what, "W")
+    plot(axes, Result(columns), names, quantity, "W")
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
 
 
-def _magnitudes(axes: Axes, table: Result, first: int, names: Sequence[str], what: str, unit: str) -> None:
-    """Magnitudes of forces, or of the acceleration of the imbalance."""
-    plot(axes, table, names, what, unit, first)
+def _magnitudes(
+    axes: Axes, table: Result, first: int, names: Sequence[str], quantity: str, unit: str
+) -> None:
+    """Draw magnitudes of forces, or of the acceleration of the unbalanced mass."""
+    plot(axes, table, names, quantity, unit, first)
     axes.set_ylim(bottom=0.0)
 
 
@@ -247,27 +280,27 @@ def _magnitudes(axes: Axes, table: Result, first: int, names: Sequence[str], wha
 
 
 def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
-    """Speed in its band, speeds of the module, torques, energy: one below the other."""
-    numbers, lost = result.summary, losses(table)
-    figure.set_figheight(SIZE[1] * (1.2 if lost else 1.0))
-    heights = (1.6, 1, 1, 1.2, 1) if lost else (1.6, 1, 1, 1.2)
+    """Draw the vehicle speed in its tolerance band, speeds of the module, torques and energies."""
+    numbers, causes = result.summary, losses(table)
+    figure.set_figheight(SIZE[1] * (1.2 if causes else 1.0))
+    heights = (1.6, 1, 1, 1.2, 1) if causes else (1.6, 1, 1, 1.2)
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    _followed_speed(panels[0], table, result.scene.cycle)
-    told = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
+    _tracking(panels[0], table, result.scene.cycle)
+    text = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
     if result.scene.cycle is not None:
-        told = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + told
-    headline(panels[0], told.format_map(numbers))
-    names, commanded = (_input(table), "omega_out"), "input ω1 (commanded)"
-    plot(panels[1], table, names, "speed", "rad/s", omega1=commanded)
+        text = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + text
+    headline(panels[0], text.format_map(numbers))
+    names, input_label = (_input(table), "omega_out"), "input ω1 (commanded)"
+    plot(panels[1], table, names, "speed", "rad/s", omega1=input_label)
     panels[1].set_ylim(bottom=0.0)
     _mean_torques(panels[2], table)
     _energy_shares(panels[3], table)
-    if lost:
-        _powers(panels[4], table, 0, lost, "losses")
+    if causes:
+        _powers(panels[4], table, 0, causes, "losses")
     panels[-1].set_xlabel("time [s]")
 
 
-def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
+def _tracking(axes: Axes, table: Result, cycle: Cycle | None) -> None:
     if cycle is not None:
         lower, upper = (bound / KILOMETRE_PER_HOUR for bound in cycle.tolerance_band(table.time))
         band = axes.fill_between(table.time, lower, upper, color=GREEN, alpha=0.25, linewidth=0)
@@ -275,8 +308,8 @@ def _followed_speed(axes: Axes, table: Result, cycle: Cycle | None) -> None:
             f"tolerance ±{cycle.speed_tolerance / KILOMETRE_PER_HOUR:.3g} km/h, ±{TIME_TOLERANCE:g} s"
         )
     names = ("reference", "vehicle_speed")
-    wanted = cycle.name if cycle is not None else "reference"
-    plot(axes, table.converted(dict.fromkeys(names, "km/h")), names, "speed", "km/h", reference=wanted)
+    label = cycle.name if cycle is not None else "reference"
+    plot(axes, table.converted(dict.fromkeys(names, "km/h")), names, "speed", "km/h", reference=label)
     axes.set_ylim(bottom=0.0)
 
 
@@ -292,7 +325,7 @@ def _mean_torques(axes: Axes, table: Result) -> None:
 
 
 def _energy_shares(axes: Axes, table: Result) -> None:
-    """Shares of the energy of the input, by where it went up to each moment."""
+    """Draw the input energy as a stack of its uses up to each time."""
     parts = {
         "brake": (work(table, "brake_torque"), BLUE),
         "rolling": (work(table, "rolling_torque"), ORANGE),
@@ -301,7 +334,7 @@ def _energy_shares(axes: Axes, table: Result) -> None:
         "losses": (table["energy_lost"], GREY),
     }
     parts = {name: part for name, part in parts.items() if part[0].any()}
-    # module, car and, if it is elastic, the coupling between them
+    # kinetic energy of module and vehicle, and elastic energy of a coupling
     parts["kinetic"] = (table["energy_in"] - sum(energy for energy, _ in parts.values()), PURPLE)
     factor, unit = in_thousands("J", table["energy_in"])
     shares, colours = zip(*((energy / factor, colour) for energy, colour in parts.values()), strict=True)
@@ -314,7 +347,7 @@ def _energy_shares(axes: Axes, table: Result) -> None:
 
 
 def _shaft_panels(figure: Figure, result: SceneResult, table: Result) -> None:
-    """Speeds and accelerations of hub and driven mass, twist and energy, one below the other."""
+    """Draw speeds and accelerations of hub and driven mass, twist and energies."""
     panels, law = figure.subplots(4, 1, sharex=True), np.gradient(table["hub_speed"], table.time)
     table = Result(table.columns | {"hub_acceleration": law, "twist": 1e3 * table["twist"]})
     plot(panels[0], table, ("hub_speed", "omega_out"), "speed", "rad/s", omega_out="driven mass")

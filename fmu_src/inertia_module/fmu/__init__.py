@@ -1,1 +1,1 @@
-"""The FMU: its description, its Python slave and the builder that packs both."""
+"""The FMUs: model descriptions, the Python slave, and the builder of the FMU files."""

@@ -1,4 +1,4 @@
-"""FMU files: archives of the same content are the same bytes, and know themselves by their GUID."""
+"""FMU files: reproducible archives, and GUIDs that are hashes of the content."""
 
 from __future__ import annotations
 
@@ -17,18 +17,22 @@ from ..common.files import content_hash
 
 DESCRIPTION = "modelDescription.xml"
 TEMPLATES = Path(__file__).parent / "templates"
-# the earliest time a zip archive can hold
+# the earliest time in a zip archive
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 
 def guid_of(files: Mapping[str, bytes]) -> str:
-    """A GUID that is the hash of names and contents."""
+    """Return a GUID that is the hash of names and contents.
+
+    Args:
+        files: contents by name.
+    """
     digits = content_hash(files)
     return "{" + "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:])) + "}"
 
 
 def generation_date() -> str:
-    """The day of this version, or SOURCE_DATE_EPOCH, in UTC: the same source gives the same bytes."""
+    """Return the date of this version, or SOURCE_DATE_EPOCH, in UTC; the same source gives the same bytes."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     moment = datetime.fromtimestamp(int(epoch), UTC) if epoch else datetime.fromisoformat(__date__)
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
@@ -37,10 +41,13 @@ def generation_date() -> str:
 def filled(
     template: Path, values: Mapping[str, Any], write: Callable[[Any], str] | None = None, xml: bool = False
 ) -> str:
-    """Text of a template of Jinja.
+    """Return the text of a Jinja template with values.
 
     Args:
-        template: its file. values: by name. write: makes text of a value. xml: escaped for XML.
+        template: path of the template.
+        values: values by name.
+        write: function that converts a value to text, or None.
+        xml: True to escape texts for XML.
     """
     environment = Environment(
         trim_blocks=True,
@@ -54,18 +61,27 @@ def filled(
 
 
 def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
-    """An XML file of a template."""
+    """Return the XML file of a Jinja template with values.
+
+    Args:
+        template: path of the template.
+        values: values by name; texts are escaped for XML.
+    """
     return filled(template, values, xml=True).encode()
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:
-    """A zip archive that depends on nothing but its content."""
+    """Return a zip archive that depends only on its content.
+
+    Args:
+        content: contents by name.
+    """
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as packed:
         for name in sorted(content, key=lambda name: (name != DESCRIPTION, name)):
             info = zipfile.ZipInfo(name, _ZIP_TIME)
             info.compress_type = zipfile.ZIP_DEFLATED
-            info.create_system = 3  # whatever packs it: the permissions below are those of Unix
+            info.create_system = 3  # Unix on all platforms, because the next line sets Unix permissions
             info.external_attr = 0o644 << 16
             packed.writestr(info, content[name], compresslevel=9)
     return stream.getvalue()

@@ -30,27 +30,34 @@ WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 
 
 def content_of(what: NativeFmu | PythonFmu | WebKernel, build: Build | None = None) -> bytes:
-    """The content of a file, from the wheel or built here.
+    """Return the content of a file, from the wheel or built on this machine.
 
     Args:
-        what: the file. build: that it is part of.
+        what: the file.
+        build: the build that contains the file; None for a build of this file only.
 
     Raises:
-        CompilationUnavailable: it is compiled, and there is no target at all it could be compiled for.
+        CompilationUnavailable: the file cannot be compiled for any target.
     """
     ready = ready_made(what.file_name)
     return what.content(build or Build()) if ready is None else ready.read_bytes()
 
 
 def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target] = TARGETS) -> bool:
-    """Tell whether a file is the FMU as it would be built now: of the same GUID, for these platforms."""
+    """Return True if a file is equal to the FMU that a build would give: same GUID, all platforms.
+
+    Args:
+        path: path of the file.
+        fmu: the FMU.
+        targets: platforms that the file must support.
+    """
     try:
         with zipfile.ZipFile(path) as packed:
             root = ElementTree.fromstring(packed.read(DESCRIPTION))
             names = packed.namelist()
         needed = [fmu.library_path(target) for target in targets] if isinstance(fmu, NativeFmu) else []
-        found = root.get("guid") or root.get("instantiationToken")
-        return found == fmu.guid() and set(names) >= set(needed)
+        guid = root.get("guid") or root.get("instantiationToken")
+        return guid == fmu.guid() and set(names) >= set(needed)
     except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationUnavailable):
         return False
 
@@ -64,8 +71,13 @@ def build(
     """Build FMUs and the WebAssembly kernel of the viewer into a folder, each file atomically.
 
     Args:
-        folder: where to; made if it is not there. progress: told each stage as it begins.
-        files: what to build. targets: platforms of the native FMUs.
+        folder: output folder (created if missing).
+        progress: function that is called at the beginning of each stage, with its description.
+        files: files to build.
+        targets: platforms of the native FMUs.
+
+    Returns:
+        The build with the paths of its files, and with reasons for the skipped ones.
 
     Raises:
         OSError: the folder cannot be written.
@@ -84,17 +96,18 @@ def build(
 def current_fmu(
     fmu: NativeFmu = MODULE_FMU, folder: Path | None = None, progress: Progress = LOG.info
 ) -> Path:
-    """A native FMU: the wheel's, or in a clone one built from its sources as they are now.
+    """Return the path of a native FMU: from the wheel, or in a clone built from the present sources.
 
-    It is built for this platform alone: that takes a sixth of the time of all.
+    The build is for this platform only, which takes a sixth of the time for all platforms.
 
     Args:
-        fmu: a native one of FMUS.
-        folder: where to build it; by default the cache, in a folder of its own for each content.
-        progress: called with each stage as it begins; by default it is logged.
+        fmu: one of FMUS, native.
+        folder: folder of the FMU; by default a folder in the cache whose name is the GUID.
+        progress: function that is called at the beginning of each stage, with its description; by default
+            the description is logged.
 
     Raises:
-        RuntimeError: it cannot be compiled here; why.
+        RuntimeError: the FMU cannot be compiled on this machine; with the reason.
         OSError: the folder cannot be written.
     """
     ready = ready_made(fmu.file_name)

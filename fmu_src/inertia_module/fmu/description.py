@@ -1,4 +1,4 @@
-"""XML of an FMU: modelDescription.xml, terminalsAndIcons.xml, and what it is made from (see templates)."""
+"""XML files of an FMU, made from templates: modelDescription.xml and terminalsAndIcons.xml."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from ..contract import variables as table
 from ..contract.models import Model
 from .archive import TEMPLATES, filled_xml
 
-# names of types in FMI 3.0, where they are others
+# names of types in FMI 3.0, if they differ from FMI 2.0
 TYPES_3 = {table.REAL: "Float64", table.INTEGER: "Int32"}
-# who gives the value at the start; that of inputs and of the time the host
+# FMI attribute initial by causality; the importer sets the initial values of inputs and of the time
 INITIAL = {table.PARAMETER: "exact", table.OUTPUT: "calculated", table.LOCAL: "calculated"}
-# icon of a flange of FMI 3.0; in the icon that docs/make_icons.py draws: height of the central axis, half a
-# flange, distance of two
+# name of the icon of a flange (FMI 3.0)
 FLANGE = "flange"
+# coordinates in the icon of docs/make_icons.py: height of the central axis, half the size of a flange,
+# distance between two flanges
 AXIS, HALF, APART = -18, 8, 40
 
 
@@ -24,7 +25,7 @@ def _number(value: float) -> str:
 
 
 def _values(variable: table.Variable) -> dict[str, str | None]:
-    """Attributes of a variable by its kind: unit or declared type, range, nominal and start value."""
+    """Return the XML attributes of a variable: unit or declared type, range, nominal and start value."""
     if variable.kind == table.BOOLEAN:
         return {"start": "true" if variable.start else "false"}
     numbers = {"min": variable.minimum, "max": variable.maximum}
@@ -47,22 +48,26 @@ def model_description(
     python: bool = False,
     sources: Sequence[str] = (),
 ) -> bytes:
-    """The XML of modelDescription.xml.
+    """Return the content of modelDescription.xml.
 
     Args:
-        model: what it describes. identifier: model identifier, the name of the binaries.
-        guid: hash of the content. date: generation date and time, UTC, ending in Z.
-        fmi: version of FMI, 2 or 3. python: whether pythonfmu passes the calls on, and what it can.
-        sources: names of C files that FMI 2.0 lists; FMI 3.0 has buildDescription.xml.
+        model: the model.
+        identifier: model identifier, the name of the binaries.
+        guid: GUID, the hash of the content.
+        date: generation date and time, UTC, with Z at its end.
+        fmi: version of FMI, 2 or 3.
+        python: True for the Python FMU, which has the capabilities of pythonfmu.
+        sources: names of the C files in FMI 2.0; FMI 3.0 lists them in buildDescription.xml.
     """
     variables = model.in_fmu(fmi)
-    # the structure of FMI 2.0 has places in the list, from 1; FMI 3.0 has value references
+    # the model structure contains places in the list, from 1, in FMI 2.0 and value references in FMI 3.0
     places = {variable.name: n for n, variable in enumerate(variables, 1)}
     numbers = places if fmi == 2 else {variable.name: variable.reference for variable in variables}
-    at_start, given = {}, list(model.with_causality(table.INPUT, table.PARAMETER))
+    causes = [v.name for v in model.with_causality(table.INPUT, table.PARAMETER) if not v.idle]
+    at_start = {}
     for output in model.with_causality(table.OUTPUT):
-        known = [one.name for one in given if not one.idle] if output.at_start is None else output.at_start
-        at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in known)
+        names = causes if output.at_start is None else output.at_start
+        at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in names)
     units, types = ({getattr(v, name) for v in variables} for name in ("unit", "enumeration"))
     tolerance = model.by_name["tolerance"].start if "tolerance" in model.by_name else None
     values = {
@@ -79,9 +84,14 @@ def model_description(
 
 
 def terminals(model: Model) -> bytes:
-    """The XML: members of a name belong together, a speed to a speed and a torque to a torque.
+    """Return the content of terminalsAndIcons.xml.
 
-    An angle goes where there is one (matching rule bus). The kind of a torque says which way it is positive.
+    Two terminals connect by the names of their members: speed with speed, torque with torque. The angle is
+    connected if both terminals have one (matching rule bus). The kind of a torque defines its positive
+    direction.
+
+    Args:
+        model: the model.
     """
     values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
     return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)

@@ -20,7 +20,7 @@ from .archive import TEMPLATES, filled
 PICTURE, WORKING, COUPLING = "Picture", "How it works", "Coupling"
 ORDER, INVALID_INPUT, LIMITS = "Order of calls", "Invalid input", "Limits of the model"
 _ITEM = re.compile(r"^(?:-|\d+\.) ", re.M)
-# name of the picture beside the page
+# name of the picture in the folder of the page
 MECHANISM = "mechanism.png"
 GUIDES = Path(__file__).parent / "guides"
 COLUMNS = ("name", "unit", "start", "allowed", "description")
@@ -35,7 +35,13 @@ USUAL = (table.FIXED, "continuous")
 
 
 class Table(NamedTuple):
-    """Variables of one group, or flanges: heading, column names, and rows that begin with a name."""
+    """Variables of one group, or flanges.
+
+    Attributes:
+        heading: heading.
+        columns: names of the columns.
+        rows: cells of each row; the first cell is a name.
+    """
 
     heading: str
     columns: list[str]
@@ -43,20 +49,32 @@ class Table(NamedTuple):
 
 
 def guide(name: str) -> dict[str, str]:
-    """Return the Markdown sections of a guide by heading; name is a model, or "all" for common sections."""
+    """Return the Markdown sections of a guide by heading.
+
+    Args:
+        name: name of a model, or "all" for the common sections.
+    """
     text = (GUIDES / f"{name}.md").read_text(encoding="utf-8")
     parts = re.split(r"^## (.*)\n", text, flags=re.M)
     return {heading: section.strip() for heading, section in zip(parts[1::2], parts[2::2], strict=True)}
 
 
 def inline(text: str) -> str:
-    """Return HTML of a text with names in `backticks` and bold text in **stars**."""
+    """Convert a text with names in `backticks` and bold text in **stars** to HTML.
+
+    Args:
+        text: text in Markdown.
+    """
     code = re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text, quote=False))
     return re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", code)
 
 
 def blocks(section: str) -> str:
-    """Return HTML of the paragraphs and lists of a section: the part of Markdown that the guides use."""
+    """Convert the paragraphs and lists of a section to HTML; the guides use no other Markdown.
+
+    Args:
+        section: section in Markdown.
+    """
     lines = []
     for block in section.split("\n\n"):
         kind = "ul" if block.startswith("-") else "ol"
@@ -88,15 +106,23 @@ def _table(heading: str, variables: Iterable[table.Variable]) -> Table:
 
 
 def tables(model: Model) -> Iterator[tuple[str, list[Table]]]:
-    """Yield the heading of each causality and the tables of its groups."""
+    """Yield the heading of each causality and the tables of its groups.
+
+    Args:
+        model: the model.
+    """
     for causality, heading in HEADINGS.items():
         of_causality = list(model.with_causality(causality))
-        by_group = {group: [one for one in of_causality if one.group == group] for group in table.Group}
+        by_group = {group: [v for v in of_causality if v.group == group] for group in table.Group}
         yield heading, [_table(group, variables) for group, variables in by_group.items() if variables]
 
 
 def flanges(model: Model) -> Table:
-    """Return the table of the flanges of a model, with variable names in backticks."""
+    """Return the table of the flanges of a model, with variable names in backticks.
+
+    Args:
+        model: the model.
+    """
     rows = []
     for end in model.terminals:
         names = [f"`{name}`" if name else "" for name in (end.speed, end.torque, end.angle)]
@@ -116,7 +142,12 @@ def variables_page() -> str:
 
 
 def index_page(model: Model, licences: Iterable[str]) -> str:
-    """Return the HTML page, which needs only the picture and the licences (names) next to it."""
+    """Return the HTML page of an FMU; it refers only to the picture and the licences in its folder.
+
+    Args:
+        model: the model.
+        licences: names of the licences.
+    """
     own, common = guide(model.name), guide("all")
     sections = [(heading, own[heading]) for heading in (WORKING, COUPLING)]
     sections += [(heading, common[heading]) for heading in (ORDER, INVALID_INPUT)]

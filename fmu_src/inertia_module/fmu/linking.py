@@ -1,4 +1,4 @@
-"""Libraries of FMUs beside the kernel: linked of C and objects; the library in front of pythonfmu's."""
+"""Parts of the libraries of FMUs: C files of the FMI functions, and the front library of the Python FMU."""
 
 from __future__ import annotations
 
@@ -18,22 +18,28 @@ from ..contract.models import Model
 from .archive import TEMPLATES, filled
 from .tables import generated
 
-# what is told each stage of a build as it begins
+# function that is called at the beginning of each stage of a build, with its description
 Progress = Callable[[str], None]
 SHELL_FOLDER = Path(__file__).parent / "shell"
-# functions of kernel32.dll that the front of the Python FMU needs
+# functions of kernel32.dll that the front library of the Python FMU calls
 WINDOWS_FUNCTIONS = (
     *("CloseHandle", "CreateFileA", "GetModuleFileNameW", "GetModuleHandleExW", "GetProcAddress"),
     *("GetShortPathNameW", "LoadLibraryExW", "LoadLibraryW", "MultiByteToWideChar", "ReadFile"),
 )
-# a file of macOS for several processors: magic number, and by processor its number
+# magic number of a macOS file for several processors
 FAT_MAGIC = 0xCAFEBABE
+# type and subtype of each processor in this file
 FAT_PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
+# alignment of the libraries in this file, as a power of 2
 FAT_ALIGNMENT = 14
 
 
 def header_folder() -> Path:
-    """Folder with the headers of FMI 2.0 and 3.0, which fmpy brings along."""
+    """Return the folder with the headers of FMI 2.0 and 3.0, which are part of fmpy.
+
+    Raises:
+        CompilationUnavailable: fmpy has no headers.
+    """
     folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
     for version in (2, 3):
         if not (folder / f"fmi{version}Functions.h").is_file():
@@ -42,16 +48,22 @@ def header_folder() -> Path:
 
 
 def shell_sources(fmi: int) -> list[Path]:
-    """The C files of the shell for a version of FMI, 2 or 3: what both share and its own functions."""
+    """Return the paths of the C files with the FMI functions, common ones included.
+
+    Args:
+        fmi: version of FMI, 2 or 3.
+    """
     other = f"fmi{5 - fmi}"
     return sorted(path for path in SHELL_FOLDER.glob("*.c") if not path.name.startswith(other))
 
 
 def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
-    """The C files and headers of the shell by name, those made for a model too.
+    """Return the C files and headers of the FMI functions by name, with the files generated for a model.
 
     Args:
-        model: what it computes. guid: of modelDescription.xml. fmi: version of FMI, 2 or 3.
+        model: the model.
+        guid: GUID in modelDescription.xml.
+        fmi: version of FMI, 2 or 3.
     """
     files = {
         path.name: path.read_bytes() for path in (*shell_sources(fmi), *sorted(SHELL_FOLDER.glob("*.h")))
@@ -61,7 +73,13 @@ def shell_files(model: Model, guid: str, fmi: int) -> dict[str, bytes]:
 
 
 def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
-    """Resource with the version of a library, which Windows shows, by the name of its file; else none."""
+    """Return the Windows resource file with the version of a library by name; empty for other systems.
+
+    Args:
+        target: the platform.
+        library: name of the library.
+        title: description of the library.
+    """
     if target.system != "windows":
         return {}
     numbers = ",".join([*re.findall(r"\d+", __version__), "0", "0", "0"][:4])
@@ -70,7 +88,14 @@ def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
 
 
 def link_front(target: Target, behind: str) -> bytes:
-    """The library in front of pythonfmu's, from the cache if it was built before; behind: name of that."""
+    """Return the front library, which checks calls and passes them on to pythonfmu's library.
+
+    The cache stores the result.
+
+    Args:
+        target: the platform.
+        behind: name of pythonfmu's library.
+    """
     files = sources("fmu/front/*", "compiling/windows.c")
     made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
     made_from |= sources("compiling/c_compiler.py", "compiling/tools.py") | tool_versions("ziglang", "fmpy")
@@ -88,7 +113,11 @@ def link_front(target: Target, behind: str) -> bytes:
 
 
 def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:
-    """One file of macOS with code for several processors, from (processor, library) of each."""
+    """Return one macOS file with code for several processors.
+
+    Args:
+        libraries: name of the processor and library for each.
+    """
     offset = 1 << FAT_ALIGNMENT
     head = struct.pack(">II", FAT_MAGIC, len(libraries))
     body = b""

@@ -1,4 +1,4 @@
-"""The native FMUs: a description, and a shared library for each platform that can be compiled for."""
+"""The native FMUs: a model description, and a shared library for each available platform."""
 
 from __future__ import annotations
 
@@ -26,17 +26,19 @@ from .tables import generated
 Content = TypeVar("Content")
 # name of the source file
 SOURCE = "all.c"
-# where SSP Traceability looks for it
+# path of the metadata in SSP Traceability
 METADATA = "extra/org.ssp-standard.ssp-traceability.srmd/resourceMetaData.srmd"
 
 
 @dataclass
 class Build:
-    """A build under way.
+    """State of a build.
 
     Attributes:
-        progress: told each stage as it begins. targets: platforms of the native FMUs.
-        paths: files that are written. skipped: what is left out, with the reason.
+        progress: function that is called at the beginning of each stage, with its description.
+        targets: platforms of the native FMUs.
+        paths: paths of the written files.
+        skipped: reasons by description of the skipped part.
     """
 
     progress: Progress = lambda stage: None
@@ -45,7 +47,13 @@ class Build:
     skipped: dict[str, str] = field(default_factory=dict)
 
     def attempt(self, what: str, make: Callable[..., Content], *arguments: Any) -> Content | None:
-        """Make a content; None where it cannot be compiled, and it is skipped."""
+        """Return the result of a function; None if it cannot compile, which is noted in skipped.
+
+        Args:
+            what: description of the part.
+            make: the function.
+            arguments: its arguments.
+        """
         try:
             return make(*arguments)
         except CompilationUnavailable as reason:
@@ -54,7 +62,14 @@ class Build:
 
 
 class NativeFmu(NamedTuple):
-    """A native FMU to build: model identifier, model, name of its pictures, version of FMI, 2 or 3."""
+    """A native FMU to build.
+
+    Attributes:
+        identifier: model identifier.
+        model: the model.
+        picture: name of the pictures.
+        fmi: version of FMI, 2 or 3.
+    """
 
     identifier: str
     model: Model
@@ -63,16 +78,20 @@ class NativeFmu(NamedTuple):
 
     @property
     def file_name(self) -> str:
-        """Name of its file."""
+        """Name of the file."""
         return f"{self.identifier}.fmu"
 
     def library_path(self, target: Target) -> str:
-        """Path in the FMU of its shared library for a target."""
+        """Return the path of the shared library for a target within the FMU.
+
+        Args:
+            target: the platform.
+        """
         folder = target.folder if self.fmi == 2 else target.platform
         return f"binaries/{folder}/{self.identifier}{target.suffix}"
 
     def guid(self) -> str:
-        """Hash of all that the FMU is made from: its sources and the versions of the tools."""
+        """Return the GUID, a hash of all sources of the FMU and of the versions of the tools."""
         made_from = dependencies(self.model)
         made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
         made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
@@ -82,23 +101,31 @@ class NativeFmu(NamedTuple):
         return guid_of(made_from)
 
     def content(self, build: Build) -> bytes:
-        """The content of its file for those of the platforms that can be compiled for."""
+        """Return the content of the file.
+
+        Args:
+            build: the build; platforms without a compiler are skipped.
+
+        Raises:
+            CompilationUnavailable: the FMU cannot be compiled for any platform.
+        """
         made_for = self.guid()
 
         def compiled_for(target: Target) -> bytes | None:
             what = f"{self.identifier} for {target.label}"
             return build.attempt(what, library, self, made_for, target, build.progress)
 
-        with ThreadPoolExecutor(os.cpu_count()) as pool:  # the compiler is a process of its own
+        # threads suffice, because the compiler is a separate process
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
             libraries = list(pool.map(compiled_for, build.targets))
-        found: dict[str, list[tuple[str, bytes]]] = {}
+        parts: dict[str, list[tuple[str, bytes]]] = {}
         for target, content in zip(build.targets, libraries, strict=True):
             if content is not None:
-                found.setdefault(self.library_path(target), []).append((target.label.split("-")[0], content))
-        if not found:
+                parts.setdefault(self.library_path(target), []).append((target.label.split("-")[0], content))
+        if not parts:
             raise CompilationUnavailable(build.skipped[f"{self.identifier} for {build.targets[0].label}"])
-        files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in found.items()}
-        if len(build.targets) == len(TARGETS):  # for all: also for those that are not among them
+        files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in parts.items()}
+        if len(build.targets) == len(TARGETS):  # for all platforms: sources and WebAssembly for other ones
             for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
                 added = build.attempt(f"{self.identifier} {what}", make, self, made_for, build.progress)
                 files |= added or {}
@@ -111,11 +138,13 @@ class NativeFmu(NamedTuple):
 
 
 def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) -> dict[str, bytes]:
-    """Documentation, licences, icon, references, metadata and, with FMI 3.0, terminals, by path in an FMU.
+    """Return the files of an FMU without code by path, such as documentation, licences and metadata.
 
     Args:
-        model: what they are of. picture: name of its pictures. fmi: version, 2 or 3.
-        licences: texts of those of others, by name.
+        model: the model.
+        picture: name of the pictures.
+        fmi: version of FMI, 2 or 3.
+        licences: texts of third-party licences by name.
     """
     texts = {"license": sources("LICENSE")["LICENSE"].decode()} | licences
     files = {
@@ -137,36 +166,36 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
 
 
 def _picture(name: str) -> bytes:
-    """A picture as docs/make_icons.py has drawn it."""
+    """Return a picture drawn by docs/make_icons.py."""
     return (Path(__file__).parent / "pictures" / name).read_bytes()
 
 
-def expanded(name: str, files: Mapping[str, bytes], seen: set[str]) -> Iterator[str]:
-    """Lines of a C file with the files that it includes in it, each once.
+def expanded(name: str, files: Mapping[str, bytes], inserted: set[str]) -> Iterator[str]:
+    """Yield the lines of a C file with its includes inserted, each once.
 
     Args:
         name: name of the file.
-        files: contents by name; other includes stay as they are.
-        seen: names of the files that are in it already.
+        files: contents by name; includes of other files stay unchanged.
+        inserted: names of the inserted files; extended by this function.
     """
-    seen.add(name)
+    inserted.add(name)
     for line in files[name].decode().splitlines():
         include = re.fullmatch(r'#include "(.*)"', line)
         if include is None or include[1] not in files:
             yield line
-        elif include[1] not in seen:
-            yield from expanded(include[1], files, seen)
+        elif include[1] not in inserted:
+            yield from expanded(include[1], files, inserted)
 
 
 def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The FMU in C99, by path in it, for processors that it has no library for.
+    """Return the FMU in C99, by path in the FMU, for processors without a binary.
 
-    It is one file, so that a compiler makes all but the functions of FMI invisible to the host.
+    The source is one file, so that the compiler exports only the functions of FMI.
 
     Args:
         fmu: the FMU.
-        made_for: its GUID.
-        progress: called with the stage.
+        made_for: GUID of the FMU.
+        progress: not used; all functions of a build have this argument.
     """
     files = {"kernel.c": kernel_source(fmu.model)} | shell_files(fmu.model, made_for, fmu.fmi)
     included = [name for name in files if name.endswith(".c")]
@@ -179,7 +208,13 @@ def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str,
 
 
 def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
-    """The component of an FMU of FMI 3.0 and what goes with it, by path in it; of FMI 2.0 none."""
+    """Return the WebAssembly component and its manifest by path in the FMU; empty for FMI 2.0.
+
+    Args:
+        fmu: the FMU.
+        made_for: GUID of the FMU.
+        progress: function that is called at the beginning of the compilation.
+    """
     if fmu.fmi == 2:
         return {}
 
@@ -193,7 +228,14 @@ def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[s
 
 
 def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -> bytes:
-    """The shared library for one target, from the cache if it was built before; made_for: the GUID."""
+    """Return the shared library for a target; the cache stores it.
+
+    Args:
+        fmu: the FMU.
+        made_for: GUID of the FMU.
+        target: the platform.
+        progress: function that is called at the beginning of the compilation.
+    """
     file = f"{fmu.identifier}{target.suffix}"
 
     def linked() -> bytes:

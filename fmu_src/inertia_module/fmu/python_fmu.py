@@ -1,7 +1,7 @@
-"""The Python FMU: the slave behind pythonfmu's loader, the description comes from the model.
+"""The Python FMU: pythonfmu's loader runs the Python slave; the model description is made from the model.
 
-The script and the bundled package carry a hash of their content in their names, so that two
-different builds of the FMU live in one process; the GUID is a hash of all the FMU is made from.
+The names of the script and the bundled package contain a hash of their content, so that one process can use
+two builds of the FMU. The GUID is a hash of all sources of the FMU.
 """
 
 from __future__ import annotations
@@ -33,17 +33,20 @@ BUNDLED = (
     "memory.py",
 )
 
-# pythonfmu's library beside our own, which has the name a host looks for
+# name of pythonfmu's library; the front library has the name that an importer loads
 BEHIND = "pythonfmu-export"
-# the platforms that pythonfmu has libraries for
+# platforms of pythonfmu's libraries
 PLATFORMS = (LINUX64, WIN64)
 
 
 class PythonFmu(NamedTuple):
-    """A Python FMU to build: its model identifier (a class of slave.py), its model, its pictures by name.
+    """A Python FMU to build.
 
     Attributes:
-        native: the native FMU whose libraries it brings along, for the compiled kernel in them.
+        identifier: model identifier, the name of a class of slave.py.
+        model: the model.
+        picture: name of the pictures.
+        native: native FMU, whose libraries with the compiled kernel are included.
     """
 
     identifier: str
@@ -53,27 +56,31 @@ class PythonFmu(NamedTuple):
 
     @property
     def file_name(self) -> str:
-        """Name of its file."""
+        """Name of the file."""
         return f"{self.identifier}.fmu"
 
     def guid(self) -> str:
-        """Hash of all that the FMU is made from: the package it brings along, and what packs it."""
+        """Return the GUID, a hash of the bundled package and of the code that packs it."""
         kernels, fronts = libraries(self, Build())
         return _guid(self, bundled_files() | kernels | fronts)
 
     def content(self, build: Build) -> bytes:
-        """The content of its file."""
+        """Return the content of the file.
+
+        Args:
+            build: the build; libraries without a compiler are skipped.
+        """
         kernels, fronts = libraries(self, build)
         package = bundled_files() | kernels
         guid = _guid(self, package | fronts)
         described = _description(self, guid, generation_date())
         content = _packed(self, package, fronts) | _accompanying_files(self)
-        # for the library in front, which compares it with the GUID of the host
+        # the front library compares the GUID of the importer with this file
         return archive(content | {DESCRIPTION: described, "resources/guid.txt": guid.encode()})
 
 
-# the loader of pythonfmu 0.7 runs this script at every instantiation and then drops a reference to its
-# globals that it does not own: without one to spare, the second instance finds an empty module
+# The loader of pythonfmu 0.7 runs this script at every instantiation and then releases a reference to its
+# globals that it does not own. The additional reference prevents an empty module in the second instance.
 SCRIPT = """import ctypes
 
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
@@ -82,7 +89,7 @@ from {package}.fmu.slave import {identifier}
 """
 
 
-# where FMI 2.0 looks for what an FMU takes of the machine
+# path in FMI 2.0 of the requirements of an FMU
 DEPENDENCIES = "documentation/externalDependencies.txt"
 NEEDED = """The host process must load the 64-bit library of Python 3.11 or later.
 No Python packages are necessary.
@@ -92,12 +99,20 @@ The native FMU of this model has no such requirements.
 
 
 def bundled_files() -> dict[str, bytes]:
-    """Path within the package and content of every source file that goes into the FMU."""
+    """Return the contents of the package's source files in the FMU, by path within the package."""
     return sources(*BUNDLED)
 
 
 def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str, bytes]]:
-    """Libraries with the compiled kernel, by path in the package; in front of pythonfmu's, in the FMU."""
+    """Return the libraries with the compiled kernel, and the front libraries.
+
+    Args:
+        fmu: the FMU.
+        build: the build; libraries without a compiler are skipped.
+
+    Returns:
+        Libraries with the kernel by path in the package; front libraries by path in the FMU.
+    """
 
     def compiled(target: Target) -> bytes:
         return library(fmu.native, fmu.native.guid(), target, build.progress)
@@ -117,7 +132,7 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
 
 
 def _packed(fmu: PythonFmu, package: dict[str, bytes], in_front: dict[str, bytes]) -> dict[str, bytes]:
-    """Files where pythonfmu's loader looks for them: the script by its name, package and libraries."""
+    """Return the files for pythonfmu's loader by path in the FMU: script, package and libraries."""
     folder, label = Path(pythonfmu.__file__).parent, content_hash(package)[:12]
     script, name = f"{fmu.identifier}_{label}", f"inertia_module_{label}"
     resources = {
@@ -134,7 +149,7 @@ def _packed(fmu: PythonFmu, package: dict[str, bytes], in_front: dict[str, bytes
 
 
 def _accompanying_files(fmu: PythonFmu) -> dict[str, bytes]:
-    """Documentation, picture and the licences of this package and of pythonfmu, by path in the FMU."""
+    """Return documentation, picture and licences (this package, pythonfmu) by path in the FMU."""
     of_pythonfmu = next(
         path for path in importlib.metadata.files("pythonfmu") or () if path.name == "LICENSE"
     )

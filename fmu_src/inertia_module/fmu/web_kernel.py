@@ -1,4 +1,4 @@
-"""The kernel in WebAssembly, for pages. It imports nothing: sin, exp and so on of the C library are in it."""
+"""The kernel in WebAssembly for the viewer, with the functions of the C library; it imports nothing."""
 
 from __future__ import annotations
 
@@ -10,25 +10,34 @@ from ..compiling.targets import BROWSERS
 from ..contract.models import Model
 from .native_fmu import Build
 
-# bytes: two hundred instances at once
+# bytes; sufficient for two hundred instances at the same time
 MEMORY = 1 << 24
 
 
 class WebKernel(NamedTuple):
-    """A kernel to build: its name, and its model."""
+    """A kernel to build.
+
+    Attributes:
+        identifier: name of the kernel.
+        model: the model.
+    """
 
     identifier: str
     model: Model
 
     @property
     def file_name(self) -> str:
-        """Name of its file."""
+        """Name of the file."""
         return f"{self.identifier}.wasm"
 
     def content(self, build: Build) -> bytes:
-        """The kernel as a module of WebAssembly, from the cache if it was built before.
+        """Return the kernel as a WebAssembly module; the cache stores it.
 
-        It exports its entry (see kernel.entry), its memory, and __heap_base: where free memory begins.
+        The module exports its entry (see kernel.entry), its memory, and __heap_base, the start of the free
+        memory.
+
+        Args:
+            build: the build.
         """
         depends_on = dependencies(self.model) | sources("fmu/web_kernel.py")
 

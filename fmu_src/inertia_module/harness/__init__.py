@@ -1,1 +1,1 @@
-"""FMUs driven by names: instances, runs, systems."""
+"""Simulation of FMUs with access by name: instances, runs, checks, charts."""

@@ -1,4 +1,4 @@
-"""Archives of FMUs from unknown sources: their checks, and unpacking and reading within limits."""
+"""Archives of FMUs from unknown sources: checks, unpacking and reading within limits."""
 
 from __future__ import annotations
 
@@ -14,25 +14,28 @@ from xml.parsers import expat
 
 from ..common.errors import FmuError, cannot_read, must_be
 
-# limits of an archive and of its content together, bytes
+# maximum size of an archive and of its unpacked content, bytes
 MAX_UNPACKED = 1_000_000_000
-# limit of a table or a parameter set in an FMU, bytes
+# maximum size of a table or a parameter set in an FMU, bytes
 MAX_FILE = 100_000_000
 MAX_ENTRIES = 100_000
-# problems of the entries that are listed
+# maximum number of listed problems of the entries
 MAX_PROBLEMS = 10
 CHUNK = 1 << 20
 ENCRYPTED = 0x1
-# the methods of compression that the standard allows
+# compression methods that the standard allows
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 UNREADABLE_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError)
 DESCRIPTION = "modelDescription.xml"
-# files that fmpy parses
+# XML files that fmpy parses
 PARSED = (DESCRIPTION, "sources/buildDescription.xml")
 
 
 class ArchiveError(FmuError):
-    """An archive that is not unpacked.
+    """An archive that is rejected before unpacking.
+
+    Args:
+        problems: one sentence for each problem.
 
     Attributes:
         problems: one sentence for each problem.
@@ -46,8 +49,11 @@ class ArchiveError(FmuError):
 def regular_file(path: Path) -> Path:
     """Return the path if it is a regular file of acceptable size.
 
+    Args:
+        path: path of the file.
+
     Raises:
-        FmuError: it is missing, a folder, a device, a pipe or too large.
+        FmuError: the file is missing, a folder, a device, a pipe or too large.
     """
     try:
         status = path.stat()
@@ -64,25 +70,31 @@ def regular_file(path: Path) -> Path:
 
 
 def read_archive(path: Path) -> bytes:
-    """Read the file of an FMU.
+    """Return the content of an FMU file.
+
+    Args:
+        path: path of the file.
 
     Raises:
-        FmuError: it is no regular file, or too large.
+        FmuError: the path is no regular file, or the file is too large.
     """
     with regular_file(path).open("rb") as stream:
         return stream.read(path.stat().st_size)
 
 
 def _size(number: float) -> str:
-    """Write a number of bytes for people."""
+    """Return a text for a number of bytes, in MB or GB."""
     return f"{number / 1e9:.3g} GB" if number >= 1e9 else f"{number / 1e6:.3g} MB"
 
 
 def open_archive(content: bytes) -> zipfile.ZipFile:
-    """Open the content of an FMU's file.
+    """Open the archive of an FMU.
+
+    Args:
+        content: content of the FMU file.
 
     Raises:
-        FmuError: it is no zip archive with a model description.
+        FmuError: the content is no zip archive with a model description.
     """
     try:
         archive = zipfile.ZipFile(io.BytesIO(content))
@@ -94,10 +106,13 @@ def open_archive(content: bytes) -> zipfile.ZipFile:
 
 
 def checked_entries(archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
-    """Return the entries of an archive that stays in its folder and within its limits.
+    """Check the entries of an archive and return them.
+
+    Args:
+        archive: archive of an FMU.
 
     Raises:
-        ArchiveError: its problems, one sentence each.
+        ArchiveError: an entry lies outside the folder, is not allowed, or exceeds the limits.
     """
     entries = archive.infolist()
     if len(entries) > MAX_ENTRIES:
@@ -114,7 +129,7 @@ def checked_entries(archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
 
 
 def _fault(entry: zipfile.ZipInfo) -> str:
-    """Return the message about a name, a kind or a compression that is not allowed, or ""."""
+    """Return a message about an invalid name, kind or compression of an entry, or ""."""
     name, kind = entry.orig_filename, stat.S_IFMT(entry.external_attr >> 16)
     if "\\" in name:
         return "must have forward slashes (got a backslash)"
@@ -134,7 +149,7 @@ def _fault(entry: zipfile.ZipInfo) -> str:
 
 
 def _collisions(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
-    """Yield messages about entries that would overwrite another one; file systems may ignore case."""
+    """Yield messages about entries that would overwrite each other; file systems may ignore case."""
     files: set[PurePosixPath] = set()
     for entry in entries:
         path = PurePosixPath(entry.filename.casefold())
@@ -151,10 +166,15 @@ def _collisions(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
 def unpack(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
     """Unpack checked entries to an empty folder.
 
+    Args:
+        archive: archive of an FMU.
+        entries: its entries, checked.
+        folder: the empty folder.
+
     Raises:
-        ArchiveError: an entry is damaged, or larger than the archive claims.
-        FmuError: a description defines entities.
-        OSError: they cannot be written.
+        ArchiveError: an entry is damaged, or larger than its size in the archive.
+        FmuError: an XML file declares a document type.
+        OSError: a file cannot be written.
     """
     for entry in entries:
         target = folder.joinpath(*PurePosixPath(entry.filename).parts)
@@ -170,13 +190,13 @@ def unpack(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder:
 
 
 def _chunks(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]:
-    """Yield the content of an entry, at most as many bytes as the archive claims."""
-    left = entry.file_size
+    """Yield the content of an entry, limited to its size in the archive."""
+    remaining = entry.file_size
     try:
         with archive.open(entry) as packed:
             while chunk := packed.read(CHUNK):
-                left -= len(chunk)
-                if left < 0:
+                remaining -= len(chunk)
+                if remaining < 0:
                     raise zipfile.BadZipFile("larger than the size in the archive")
                 yield chunk
     except UNREADABLE_ARCHIVE as error:
@@ -184,7 +204,12 @@ def _chunks(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]
 
 
 def is_unpacked(entries: Sequence[zipfile.ZipInfo], folder: Path) -> bool:
-    """Return True if a folder has all files of an archive, with their sizes and checksums."""
+    """Return True if a folder contains all files of an archive with the same sizes and checksums.
+
+    Args:
+        entries: entries of the archive.
+        folder: the folder.
+    """
     for entry in entries:
         path, checksum = folder.joinpath(*PurePosixPath(entry.filename).parts), 0
         if entry.is_dir():
@@ -204,10 +229,11 @@ def read_inside(folder: Path, path: Path) -> bytes:
 
     Args:
         folder: the unpacked FMU.
-        path: of the file, as the FMU names it.
+        path: path of the file, with the name from the FMU.
 
     Raises:
-        FmuError: it lies outside the FMU, also by a link, is missing, no regular file or too large.
+        FmuError: the file lies outside the FMU (also through a link), is missing, no regular file or too
+            large.
     """
     resolved, name = path.resolve(), os.path.relpath(os.path.normpath(path), folder)
     if not resolved.is_relative_to(folder.resolve()):
@@ -221,13 +247,16 @@ def read_inside(folder: Path, path: Path) -> bytes:
 
 
 def reject_entities(content: bytes, name: str) -> None:
-    """Raise a FmuError if an XML file declares a document type, the only place that can define entities.
+    """Raise an error if an XML file declares a document type, which is the only way to define entities.
 
-    Files of FMI have none. Entities may expand without bound, or name files outside the FMU.
+    Files of FMI do not declare one. Entities may expand without bound, or refer to files outside the FMU.
 
     Args:
-        content: of the XML file.
-        name: of the file.
+        content: content of the XML file.
+        name: name of the file.
+
+    Raises:
+        FmuError: the file declares a document type.
     """
 
     def reject(*_: object) -> None:
@@ -238,21 +267,21 @@ def reject_entities(content: bytes, name: str) -> None:
     try:
         parser.Parse(content, True)
     except (expat.ExpatError, ValueError) as error:
-        # the reader of the file reports other faults
+        # the caller parses the file again and reports other faults
         if isinstance(error, FmuError):
             raise
 
 
 def parse_inside(folder: Path, path: Path) -> ElementTree.Element:
-    """Parse an XML file of an unpacked FMU.
+    """Return the root element of an XML file of an unpacked FMU.
 
     Args:
         folder: the unpacked FMU.
-        path: of the file, as the FMU names it.
+        path: path of the file, with the name from the FMU.
 
     Raises:
-        FmuError: as of read_inside and reject_entities.
-        SyntaxError: it is no XML.
+        FmuError: the file cannot be read (see read_inside), or declares a document type.
+        SyntaxError: the file is no XML.
     """
     content = read_inside(folder, path)
     reject_entities(content, path.name)

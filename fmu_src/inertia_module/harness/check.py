@@ -1,6 +1,6 @@
-"""Check of any FMU file: it is valid, it steps, and it gives the reference results in it.
+"""Check of an FMU file: its validity, its simulation, and its embedded reference results.
 
-Nothing of the FMU runs in this process: another one examines it, within limits of time and memory.
+No code of the FMU runs in this process: another process examines it, within limits of time and memory.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from .archive import regular_file
 from .child import End, run_child
 from .report import Journal, Report, line_of, listed
 
-# limits of the process: time, s, and memory, bytes
+# limits of the examining process: time, s, and memory, bytes
 TIMEOUT = 60.0
 MAX_MEMORY = 4_000_000_000
-# share of the memory above which the reason of a crash is a lack of memory
-NEARLY_ALL = 0.8
+# share of the memory limit above which a crash is reported as out of memory
+OUT_OF_MEMORY_SHARE = 0.8
 
 
 def check_fmu(
     path: Path, timeout: float = TIMEOUT, progress: Progress | None = None, memory: int = MAX_MEMORY
 ) -> Report:
-    """Check an FMU file in a process of its own.
+    """Check an FMU file in a separate process.
 
     Args:
-        path: of the file.
-        timeout: limit of the time, s.
-        progress: called with the share of the present stage that is done, 0 to 1.
-        memory: limit of the memory, bytes.
+        path: path of the file.
+        timeout: time limit, s.
+        progress: function that receives the completed share of the present stage, 0 to 1.
+        memory: memory limit, bytes.
 
     Raises:
         FmuError: the file is no FMU, or the process cannot start.
@@ -75,7 +75,7 @@ def _beginning(text: str) -> str:
 
 
 def _verdict(journal: Journal, end: End, timeout: float, memory: int) -> str:
-    """Return the message about a process that has not completed."""
+    """Return the message about an examination that is not complete."""
     stage = journal.stage or "starting"
     if end.code is None:
         place = "" if journal.time is None else f" (simulation time {journal.time:g} s)"
@@ -86,6 +86,6 @@ def _verdict(journal: Journal, end: End, timeout: float, memory: int) -> str:
         cause = signal.Signals(-end.code).name
     except ValueError:
         cause = f"signal {-end.code}"
-    if end.memory > NEARLY_ALL * memory:
+    if end.memory > OUT_OF_MEMORY_SHARE * memory:
         cause += f", out of memory: the limit is {memory / 1e9:g} GB"
     return f"{stage}: the FMU crashes ({cause})"

@@ -1,4 +1,4 @@
-"""A process that runs code which is not trusted: it is ended after a time, with all that it has started."""
+"""A process for untrusted code: it is killed after a time limit, with all processes that it has started."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
-# time between two looks at the process, s
+# time between two polls of the process, s
 INTERVAL = 0.05
-# time for the last output of a process that has ended, s
+# waiting time for the last output after the end of the process, s
 LAST_OUTPUT = 1.0
-# length of the beginning of an output, bytes
+# maximum length of the stored beginning of an output, bytes
 MAX_OUTPUT = 2000
 
 
@@ -25,10 +25,10 @@ class End(NamedTuple):
     """End of a process.
 
     Attributes:
-        code: exit code, negative for a signal, None if the time was over.
+        code: exit code, negative for a signal, None after the time limit.
         output: beginning of the standard output.
         errors: beginning of the error output.
-        memory: largest memory of all processes that this one has waited for, bytes, or 0 if unknown.
+        memory: maximum memory of all child processes of this process, bytes, or 0 if unknown.
     """
 
     code: int | None
@@ -38,15 +38,15 @@ class End(NamedTuple):
 
 
 def run_child(command: Sequence[str], folder: Path, timeout: float, watch: Callable[[], None]) -> End:
-    """Run a program to its end, or to the end of its time.
+    """Run a program until it ends or exceeds its time limit.
 
-    An interrupt of this process ends the program too: its standard input closes, and its group is killed.
+    An interrupt of this process also ends the program: its standard input closes, and its group is killed.
 
     Args:
         command: the program and its arguments.
-        folder: in which it runs.
-        timeout: s.
-        watch: called now and then.
+        folder: working directory of the program.
+        timeout: time limit, s.
+        watch: function that is called regularly.
     """
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))}
     last = time.monotonic() + timeout
@@ -86,7 +86,7 @@ def _kill(child: subprocess.Popen[bytes]) -> None:
 
 
 def _memory() -> int:
-    """Return the largest memory of the processes that this one has waited for, bytes, or 0 if unknown."""
+    """Return the maximum memory of all child processes of this process, bytes, or 0 if unknown."""
     try:
         import resource
     except ImportError:  # Windows
@@ -96,7 +96,11 @@ def _memory() -> int:
 
 
 class _Beginning:
-    """Reads a stream to its end, in a thread, and keeps its beginning."""
+    """Reads a stream to its end in a thread and stores its beginning.
+
+    Args:
+        stream: the stream.
+    """
 
     def __init__(self, stream: IO[Any] | None) -> None:
         self._content = bytearray()
@@ -111,6 +115,6 @@ class _Beginning:
         os.close(self._descriptor)
 
     def text(self) -> str:
-        """Return the beginning, without waiting for processes that have escaped and hold the stream open."""
+        """Return the beginning; escaped processes that hold the stream open do not block."""
         self._thread.join(LAST_OUTPUT)
         return bytes(self._content).decode("utf-8", "replace")

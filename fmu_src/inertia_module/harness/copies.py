@@ -1,8 +1,8 @@
 """Unpacked copies of FMUs: one folder for each content, shared by all processes of a user.
 
-A copy lies in the cache folder, named by a hash of the archive. It appears there complete, by one rename, and
-no process has to remove it, however that process ends. The next process that makes a copy removes those that
-nobody has opened for days.
+A copy is in the cache folder; its name is a hash of the archive. One rename makes it appear complete. A
+process does not remove its own copies at its end, so a crash needs no cleanup. Instead a process that makes
+a new copy removes all copies that were not opened for days.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ from ..common.errors import FmuError
 from ..common.files import cache_folder
 from .archive import checked_entries, is_unpacked, open_archive, unpack
 
-# age of a copy since it was last opened at which it is removed, s
+# time since the last opening after which a copy is removed, s
 MAX_AGE = 3 * 86400.0
-# beginnings of the names of copies that are being made, and that are being removed
+# beginnings of the names of incomplete copies and of copies during their removal
 UNFINISHED, REMOVED = "new-", "old-"
 
-# copies that this process has compared with their archives
+# copies that this process has already compared with their archives
 _checked: set[Path] = set()
 _lock = threading.Lock()
 
 
 def unpacked(content: bytes) -> str:
-    """Return the folder with the unpacked content of an FMU's file; unpack it if there is no copy yet.
+    """Return the path of the folder with the unpacked content of an FMU; unpack it if there is no copy.
 
     Args:
-        content: of the file.
+        content: content of the FMU file.
 
     Raises:
-        FmuError: it is no FMU, or cannot be unpacked (see archive).
+        FmuError: the content is no FMU, or cannot be unpacked (see archive).
     """
     name, failures = hashlib.sha256(content).hexdigest()[:32], list[str]()
     with _lock:
@@ -54,14 +54,14 @@ def unpacked(content: bytes) -> str:
                 failures.append(f"{place}: {error.strerror or error}")
                 continue
             _checked.add(folder)
-            with contextlib.suppress(OSError):  # of a read-only cache
+            with contextlib.suppress(OSError):  # the cache may be read-only
                 os.utime(folder)
             return str(folder)
     raise FmuError(f"the FMU cannot be unpacked: {'; '.join(failures)}")
 
 
 def _places() -> tuple[Path, ...]:
-    """Return the folders of copies: in the cache and, if that is read-only or full, with temporary files."""
+    """Return the folders of copies: in the cache and, for a read-only or full cache, with temporary files."""
     user = str(os.getuid()) if hasattr(os, "getuid") else getpass.getuser()
     temporary = Path(tempfile.gettempdir()).absolute() / f"inertia-module-{user}"
     return cache_folder().absolute() / "unpacked", temporary
@@ -78,7 +78,7 @@ def _ensure(folder: Path, content: bytes) -> None:
 
 
 def _make_place(place: Path) -> None:
-    """Make a folder of copies, or check that another user cannot exchange those in it."""
+    """Make a folder of copies, or check that its copies cannot be replaced by another user."""
     place.mkdir(parents=True, exist_ok=True, mode=0o700)
     status = place.lstat()
     if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "getuid") and status.st_uid != os.getuid()):
@@ -86,7 +86,7 @@ def _make_place(place: Path) -> None:
 
 
 def _make(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
-    """Unpack a copy beside its place and move it there; another process may do the same meanwhile."""
+    """Unpack a copy next to its place and move it there; another process may do the same at the same time."""
     fresh = Path(tempfile.mkdtemp(prefix=UNFINISHED, dir=folder.parent))
     try:
         unpack(archive, entries, fresh)
@@ -102,14 +102,14 @@ def _make(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: 
 
 
 def _remove(folder: Path) -> None:
-    """Remove a copy: at first its name, at once, so that nobody finds a part of it."""
+    """Remove a copy; a rename comes first, so that no process uses an incomplete copy."""
     trash = Path(tempfile.mkdtemp(prefix=REMOVED, dir=folder.parent))
     os.rename(folder, trash / folder.name)
     shutil.rmtree(trash, ignore_errors=True)
 
 
 def _prune(place: Path) -> None:
-    """Remove copies that nobody has opened for MAX_AGE, and what interrupted processes have left."""
+    """Remove copies that were not opened for MAX_AGE, and incomplete copies of interrupted processes."""
     oldest = time.time() - MAX_AGE
     for folder in place.iterdir():
         with contextlib.suppress(OSError):  # another process removes it, or Windows has it open

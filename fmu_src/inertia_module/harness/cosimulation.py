@@ -1,6 +1,6 @@
-"""Runs of foreign FMUs: co-simulation of FMI 2.0 and 3.0 with values of all types, all else by fmpy.
+"""Runs of any FMU: co-simulation of FMI 2.0 and 3.0 with values of all types; fmpy runs all other kinds.
 
-An FMU of the project's own is run by `fmu.Fmu`, which is faster and takes numbers alone.
+The class `fmu.Fmu` is faster, but it supports only numbers.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from .loading import instantiate
 
 Array = NDArray[np.float64]
 Values = list[float] | list[str]
-# takes the time, s, and the values of the outputs by name
+# function that receives the time, s, and the values of the outputs by name
 Sample = Callable[[float, dict[str, Values]], None]
 
-# early returns within one communication step, and updates of discrete states in one event
+# maximum number of early returns in one communication step, and of updates of discrete states in one event
 MAX_REPETITIONS = 10_000
-# parts of the names of functions, if they are not called like the type
+# parts of the names of functions, if they differ from the name of the type
 CALLS_2 = {"Enumeration": "Integer"}
 CALLS_3 = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"}
 
@@ -38,9 +38,9 @@ class Plan(NamedTuple):
 
     Attributes:
         times: communication points, s, shape (steps + 1,).
-        outputs: variables to read at each of them, fmpy's.
+        outputs: variables of fmpy to read at each communication point.
         tolerance: relative tolerance, or None.
-        start: start values by variable, as pairs.
+        start: pairs of a variable and its start values.
         inputs: table of the inputs, or None.
         events: use event mode and early return (FMI 3.0).
     """
@@ -54,11 +54,11 @@ class Plan(NamedTuple):
 
 
 class Outputs:
-    """Reads variables of an instance: those of a type in one call.
+    """Reads variables of an instance, with one call for each type.
 
     Args:
-        variables: fmpy's.
-        with_sizes: arrays are possible (FMI 3.0).
+        variables: variables of fmpy.
+        with_sizes: True if arrays are possible (FMI 3.0).
     """
 
     def __init__(self, variables: Iterable[Any], with_sizes: bool) -> None:
@@ -69,7 +69,11 @@ class Outputs:
                 self._kinds.setdefault(variable.type, []).append(variable)
 
     def read(self, instance: Any) -> dict[str, Values]:
-        """Return the elements of each variable by name."""
+        """Return the elements of each variable by name.
+
+        Args:
+            instance: instance of fmpy.
+        """
         result: dict[str, Values] = {}
         for kind, variables in self._kinds.items():
             sizes = [size_of(variable) for variable in variables]
@@ -93,7 +97,13 @@ def _plain(value: Any, kind: str) -> Any:
 
 
 def set_values(instance: Any, variable: Any, values: Values) -> None:
-    """Set all elements of a variable."""
+    """Set all elements of a variable.
+
+    Args:
+        instance: instance of fmpy.
+        variable: variable of fmpy.
+        values: numbers or texts, one for each element.
+    """
     converted: list[Any] = list(values)
     if variable.type == "Binary":
         converted = [bytes.fromhex(str(text)) for text in values]
@@ -105,17 +115,22 @@ def set_values(instance: Any, variable: Any, values: Values) -> None:
 
 
 class Inputs:
-    """Sets the inputs of a table: continuous ones are interpolated, others are those of the last row.
+    """Sets the inputs of a table: continuous inputs are interpolated, others have the value of the last row.
 
     Args:
-        table: of the inputs, or None.
+        table: table of the inputs, or None.
     """
 
     def __init__(self, table: Table | None) -> None:
         self._table = table
 
     def apply(self, instance: Any, time: float) -> None:
-        """Set the values of a time, s."""
+        """Set the inputs at a time.
+
+        Args:
+            instance: instance of fmpy.
+            time: simulation time, s.
+        """
         if self._table is None:
             return
         rows = self._table.time
@@ -128,7 +143,7 @@ class Inputs:
 
 
 def _at(column: Column, row: int, share: float) -> Values:
-    """Return the values of a column in a row, or at a share of the way to the next row."""
+    """Return the values of a column in a row, or between this row and the next one (share 0 to 1)."""
     if isinstance(column.values, list):
         return [column.values[row]]
     values = column.values[row]
@@ -141,14 +156,14 @@ def run(description: Any, folder: str, plan: Plan, log: Log, sample: Sample) -> 
     """Run an unpacked FMU.
 
     Args:
-        description: of the FMU, by fmpy.
-        folder: of the unpacked FMU.
+        description: model description of fmpy.
+        folder: folder of the unpacked FMU.
         plan: the run.
-        log: takes the messages of the FMU.
-        sample: takes the outputs at each communication point.
+        log: log that receives the messages of the FMU.
+        sample: function that receives the outputs at each communication point.
 
     Returns:
-        True if the FMU itself has ended the simulation.
+        True if the FMU ends the simulation.
 
     Raises:
         FmuError, FMICallException, other errors of fmpy: the FMU fails.
@@ -156,15 +171,15 @@ def run(description: Any, folder: str, plan: Plan, log: Log, sample: Sample) -> 
     if description.coSimulation is None or description.fmiVersion.startswith("1."):
         return _run_by_fmpy(description, folder, plan, log, sample)
     instance = instantiate(description, folder, description.modelName, log, plan.events)
-    ended = _co_simulate(instance, plan, Outputs(plan.outputs, description.fmiVersion[0] == "3"), sample)
-    with contextlib.suppress(FMICallException):  # of an instance that has ended by itself
+    is_over = _co_simulate(instance, plan, Outputs(plan.outputs, description.fmiVersion[0] == "3"), sample)
+    with contextlib.suppress(FMICallException):  # an instance that ends the simulation may reject the call
         instance.terminate()
     instance.freeInstance()
-    return ended
+    return is_over
 
 
 def _co_simulate(instance: Any, plan: Plan, outputs: Outputs, sample: Sample) -> bool:
-    """Initialise an instance and step it; True if it ends the simulation."""
+    """Initialise an instance and step it; return True if it ends the simulation."""
     inputs, first, last = Inputs(plan.inputs), float(plan.times[0]), float(plan.times[-1])
     instance.setupExperiment(plan.tolerance, first, last)
     for variable, values in plan.start:
@@ -186,20 +201,20 @@ def _co_simulate(instance: Any, plan: Plan, outputs: Outputs, sample: Sample) ->
 
 
 def _advance(instance: Any, begin: float, end: float, events: bool) -> bool:
-    """Advance an instance from one time to another, s; True if it ends the simulation."""
+    """Advance an instance from one time to another, s; return True if it ends the simulation."""
     time = begin
     for _ in range(MAX_REPETITIONS):
         try:
-            # FMI 2.0 returns nothing
-            answer = instance.doStep(time, end - time) or (False, False, False, end)
+            # with FMI 2.0 the call returns None
+            result = instance.doStep(time, end - time) or (False, False, False, end)
         except FMICallException as error:
-            if error.status == DISCARD and _has_ended(instance):
+            if error.status == DISCARD and _ends_simulation(instance):
                 return True
             raise FmuError(f"at time {time:.9g} s: {error}") from error
-        is_event, _, is_early, reached = answer
+        is_event, _, is_early, last_time = result
         if is_early and not events:
             raise FmuError(f"at time {time:.9g} s: the step returns early, but early return is not allowed")
-        time = reached if is_early else end
+        time = last_time if is_early else end
         if events and is_event:
             instance.enterEventMode()
             if _update(instance):
@@ -210,7 +225,7 @@ def _advance(instance: Any, begin: float, end: float, events: bool) -> bool:
     raise FmuError(f"at time {time:.9g} s: the step to {end:.9g} s returns early {MAX_REPETITIONS} times")
 
 
-def _has_ended(instance: Any) -> bool:
+def _ends_simulation(instance: Any) -> bool:
     """Return True if the discarded step of an instance ends the simulation."""
     with contextlib.suppress(Exception):
         return bool(instance.getBooleanStatus(TERMINATED))
@@ -218,7 +233,7 @@ def _has_ended(instance: Any) -> bool:
 
 
 def _update(instance: Any) -> bool:
-    """Update the discrete states in event mode; True if the FMU ends the simulation."""
+    """Update the discrete states in event mode; return True if the FMU ends the simulation."""
     for _ in range(MAX_REPETITIONS):
         needs_update, ends, *_ = instance.updateDiscreteStates()
         if ends or not needs_update:
@@ -227,14 +242,14 @@ def _update(instance: Any) -> bool:
 
 
 def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sample) -> bool:
-    """Run an FMU for model exchange or of FMI 1.0 by fmpy; True if it ends the simulation."""
+    """Run an FMU for model exchange or of FMI 1.0 with fmpy; return True if it ends the simulation."""
     outputs = Outputs(plan.outputs, description.fmiVersion[0] == "3")
     last = float(plan.times[-1])
-    reached = -math.inf
+    last_time = -math.inf
 
     def step_finished(time: float, recorder: Any) -> bool:
-        nonlocal reached
-        reached = time
+        nonlocal last_time
+        last_time = time
         recorder.rows.clear()
         sample(time, outputs.read(recorder.fmu))
         return True
@@ -256,4 +271,4 @@ def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sa
         step_finished=step_finished,
         logger=log.take if description.fmiVersion[0] == "3" else take,
     )
-    return reached < last - 1e-6 * float(plan.times[-1] - plan.times[0])
+    return last_time < last - 1e-6 * float(plan.times[-1] - plan.times[0])

@@ -1,7 +1,7 @@
-"""Examination of an FMU in a process of its own: validation, simulation, replay of its references.
+"""Examination of an FMU in a separate process: validation, simulation, replay of its reference experiments.
 
-Native code of an FMU may do anything to its process. The report is therefore written to a journal at each
-stage, and `check` watches the process and judges its end.
+Native code of an FMU can corrupt or end its process. Therefore the report is written to a journal at each
+stage, and `check` monitors the process and evaluates its end.
 
 Run: python -m inertia_module.harness.examination FILE.fmu JOURNAL.json MEMORY
 """
@@ -32,16 +32,19 @@ from .replay import replay
 from .report import Journal, Report, listed, reason_of
 from .times import Span, span_of
 
-# steps of the default experiment that are tried
+# maximum number of simulated steps of the default experiment
 MAX_STEPS = 100_000
 
 
 def examine(path: Path, journal: Journal) -> Report:
-    """Validate an FMU file, step it, also with event mode, and replay its references.
+    """Validate an FMU file, simulate it with and without event mode, and replay its reference experiments.
 
     Args:
-        path: of the file.
-        journal: takes the report; its file is written at each stage.
+        path: path of the file.
+        journal: journal that receives the report; its file is written at each stage.
+
+    Returns:
+        The report of the journal.
 
     Raises:
         FmuError: the file is no FMU.
@@ -74,7 +77,7 @@ def examine(path: Path, journal: Journal) -> Report:
 
 
 def _kinds(description: Any) -> list[str]:
-    """Return the kinds of interface of an FMU."""
+    """Return the names of the interface types of an FMU."""
     kinds = {
         "co-simulation": description.coSimulation,
         "model exchange": description.modelExchange,
@@ -95,16 +98,16 @@ def _facts(description: Any, folder: Path) -> dict[str, str]:
 
 
 def _platforms(folder: Path) -> list[str]:
-    """Return the platforms of an unpacked FMU by the names of their folders; c-code for its sources."""
+    """Return the platforms of an unpacked FMU: names of their folders, and c-code for sources."""
     places = [*folder.glob("binaries/*")]
     names = sorted(place.name for place in places if any(file.is_file() for file in place.rglob("*")))
     return names + ["c-code"] * any(folder.glob("sources/*.c"))
 
 
 def _can_step(description: Any, folder: Path, report: Report) -> bool:
-    """Return True if an FMU can be stepped on this machine; otherwise the report has the reason."""
+    """Return True if an FMU can be simulated on this machine; otherwise add the reason to the report."""
     interface = description.coSimulation or description.modelExchange
-    if interface is None:  # the FMU is correct
+    if interface is None:  # a warning and no problem, because the FMU is correct
         report.warnings.append("the FMU is not simulated: it supports scheduled execution only")
         return False
     place = platform_tuple if description.fmiVersion[0] == "3" else host
@@ -116,7 +119,7 @@ def _can_step(description: Any, folder: Path, report: Report) -> bool:
 
 
 def _experiments(folder: Path, report: Report) -> list[Experiment]:
-    """Return the experiments with references in an FMU; a file that cannot be read is a problem."""
+    """Return the reference experiments in an FMU; an unreadable file is added to the problems."""
     try:
         return experiments(folder)
     except UNREADABLE as error:
@@ -128,17 +131,17 @@ def _experiments(folder: Path, report: Report) -> list[Experiment]:
 
 
 class _Samples:
-    """Outputs over a run: last values, and the first time at which a value was not finite.
+    """Outputs of a run: the last values, and the first times with values that are not finite.
 
     Args:
-        journal: takes the progress.
+        journal: journal that receives the progress.
         times: communication points, s, shape (steps + 1,).
 
     Attributes:
-        time: the last one, s.
+        time: last time, s.
         count: number of steps.
         last: last values by name.
-        not_finite: times, s, by name.
+        not_finite: first time of a value that is not finite, s, by name.
     """
 
     def __init__(self, journal: Journal, times: Array) -> None:
@@ -148,7 +151,12 @@ class _Samples:
         self.not_finite: dict[str, float] = {}
 
     def take(self, time: float, values: dict[str, Values]) -> None:
-        """Take the values at a time, s."""
+        """Store the values of a communication point.
+
+        Args:
+            time: simulation time, s.
+            values: values of the outputs by name.
+        """
         self.time, self.last = time, values
         self.count += time > self._start
         for name, elements in values.items():
@@ -158,7 +166,7 @@ class _Samples:
 
 
 def _default_times(description: Any, report: Report) -> Array:
-    """Return the communication points of the default experiment, s, or of its beginning with a warning."""
+    """Return the communication points of the default experiment, s; a long one is cut with a warning."""
     span = span_of(description, {})
     if span.steps > MAX_STEPS:
         report.warnings.append(
@@ -170,7 +178,7 @@ def _default_times(description: Any, report: Report) -> Array:
 
 
 def _step(description: Any, folder: Path, journal: Journal, events: bool = False) -> None:
-    """Step an FMU through its default experiment and look at its outputs."""
+    """Simulate the default experiment of an FMU and check its outputs."""
     report, log = journal.report, Log()
     outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
     mode = " with event mode" * events
@@ -181,7 +189,7 @@ def _step(description: Any, folder: Path, journal: Journal, events: bool = False
         samples = _Samples(journal, times)
         tolerance = getattr(description.defaultExperiment, "tolerance", None)
         plan = Plan(times, outputs, float(tolerance) if tolerance else None, events=events)
-        ended = run(description, str(folder), plan, log, samples.take)
+        is_over = run(description, str(folder), plan, log, samples.take)
     except Exception as error:
         report.problems.append(f"{journal.stage} failed: {'; '.join(listed(log.errors)) or reason_of(error)}")
         return
@@ -192,13 +200,13 @@ def _step(description: Any, folder: Path, journal: Journal, events: bool = False
         f"output {name} is not finite at t = {t:g} s" for name, t in samples.not_finite.items()
     ]
     report.facts["simulated with event mode" if events else "simulated"] = (
-        f"{samples.time:g} s in {samples.count} steps" + ended * "; the FMU ends the simulation"
+        f"{samples.time:g} s in {samples.count} steps" + is_over * "; the FMU ends the simulation"
     )
     report.outputs |= {name: _plain(values) for name, values in samples.last.items()}
 
 
 def _plain(values: Values) -> Any:
-    """Return values for a report: None for one that is not finite, a list for several."""
+    """Return values for a report: a list for several values, None for a value that is not finite."""
     plain = [value if isinstance(value, str) or np.isfinite(value) else None for value in values]
     return plain[0] if len(plain) == 1 else plain
 
@@ -207,7 +215,7 @@ def _plain(values: Values) -> Any:
 
 
 def _end_with_parent() -> None:
-    """End this process and its group when its parent ends, which closes the standard input."""
+    """Start a thread that kills this process and its group when the parent closes the standard input."""
 
     def watch() -> None:
         with contextlib.suppress(OSError):
@@ -221,7 +229,7 @@ def _end_with_parent() -> None:
 
 
 def _limit(memory: int) -> None:
-    """Limit this process, where the system can: memory, in bytes, and the size of files; no core files."""
+    """Limit memory, bytes, and file sizes of this process, if the system supports it; forbid core files."""
     try:
         import resource
     except ImportError:  # Windows
@@ -242,7 +250,7 @@ def _identity(descriptor: int) -> tuple[int, int] | None:
 
 
 def _flush() -> None:
-    """Write the buffers of the standard output, those of C too."""
+    """Flush the standard output of Python and of C."""
     with contextlib.suppress(OSError, ValueError):
         sys.stdout.flush()
     if os.name == "posix":
@@ -250,7 +258,13 @@ def _flush() -> None:
 
 
 def main(path: str, file: str, memory: str) -> None:
-    """Examine a file; the report is in the journal."""
+    """Examine an FMU file and write the report to a journal.
+
+    Args:
+        path: path of the FMU file.
+        file: path of the journal.
+        memory: memory limit, bytes, as text.
+    """
     _end_with_parent()
     _limit(int(memory))
     journal, output = Journal(Path(file)), _identity(1)
@@ -265,7 +279,7 @@ def main(path: str, file: str, memory: str) -> None:
     journal.is_done = True
     journal.write()
     _flush()
-    os._exit(0)  # without the destructors of libraries, which are not what is examined
+    os._exit(0)  # skips the destructors of libraries, which are not part of the examination
 
 
 if __name__ == "__main__":

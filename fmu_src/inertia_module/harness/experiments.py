@@ -1,7 +1,7 @@
-"""Experiments with reference results in an FMU, by the layered standard FMI-LS-REF.
+"""Experiments with reference results in an FMU, in the format of the layered standard FMI-LS-REF.
 
-They are experiments (MA-HS-Experiments), inputs and results as CSV, parameters as SSV of SSP.
-A result without an experiment is one of the default experiment. All files are read within the unpacked FMU.
+The files are experiments (MA-HS-Experiments), inputs and results as CSV, and parameters as SSV of SSP.
+A result without an experiment belongs to the default experiment. Files outside the unpacked FMU are not read.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .archive import parse_inside, read_inside
 Array = NDArray[np.float64]
 
 MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
-# allowed deviation of a result without a tolerance, relative to the largest value of the reference
+# allowed deviation of a result without a tolerance, relative to the maximum of the reference
 RELATIVE_DEVIATION = 1e-2
-# errors of files that violate the standards
+# exceptions that a file can cause if it violates the standards
 UNREADABLE = (OSError, SyntaxError, LookupError, ValueError)
 TEXTS = ("String", "Binary")
 REALS = ("Real", "Float32", "Float64")
-# name of an element of an array: "y[2]", "A[1,2]"
+# name of an array element: "y[2]", "A[1,2]"
 _ELEMENT = re.compile(r"(.+)\[\s*(\d+(?:\s*,\s*\d+)*)\s*\]$")
 # name with a unit: "omega [rpm]"
 _QUANTITY = re.compile(r"(.*?)\s*\[(.*)\]$")
@@ -41,11 +41,11 @@ class Experiment(NamedTuple):
     """An experiment with reference results.
 
     Attributes:
-        name: of the experiment.
-        results: file of the results.
-        settings: times and tolerance by their names in the file.
-        inputs: file of the inputs, or None.
-        parameters: by name, with units.
+        name: name of the experiment.
+        results: path of the results.
+        settings: times and tolerance as texts, by name in the file.
+        inputs: path of the inputs, or None.
+        parameters: values by name: numbers, quantities with units, texts.
         allowed: allowed deviations by name of the variable.
     """
 
@@ -61,9 +61,9 @@ class Column(NamedTuple):
     """Values of a variable, or of one element of an array, over time.
 
     Attributes:
-        variable: fmpy's.
-        element: index of the element in the flat array, or None for the whole variable.
-        values: shape (rows, elements); or texts.
+        variable: variable of fmpy.
+        element: index of the element in the flat array, or None for the complete variable.
+        values: numbers, shape (rows, elements), or texts.
     """
 
     variable: Any
@@ -75,8 +75,8 @@ class Table(NamedTuple):
     """Columns over time.
 
     Attributes:
-        time: shape (rows,), s.
-        columns: by heading.
+        time: times, s, shape (rows,).
+        columns: columns by heading.
     """
 
     time: Array
@@ -84,7 +84,11 @@ class Table(NamedTuple):
 
 
 def size_of(variable: Any) -> int:
-    """Return the number of elements of a variable."""
+    """Return the number of elements of a variable.
+
+    Args:
+        variable: variable of fmpy.
+    """
     return math.prod(variable.shape)
 
 
@@ -96,11 +100,11 @@ def _parameters(folder: Path, file: Path) -> Iterator[tuple[str, float | str]]:
         yield row.attrib["name"], value if unit == "1" else f"{text} {unit}"
 
 
-def _experiment(element: ElementTree.Element, folder: Path, beside: Path) -> Experiment:
-    """Return an experiment of a file; sources are relative to the folder beside it."""
-    # drafts of the format differ in the place of the times
+def _experiment(element: ElementTree.Element, folder: Path, source_folder: Path) -> Experiment:
+    """Return an experiment of a file; paths are relative to the folder of this file."""
+    # the place of the times differs between drafts of the format
     settings = {**getattr(element.find("TransientSimulation"), "attrib", {}), **element.attrib}
-    files = {kind.tag: beside / kind.get("source", "") for kind in element}
+    files = {kind.tag: source_folder / kind.get("source", "") for kind in element}
     parameters = dict(_parameters(folder, files["Parameters"])) if "Parameters" in files else {}
     allowed = {row.attrib["variable"]: float(row.attrib["absolute"]) for row in element.iter("Tolerance")}
     name, inputs = settings["name"], files.get("Stimuli")
@@ -110,9 +114,14 @@ def _experiment(element: ElementTree.Element, folder: Path, beside: Path) -> Exp
 def experiments(folder: Path) -> list[Experiment]:
     """Return the experiments with results in an unpacked FMU.
 
+    Args:
+        folder: folder of the unpacked FMU.
+
     Raises:
         FmuError: a file is missing, or lies outside the FMU.
-        SyntaxError, LookupError, ValueError: a file is not as the standards demand.
+        SyntaxError: a file is no XML.
+        LookupError: a file violates the standards: an item is missing.
+        ValueError: a file violates the standards: a value is invalid.
     """
     manifest, bound, results = folder / MANIFEST, list[Experiment](), list[Path]()
     if not manifest.is_file():
@@ -132,14 +141,14 @@ def experiments(folder: Path) -> list[Experiment]:
 
 
 def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
-    """Return the elements of a value for a variable: numbers, or a text.
+    """Convert a value to the elements of a variable: numbers, or a text.
 
     Args:
-        variable: fmpy's.
+        variable: variable of fmpy.
         value: a number, a quantity with a unit, the name of an item, a text, or numbers separated by spaces.
 
     Raises:
-        FmuError: it is none of these, or has another number of elements.
+        FmuError: the value has another type or another number of elements.
     """
     if variable.type in TEXTS:
         return [str(value)]
@@ -162,7 +171,7 @@ def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
 
 
 def _number(word: float | str) -> float | str:
-    """Return a number without a unit as such."""
+    """Convert a text to a number, if it is a number without a unit."""
     try:
         return float(word)
     except ValueError:
@@ -170,7 +179,7 @@ def _number(word: float | str) -> float | str:
 
 
 def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
-    """Return the variable of a heading, and the place of an element in it or None.
+    """Return the variable of a heading, and the index of an array element or None.
 
     Raises:
         FmuError: there is no such variable.
@@ -188,7 +197,7 @@ def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
 
 
 def _split_heading(heading: str, variables: Mapping[str, Any]) -> tuple[str, str | None]:
-    """Return the name and the unit (None if there is none) of a heading."""
+    """Return the name and the unit of a heading; None without a unit."""
     match = _QUANTITY.match(heading)
     if heading in variables or _ELEMENT.match(heading) or match is None:
         return heading, None
@@ -196,7 +205,7 @@ def _split_heading(heading: str, variables: Mapping[str, Any]) -> tuple[str, str
 
 
 def _column(heading: str, cells: Sequence[str], variables: Mapping[str, Any]) -> Column:
-    """Return a column of cells, in the unit of its variable."""
+    """Convert cells to a column in the unit of its variable."""
     name, unit = _split_heading(heading, variables)
     variable, element = _places(name, variables)
     own_unit = variable.unit or "1"
@@ -223,12 +232,12 @@ def read_table(folder: Path, file: Path, variables: Mapping[str, Any]) -> Table:
     """Read a CSV file of variables over time: numbers, Booleans, texts, arrays.
 
     Args:
-        folder: of the unpacked FMU.
-        file: of the table.
-        variables: fmpy's, by name.
+        folder: folder of the unpacked FMU.
+        file: path of the table.
+        variables: variables of fmpy by name.
 
     Raises:
-        FmuError: it is no such table, or no file inside the FMU.
+        FmuError: the file is no such table, or lies outside the FMU.
     """
     content = read_inside(folder, file)
     try:
@@ -241,7 +250,7 @@ def read_table(folder: Path, file: Path, variables: Mapping[str, Any]) -> Table:
     if len(rows) < 2:
         demand = must_be("number of rows", "at least 2, with the headings", str(len(rows)))
         raise FmuError(cannot_read(file.name, demand))
-    if not rows[0][-1]:  # separators at the ends of the rows
+    if not rows[0][-1]:  # each row ends with a separator
         rows = [row[: len(rows[0]) - 1] for row in rows]
     headings = rows.pop(0)
     for number, row in enumerate(rows, 1):

@@ -1,4 +1,4 @@
-"""One instance of an FMU, 2.0 or 3.0, for co-simulation, by names: set, advance, read, save, restore."""
+"""Co-simulation instance of an FMU (2.0 or 3.0) with access by name: set, advance, read, save, restore."""
 
 from __future__ import annotations
 
@@ -24,21 +24,22 @@ Array = NDArray[np.float64]
 
 # function of the native FMUs that takes many steps in one call
 RUN = "inertiaModuleRun"
-# statuses of the standards: of a warning, above which are errors, and of a step that is not taken; of FMI 2.0
-# the question whether it ends the simulation
+# statuses of the standards; a status above a warning is an error, except a discarded step
 WARNING, DISCARD = 1, 2
+# status kind of FMI 2.0 for the end of the simulation
 TERMINATED = 3
-# largest FMU file that workers run, bytes
+# maximum size of an FMU file, bytes
 MAX_FMU_SIZE = 1_000_000_000
-# types of values that are no numbers
+# types whose values are no numbers
 NOT_NUMBERS = ("String", "Binary", "Clock")
-# ctypes cuts off what is more, silently
-LARGEST_INTEGER = 2.0**31 - 1.0
+# maximum of an integer; ctypes would truncate a larger one without an error
+MAX_INTEGER = 2.0**31 - 1.0
 
-# a run begins with a call of so many steps; others take about so long, s: progress and Ctrl-C come in between
+# number of steps in the first call of a run
 FIRST_STEPS = 8
+# aim for the duration of the following calls, s; progress and Ctrl-C are handled between calls
 CALL_TIME = 0.1
-# of a run that only reads
+# arguments of a run without steps, which only reads
 NO_STEPS, NO_INPUTS = np.empty(0), np.empty((0, 0))
 
 
@@ -64,21 +65,40 @@ def run(
     rows: Array,
     progress: Progress | None = None,
 ) -> None:
-    """Run a started plant with inputs by name, shape (steps,) each; all else as of Plant.take_steps."""
+    """Run a started plant and record outputs.
+
+    Args:
+        plant: the plant.
+        lengths: lengths of the steps, s, shape (steps,).
+        inputs: values of the inputs by name, shape (steps,) each.
+        outputs: names of the outputs.
+        rows: array for the outputs at the start and after each step, shape (steps + 1, outputs).
+        progress: function that receives the completed share, 0 to 1, or None.
+
+    Raises:
+        Refused: a name is unknown, or a value or a step is invalid.
+    """
     table = np.reshape([*inputs.values()], (len(inputs), lengths.size))
-    lengths, given = np.ascontiguousarray(lengths), np.ascontiguousarray(table.T)
-    done, number = 0, FIRST_STEPS
-    while done < lengths.size:
-        end, begun = min(done + number, lengths.size), time.perf_counter()
-        plant.take_steps(lengths[done:end], tuple(inputs), given[done:end], outputs, rows[done : end + 1])
-        number = 2 * number if time.perf_counter() - begun < CALL_TIME else max(number // 2, 1)
-        done = end
+    lengths, input_rows = np.ascontiguousarray(lengths), np.ascontiguousarray(table.T)
+    names, first, number = tuple(inputs), 0, FIRST_STEPS
+    while first < lengths.size:
+        end, start_time = min(first + number, lengths.size), time.perf_counter()
+        plant.take_steps(lengths[first:end], names, input_rows[first:end], outputs, rows[first : end + 1])
+        number = 2 * number if time.perf_counter() - start_time < CALL_TIME else max(number // 2, 1)
+        first = end
         if progress is not None:
-            progress(done / lengths.size)
+            progress(first / lengths.size)
 
 
 def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
-    """Names as a tuple; a single one may be given as a string."""
+    """Return names as a tuple.
+
+    Args:
+        names: a list of names, or a single name as a string.
+
+    Raises:
+        Refused: the names are neither.
+    """
     if isinstance(names, str):
         return (names,)
     if isinstance(names, Iterable):
@@ -87,7 +107,11 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def fmu_file(path: Path | str | None) -> Path:
-    """The path of an FMU file; without one that of the module, as it comes with the package or is built."""
+    """Return the path of an FMU file.
+
+    Args:
+        path: path of the file; None for the FMU of the module, from the wheel or built on demand.
+    """
     if path is not None:
         return Path(path)
     from ..fmu.builder import current_fmu
@@ -96,19 +120,23 @@ def fmu_file(path: Path | str | None) -> Path:
 
 
 def fmu_content(path: Path | str | None) -> bytes:
-    """The content of an FMU file, or of that of the module: see fmu_file."""
+    """Return the content of an FMU file.
+
+    Args:
+        path: path of the file; None for the FMU of the module, from the wheel or built on demand.
+    """
     return read_file(fmu_file(path), MAX_FMU_SIZE)
 
 
 def read_description(path: Path, validate: bool = True) -> Any:
-    """Read the description of an FMU file by fmpy; types of variables by their names in FMI 2.0.
+    """Read the model description of an FMU file with fmpy; types of variables have their names in FMI 2.0.
 
     Args:
-        path: of the file.
-        validate: reject a description that violates the standard.
+        path: path of the file.
+        validate: True to reject a description that violates the standard.
 
     Raises:
-        FmuError: there is no FMU, or its description is rejected.
+        FmuError: the file is no FMU, or its description is rejected.
     """
     from fmpy import read_model_description
 
@@ -128,17 +156,21 @@ def read_description(path: Path, validate: bool = True) -> Any:
 
 
 def is_number(variable: Any) -> bool:
-    """Return True if a variable of fmpy is a single number: no text, no clock, no array."""
+    """Return True if a variable of fmpy is a single number: no text, no clock, no array.
+
+    Args:
+        variable: variable of fmpy.
+    """
     return variable.type not in NOT_NUMBERS and not variable.dimensions
 
 
 def _number_for(variable: Any, value: Any) -> float:
-    """Convert a value, a quantity or the name of an item to the number to set; the FMU checks its range."""
+    """Convert a value, a quantity or the name of an item to a number; the FMU checks its range."""
     if variable.type == "Real" and isinstance(value, float):
         return value
-    unit, items, largest = variable.unit or "1", None, LARGEST_INTEGER
+    unit, items, maximum = variable.unit or "1", None, MAX_INTEGER
     if variable.type == "Boolean":
-        items, largest = BOOLEANS, 1.0
+        items, maximum = BOOLEANS, 1.0
     elif variable.type != "Real" and getattr(variable.declaredType, "items", None):
         items = {item.name: float(item.value) for item in variable.declaredType.items}
     if variable.type == "Real":
@@ -150,13 +182,19 @@ def _number_for(variable: Any, value: Any) -> float:
     except ValueError as error:
         message = must_be(variable.name, allowed, repr(value))
         raise FmuError(with_reason(message, error, value, items)) from None
-    if variable.type != "Real" and not (number.is_integer() and abs(number) <= largest):
+    if variable.type != "Real" and not (number.is_integer() and abs(number) <= maximum):
         raise FmuError(must_be(variable.name, allowed, repr(value)))
     return number
 
 
 class Log:
-    """Messages of an instance, oldest first: all of them, and of these the warnings and the errors."""
+    """Messages of an instance, oldest first.
+
+    Attributes:
+        messages: all messages.
+        warnings: messages with the status warning.
+        errors: messages with a more severe status.
+    """
 
     def __init__(self) -> None:
         self.messages: list[str] = []
@@ -164,7 +202,14 @@ class Log:
         self.errors: list[str] = []
 
     def take(self, environment: int | None, status: int, category: bytes, message: bytes) -> None:
-        """Take a message, as the log callback of FMI 3.0."""
+        """Append a message; this method has the signature of the log callback of FMI 3.0.
+
+        Args:
+            environment: instance environment of the callback.
+            status: status of the message.
+            category: category of the message.
+            message: the message in UTF-8.
+        """
         text = message.decode("utf-8", "replace")
         self.messages.append(text)
         if status >= WARNING:
@@ -172,11 +217,22 @@ class Log:
 
 
 class Ended(FmuError):
-    """The FMU itself ends the simulation: in the step from the time of its instance on."""
+    """The FMU ends the simulation in the step that starts at the time of its instance."""
 
 
-class Kept:
-    """A state kept by an instance of an FMU, and its times, s; freed with the last reference to it."""
+class FmuState:
+    """A state stored by an instance of an FMU; it is freed with the last reference to this object.
+
+    Args:
+        fmu: the instance.
+        state: pointer of the FMU.
+
+    Attributes:
+        fmu: the instance.
+        state: pointer of the FMU.
+        time: communication point of the state, s.
+        epoch: time at which the clock of the instance is at 0, s.
+    """
 
     def __init__(self, fmu: Fmu, state: c_void_p) -> None:
         self.fmu, self.state, self.time, self.epoch = fmu, state, fmu.time, fmu._epoch
@@ -187,27 +243,31 @@ class Kept:
 
 
 class Fmu(Plant, Closing):
-    """One co-simulation instance of an FMU, 2.0 or 3.0, initialised and ready to step; a context manager.
+    """One co-simulation instance of an FMU (2.0 or 3.0), initialised and ready to step; a context manager.
 
-    Those of FMI 3.0 run without event mode and early return.
+    FMUs of FMI 3.0 run without event mode and early return.
 
     Args:
-        path: the .fmu file; without one that of the module, as it comes with the package or is built.
+        path: path of the .fmu file; None for the FMU of the module, from the wheel or built on demand.
         parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
             or item name.
-        inputs: inputs by name, set before the end of initialisation (so no jump at the start).
+        inputs: inputs by name; they are set before the end of initialisation, so there is no jump at the
+            start.
         tolerance: relative tolerance of the experiment, or None.
-        start_time: of the experiment, s.
-        stop_time: of the experiment, s, or None.
+        start_time: start time of the experiment, s.
+        stop_time: stop time of the experiment, s, or None.
 
     Attributes:
-        time: the communication point reached, s.
-        messages: what the FMU logged, oldest first. warnings: those of them that are warnings.
-        variables: fmpy's, by name. units: unit of each variable that has one.
+        path: path of the .fmu file.
+        time: present communication point, s.
+        messages: messages of the FMU, oldest first.
+        warnings: messages of the FMU with the status warning.
+        variables: variables of fmpy by name.
+        units: units by name, for the variables that have a unit.
 
     Raises:
-        FmuError: the file is not such an FMU, a name is unknown, or a value is invalid. All methods raise it
-            for unknown names, for calls that the FMU rejects or does not support, and after close.
+        FmuError: the file is no FMU for co-simulation, a name is unknown, or a value is invalid. All methods
+            raise it for unknown names, for calls that the FMU rejects or does not support, and after close.
     """
 
     def __init__(
@@ -221,7 +281,7 @@ class Fmu(Plant, Closing):
     ) -> None:
         self.path = fmu_file(path)
         self.time = start_time
-        self._epoch = 0.0  # time, s, at which the clock of the instance is at 0
+        self._epoch = 0.0  # s; time at which the clock of the instance is at 0
         self._log = Log()
         self.messages, self.warnings = self._log.messages, self._log.warnings
         self._instance: Any = None
@@ -258,7 +318,7 @@ class Fmu(Plant, Closing):
             raise FmuError(f"{self.path} cannot be instantiated: {reasons}") from error
 
     def _before_start(self) -> None:
-        """Prepare what a kind of instance needs before the end of its initialisation."""
+        """Hook for subclasses, called before the end of the initialisation."""
 
     def close(self) -> None:
         """Terminate and free the instance."""
@@ -269,27 +329,32 @@ class Fmu(Plant, Closing):
         self._instance = None
 
     def _call(self, function: str, *arguments: Any) -> Any:
-        """Call a function of fmpy's instance; a failing status or an error it logs becomes a FmuError."""
+        """Call a function of fmpy's instance; raise FmuError if it fails or logs an error."""
         if self._instance is None:
             raise FmuError(f"{self.path.name} is closed: {function} requires an open instance")
         errors = self._log.errors
         errors.clear()
         try:
-            found = getattr(self._instance, function)(*arguments)
+            result = getattr(self._instance, function)(*arguments)
         except Exception as error:
             raise FmuError("; ".join(errors) or f"{function}: {error}") from error
         if errors:
             raise FmuError("; ".join(errors))
-        return found
+        return result
 
     def set_logging(self, on: bool, *categories: str) -> None:
-        """Switch log categories on or off; all of them if none is named."""
+        """Switch log categories on or off.
+
+        Args:
+            on: True to switch on.
+            categories: names of the categories; without names all categories are switched.
+        """
         self._call("setDebugLogging", on, categories)
 
     # --- values ---
 
     def _variable(self, name: str) -> Any:
-        """Return the variable of this name; raise FmuError if there is none, or if it is no single number."""
+        """Return a variable of fmpy by name; raise FmuError if it is missing, or no single number."""
         variable = self.variables.get(name)
         if variable is None:
             raise FmuError(f"{self.path.name}: {unknown('variable', name, self.variables)}")
@@ -302,14 +367,18 @@ class Fmu(Plant, Closing):
         return [self._variable(name).valueReference for name in as_names(names)]
 
     def _address(self, names: Sequence[str]) -> int:
-        """Address of a C array of the value references of these names, kept."""
+        """Return the address of a C array with the value references of variables; the array is stored."""
         key = tuple(names)
         if key not in self._arrays:
             self._arrays[key] = (c_uint * len(key))(*self._references(key))
         return addressof(self._arrays[key])
 
     def set(self, /, **values: float | bool | str) -> None:
-        """Set inputs and tunable parameters by name to values: numbers, strings with a unit; all or none."""
+        """Set inputs and tunable parameters by name; an unknown name or an invalid type sets none of them.
+
+        Args:
+            values: numbers, strings with a unit, or names of items.
+        """
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
             number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
@@ -318,14 +387,18 @@ class Fmu(Plant, Closing):
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
 
     def read(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Read values by names, or one alone, of any type, as floats."""
+        """Return the values of variables as floats.
+
+        Args:
+            names: names of variables, or a single name.
+        """
         key = as_names(names)
         if key not in self._readers:
             row = np.empty((1, len(key)))
             self._readers[key] = row, Run(NO_STEPS, 0, NO_INPUTS, self._address(key), row)
-        row, reading = self._readers[key]
+        row, request = self._readers[key]
         if getattr(self._instance, RUN, None) is not None:
-            self._call(RUN, self._instance.component, byref(reading))
+            self._call(RUN, self._instance.component, byref(request))
             return tuple(row[0].tolist())
         kinds: dict[str, list[int]] = {}
         for place, name in enumerate(key):
@@ -340,95 +413,134 @@ class Fmu(Plant, Closing):
     # --- steps ---
 
     def advance(self, step: float) -> None:
-        """Advance by a communication step, s.
+        """Advance by a communication step.
+
+        Args:
+            step: length of the step, s.
 
         Raises:
-            FmuError: the FMU rejects the step and keeps its state.
+            FmuError: the FMU rejects the step; its state is unchanged.
             Ended: the FMU ends the simulation.
         """
         try:
             self._call("doStep", self.time - self._epoch, step)
         except FmuError as error:
-            if self._has_ended(error.__cause__):
+            if self._ends_simulation(error.__cause__):
                 raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
 
-    def _has_ended(self, failure: BaseException | None) -> bool:
-        """Tell whether the failure of a step means that the FMU ends the simulation."""
+    def _ends_simulation(self, failure: BaseException | None) -> bool:
+        """Return True if the FMU ends the simulation with the failure of a step."""
         with contextlib.suppress(Exception):
             return getattr(failure, "status", None) == DISCARD and self._instance.getBooleanStatus(TERMINATED)
         return False
 
     def take_steps(
-        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+        self, lengths: Array, inputs: Sequence[str], input_rows: Array, outputs: Sequence[str], rows: Array
     ) -> None:
-        """Take steps of given lengths and inputs for rows of outputs, in one call where the FMU has one."""
+        """Take many steps; an FMU with the function RUN takes them in one call.
+
+        Args:
+            lengths: lengths of the steps, s, shape (steps,).
+            inputs: names of the inputs.
+            input_rows: values of the inputs, shape (steps, inputs).
+            outputs: names of the outputs.
+            rows: array for the outputs at the start and after each step, shape (steps + 1, outputs).
+
+        Raises:
+            FmuError: a name is unknown, or the FMU rejects a value or a step.
+        """
         if getattr(self._instance, RUN, None) is None:
-            super().take_steps(lengths, inputs, given, outputs, rows)
+            super().take_steps(lengths, inputs, input_rows, outputs, rows)
             return
-        asked = Run(lengths, self._address(inputs), given, self._address(outputs), rows)
-        asked.time = self.time - self._epoch
+        request = Run(lengths, self._address(inputs), input_rows, self._address(outputs), rows)
+        request.time = self.time - self._epoch
         try:
-            self._call(RUN, self._instance.component, byref(asked))
+            self._call(RUN, self._instance.component, byref(request))
         except FmuError as error:
-            raise FmuError(f"at time {asked.time + self._epoch:.9g} s: {error}") from error
+            raise FmuError(f"at time {request.time + self._epoch:.9g} s: {error}") from error
         finally:
-            self.time = asked.time + self._epoch
+            self.time = request.time + self._epoch
 
     def set_rates(self, **rates: float) -> None:
-        """Give inputs rates over the coming step, by name, per second (native FMUs; see docs/fmu.md)."""
+        """Set the rates of inputs for the next step (native FMUs; see docs/fmu.md).
+
+        Args:
+            rates: rates by name, in units of the inputs per second.
+        """
         orders, values = [1] * len(rates), list(rates.values())
         self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Rates of outputs by names, or one alone, after the last step, per second (see docs/fmu.md)."""
+        """Return the rates of outputs after the last step, per second (see docs/fmu.md).
+
+        Args:
+            names: names of outputs, or a single name.
+        """
         references = self._references(names)
         return tuple(self._call("getRealOutputDerivatives", references, [1] * len(references)))
 
     def jacobian(self, outputs: str | Sequence[str], inputs: str | Sequence[str]) -> NDArray[np.float64]:
-        """Derivatives of outputs after the last step by inputs over it (native FMUs; see docs/fmu.md).
+        """Return the derivatives of outputs after the last step with respect to inputs during the step.
+
+        This requires a native FMU (see docs/fmu.md).
 
         Args:
-            outputs: names, or one alone.
-            inputs: likewise; tunable parameters, too.
+            outputs: names of outputs, or a single name.
+            inputs: names of inputs or tunable parameters, or a single name.
 
         Returns:
-            Shape (outputs, inputs), units of the output over those of the input.
+            Jacobian, shape (outputs, inputs), in the unit of the output per unit of the input.
         """
         unknowns, knowns = self._references(outputs), self._references(inputs)
-        columns = [self._call("getDirectionalDerivative", unknowns, [known], [1.0]) for known in knowns]
+        columns = [self._call("getDirectionalDerivative", unknowns, [input_], [1.0]) for input_ in knowns]
         return np.array(columns, dtype=np.float64).reshape(len(knowns), len(unknowns)).T
 
     # --- states ---
 
-    def get_state(self) -> Kept:
-        """Keep the state to go back to; cheaper than save, and good for this instance only."""
-        return Kept(self, self._call("getFMUstate"))
+    def get_state(self) -> FmuState:
+        """Return the present state for set_state; cheaper than save, but valid for this instance only."""
+        return FmuState(self, self._call("getFMUstate"))
 
-    def set_state(self, kept: Kept) -> None:
-        """Take over a kept state of get_state, and its time."""
-        # some FMUs crash on a state that is not theirs
-        if not isinstance(kept, Kept) or kept.fmu is not self:
+    def set_state(self, state: FmuState) -> None:
+        """Restore a state of get_state and its time.
+
+        Args:
+            state: the state.
+
+        Raises:
+            FmuError: the state is from another instance.
+        """
+        # some FMUs crash if the state is from another instance
+        if not isinstance(state, FmuState) or state.fmu is not self:
             raise FmuError("a state must be from get_state of this instance")
-        self._call("setFMUstate", kept.state)
-        self.time, self._epoch = kept.time, kept.epoch
+        self._call("setFMUstate", state.state)
+        self.time, self._epoch = state.time, state.epoch
 
     def save(self) -> bytes:
-        """Serialise the whole state of the instance."""
-        kept = self.get_state()
-        return bytes(self._call("serializeFMUstate", kept.state))
+        """Return the serialised state of the instance."""
+        present = self.get_state()  # the reference prevents that the FMU frees the state during the call
+        return bytes(self._call("serializeFMUstate", present.state))
 
     def restore(self, saved: bytes, time: float | None = None) -> None:
-        """Take over a saved state, at the time, s, that it belongs to; None leaves that as it is."""
+        """Restore a state of save.
+
+        Args:
+            saved: the state.
+            time: time of the state, s; None to leave the time of the instance unchanged.
+
+        Raises:
+            FmuError: the FMU rejects the state; the instance is unchanged.
+        """
         if not isinstance(saved, bytes):
             raise FmuError(must_be("a state", "the bytes of save()", type(saved).__name__))
         before = self.get_state()
         try:
-            after = Kept(self, self._call("deSerializeFMUstate", saved))
+            after = FmuState(self, self._call("deSerializeFMUstate", saved))
             self._call("setFMUstate", after.state)
         except FmuError:
-            # otherwise the Python FMU would reject all further steps
+            # a failed call changes the phase of the Python FMU: it would reject all further steps
             self._call("setFMUstate", before.state)
             raise
         if time is not None:
@@ -438,24 +550,24 @@ class Fmu(Plant, Closing):
 class RestartedFmu(Fmu):
     """Instance that can be restarted from initialisation with other start values.
 
-    It goes back to a state kept in initialisation mode, after everything that follows from the parameters
-    (the map of fidelity averaged) has been found: without the cost of a new instance.
+    A restart restores a state from initialisation mode. This state contains the results of the parameters,
+    such as the map of fidelity averaged. Therefore a restart is cheaper than a new instance.
     """
 
     def _before_start(self) -> None:
-        # a value read here makes the native FMU derive its constants, for the state that is kept
+        # reading an output makes the native FMU compute its constants, so the stored state contains them
         outputs = (v.name for v in self.variables.values() if v.causality == "output" and is_number(v))
         self.read([*outputs][:1])
         self._blank = self.get_state()
 
     def restart(self, values: Mapping[str, float], time: float = 0.0) -> None:
-        """Start the instance again.
+        """Restart the instance.
 
         Args:
-            values: parameters and inputs by name; all others are those of the first start.
-            time: time that the restart belongs to, s, for messages; the instance itself begins at 0.
+            values: parameters and inputs by name; all others have the values of the first start.
+            time: time of the restart, s, for messages; the clock of the instance starts at 0.
         """
-        self.messages.clear()  # a run restarts every step: only what concerns this start is kept
+        self.messages.clear()  # otherwise the messages would accumulate, because a run restarts at every step
         self.set_state(self._blank)
         self._epoch = time - self.time
         self.time = time

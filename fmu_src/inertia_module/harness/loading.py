@@ -1,6 +1,6 @@
-"""FMUs loaded by fmpy: a log for each instance, FMI 3.0 by the calls of 2.0.
+"""Instances of FMUs, loaded with fmpy: each has a log; FMI 3.0 has the method names of FMI 2.0.
 
-Importing it imports fmpy.
+The import of this module imports fmpy.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from fmpy.logging import addLoggerProxy
 
 from .fmu import DISCARD, RUN, WARNING, Log
 
-# logs by the environment that callbacks carry; instances that fmpy makes itself carry none
+# logs by the environment of the callbacks; instances of fmpy itself have no environment
 _logs: weakref.WeakValueDictionary[int | None, Log] = weakref.WeakValueDictionary()
 
 
 def _dispatch(environment: int | None, instance: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Append a message to the log of its instance; print it as fmpy does if there is none."""
+    """Append a message to the log of its instance; print it like fmpy if there is no log."""
     log = _logs.get(environment)
     if log is None:
         printLogMessage(environment, instance, status, category, message)
@@ -33,10 +33,14 @@ _DISPATCHER = fmi2.fmi2CallbackLoggerTYPE(_dispatch)
 
 
 def callbacks_of(log: Log) -> Any:
-    """Callbacks of one instance of FMI 2.0 with a log.
+    """Return the callbacks of an FMI 2.0 instance that writes its messages to a log.
 
-    Fmpy's proxy, which formats the messages, knows one callback a process: the last one given. One that is
-    freed while another instance still logs would crash the process: that of all instances stays.
+    All instances share one logger callback, which is never freed. The proxy of fmpy, which formats the
+    messages, uses only the last registered callback of the process. If this callback were freed while an
+    instance logs, the process would crash.
+
+    Args:
+        log: log of the instance.
     """
     callbacks = fmi2.fmi2CallbackFunctions()
     callbacks.logger = _DISPATCHER
@@ -52,11 +56,11 @@ def instantiate(description: Any, folder: str, name: str, log: Log, events: bool
     """Make an instance of an unpacked FMU, with FMPy's FMI 2.0 method names.
 
     Args:
-        description: of the FMU, by fmpy.
-        folder: of the unpacked FMU.
-        name: of the instance.
-        log: takes the messages of the instance.
-        events: use event mode and allow early return (FMI 3.0).
+        description: model description of fmpy.
+        folder: folder of the unpacked FMU.
+        name: name of the instance.
+        log: log that receives the messages of the instance.
+        events: True to use event mode and allow early return (FMI 3.0).
     """
     arguments = {
         "guid": description.guid,
@@ -80,7 +84,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log, events: bool
 
 
 def _check_status(status: int) -> None:
-    """Raise on a status of failure, as fmpy does for functions of the standards."""
+    """Raise an error if a status is a failure, as fmpy does for the functions of the standards."""
     if status > WARNING:
         raise FMICallException(RUN, status)
 
@@ -88,19 +92,26 @@ def _check_status(status: int) -> None:
 class Slave(FMU3Slave):  # type: ignore[misc]
     """Adapter: an FMI 3.0 instance for co-simulation with FMPy's FMI 2.0 method names.
 
-    Event mode and early return only if instantiate is asked for them. Names are those of the standards.
+    Event mode and early return require arguments of instantiate. The method names follow the standards.
     """
 
     _experiment: tuple[float | None, float, float | None] = (None, 0.0, None)
-    _ended = False
+    _is_over = False
 
     def setupExperiment(
         self, tolerance: float | None = None, startTime: float = 0.0, stopTime: float | None = None
     ) -> None:
-        """Keep the experiment, s: FMI 3.0 has it with the beginning of initialization."""
+        """Store the experiment; FMI 3.0 passes it to enterInitializationMode.
+
+        Args:
+            tolerance: relative tolerance, or None.
+            startTime: start time, s.
+            stopTime: stop time, s, or None.
+        """
         self._experiment = (tolerance, startTime, stopTime)
 
     def enterInitializationMode(self) -> None:
+        """Enter initialization mode with the stored experiment."""
         super().enterInitializationMode(*self._experiment)
 
     getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
@@ -112,16 +123,33 @@ class Slave(FMU3Slave):  # type: ignore[misc]
     getRealOutputDerivatives = FMU3Slave.getOutputDerivatives
 
     def doStep(self, *arguments: Any, **named: Any) -> Any:
-        """Step; where the FMU ends the simulation that is said as in FMI 2.0."""
-        answer = super().doStep(*arguments, **named)
-        self._ended = answer[1]
-        if self._ended:
+        """Take a step; if the FMU ends the simulation, raise the status of FMI 2.0.
+
+        Args:
+            arguments: arguments of FMU3Slave.doStep.
+            named: keyword arguments of FMU3Slave.doStep.
+
+        Raises:
+            FMICallException: the step fails, or the FMU ends the simulation (status discard).
+        """
+        result = super().doStep(*arguments, **named)
+        self._is_over = result[1]
+        if self._is_over:
             raise FMICallException("fmi3DoStep", DISCARD)
-        return answer
+        return result
 
     def getBooleanStatus(self, kind: int) -> bool:
-        """Tell whether the last step has ended the simulation: of what FMI 2.0 can be asked only this."""
-        return self._ended
+        """Return True if the last step has ended the simulation.
+
+        Args:
+            kind: status of FMI 2.0; only fmi2Terminated is used.
+        """
+        return self._is_over
 
     def setRealInputDerivatives(self, *arguments: Any) -> None:
+        """Raise NotImplementedError: FMI 3.0 does not support input derivatives.
+
+        Args:
+            arguments: arguments of FMI 2.0, ignored.
+        """
         raise NotImplementedError("FMI 3.0 does not support input derivatives")

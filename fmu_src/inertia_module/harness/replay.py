@@ -1,4 +1,4 @@
-"""Replay of the experiments in an FMU, and its deviations from their results."""
+"""Replay of the reference experiments in an FMU, and the deviations from their results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .fmu import Log
 from .report import Deviation, Journal, listed, reason_of
 from .times import ROUNDING, span_of
 
-# largest number of steps of an experiment
+# maximum number of steps of an experiment
 MAX_STEPS = 1_000_000
 
 
@@ -24,10 +24,10 @@ def replay(description: Any, folder: Path, journal: Journal, experiment: Experim
     """Replay an experiment and report the deviations from its results.
 
     Args:
-        description: of the FMU, by fmpy.
-        folder: of the unpacked FMU.
-        journal: takes the report.
-        experiment: with results.
+        description: model description of fmpy.
+        folder: folder of the unpacked FMU.
+        journal: journal that receives the report.
+        experiment: the experiment.
     """
     report, log = journal.report, Log()
     journal.begin(f"experiment {experiment.name}")
@@ -36,14 +36,14 @@ def replay(description: Any, folder: Path, journal: Journal, experiment: Experim
         expected = read_table(folder, experiment.results, variables)
         plan = _plan(description, folder, experiment, expected, variables)
         recorder = _Recorder(journal, plan)
-        ended = run(description, str(folder), plan, log, recorder.take)
+        is_over = run(description, str(folder), plan, log, recorder.take)
         if log.errors:
             raise FmuError("the FMU logs an error")
     except Exception as error:
         reason = "; ".join(listed(log.errors)) or reason_of(error)
         report.problems.append(f"experiment {experiment.name} failed: {reason}")
         return
-    if ended:
+    if is_over:
         report.facts[experiment.name] = f"{recorder.times[-1]:g} s; the FMU ends the simulation"
     for deviation in deviations(experiment, expected, recorder.table()):
         report.references.append(deviation)
@@ -56,7 +56,7 @@ def replay(description: Any, folder: Path, journal: Journal, experiment: Experim
 def _plan(
     description: Any, folder: Path, experiment: Experiment, expected: Table, variables: Mapping[str, Any]
 ) -> Plan:
-    """Return the run of an experiment; its results end it if it has no stop time."""
+    """Return the run of an experiment; without a stop time it ends at the last result."""
     for name in experiment.parameters:
         if name not in variables:
             raise FmuError(unknown("variable", name, variables))
@@ -66,7 +66,7 @@ def _plan(
     inputs = None
     if experiment.inputs is not None:
         table = read_table(folder, experiment.inputs, variables)
-        # results of a measurement may be beside the inputs
+        # a measurement may contain results in addition to the inputs
         columns = {name: column for name, column in table.columns.items() if _is_input(column)}
         inputs = Table(table.time, columns)
     span = span_of(description, {"stopTime": float(expected.time[-1]), **experiment.settings})
@@ -90,7 +90,7 @@ class _Recorder:
     """Outputs of a run over time.
 
     Args:
-        journal: takes the progress.
+        journal: journal that receives the progress.
         plan: the run.
 
     Attributes:
@@ -103,14 +103,19 @@ class _Recorder:
         self._rows: dict[str, list[Values]] = {variable.name: [] for variable in plan.outputs}
 
     def take(self, time: float, values: dict[str, Values]) -> None:
-        """Take the values at a time, s."""
+        """Store the values of a communication point.
+
+        Args:
+            time: simulation time, s.
+            values: values of the outputs by name.
+        """
         self.times.append(time)
         for name, elements in values.items():
             self._rows[name].append(elements)
         self._journal.reach(time, (len(self.times) - 1) / (self._plan.times.size - 1))
 
     def table(self) -> Table:
-        """Return all values as a table."""
+        """Return all stored values as a table."""
         columns = {}
         for variable in self._plan.outputs:
             rows = self._rows[variable.name]
@@ -123,12 +128,12 @@ class _Recorder:
 
 
 def deviations(experiment: Experiment, expected: Table, recorded: Table) -> Iterator[Deviation]:
-    """Yield the largest deviation of each variable from the results of an experiment, up to the end of a run.
+    """Yield the maximum deviation of each variable from the results of an experiment, up to the end of a run.
 
     Args:
-        experiment: with the allowed deviations.
-        expected: its results.
-        recorded: the outputs of the run.
+        experiment: the experiment with the allowed deviations.
+        expected: results of the experiment.
+        recorded: outputs of the run.
     """
     rounding = ROUNDING * float(recorded.time[1] - recorded.time[0]) if recorded.time.size > 1 else 0.0
     rows = max(int(np.searchsorted(expected.time, recorded.time[-1] + rounding, "right")), 1)
@@ -140,21 +145,21 @@ def deviations(experiment: Experiment, expected: Table, recorded: Table) -> Iter
         values = recorded.columns[column.variable.name].values
         if isinstance(column.values, list) or isinstance(values, list):
             texts = zip(column.values, left, right, strict=False)
-            apart = np.array([float(text not in (values[i], values[j])) for text, i, j in texts])
-            yield _largest(experiment.name, heading, apart, 0.0, time)
+            distance = np.array([float(text not in (values[i], values[j])) for text, i, j in texts])
+            yield _maximum(experiment.name, heading, distance, 0.0, time)
             continue
         values = values if column.element is None else values[:, [column.element]]
         reference = column.values[:rows]
-        apart = _distance(time, reference, recorded.time, values, left, right, column.variable)
-        largest = float(np.abs(column.values).max()) or abs(float(column.variable.nominal or 1.0))
-        allowed = experiment.allowed.get(heading, RELATIVE_DEVIATION * largest)
-        yield _largest(experiment.name, heading, apart, allowed, time)
+        distance = _distance(time, reference, recorded.time, values, left, right, column.variable)
+        maximum = float(np.abs(column.values).max()) or abs(float(column.variable.nominal or 1.0))
+        allowed = experiment.allowed.get(heading, RELATIVE_DEVIATION * maximum)
+        yield _maximum(experiment.name, heading, distance, allowed, time)
 
 
-def _largest(experiment: str, heading: str, apart: Array, allowed: float, time: Array) -> Deviation:
-    """Return the largest of the deviations at the times of the results."""
-    worst = int(np.argmax(apart))
-    return Deviation(experiment, heading, float(apart[worst]), allowed, float(time[worst]))
+def _maximum(experiment: str, heading: str, distance: Array, allowed: float, time: Array) -> Deviation:
+    """Return the maximum of the deviations at the times of the results."""
+    worst = int(np.argmax(distance))
+    return Deviation(experiment, heading, float(distance[worst]), allowed, float(time[worst]))
 
 
 def _distance(
@@ -168,18 +173,18 @@ def _distance(
 ) -> Array:
     """Return the deviations at the times of the results, shape (rows,).
 
-    Values between two communication points are interpolated; for a variable that is not continuous, each
-    value between both neighbours is right. At an event the results have several rows of one time: each value
-    between them is right.
+    The outputs between two communication points are interpolated. For a variable that is not continuous, all
+    values between the two neighbours are correct. At an event the results contain several rows with the same
+    time, and all values between these rows are correct.
 
     Args:
-        time: of the results, s, shape (rows,).
+        time: times of the results, s, shape (rows,).
         reference: the results, shape (rows, elements).
         times: communication points, s, shape (points,).
-        values: outputs at these, shape (points, elements).
-        left: for each row the last communication point before it.
-        right: for each row the first communication point after it.
-        variable: fmpy's.
+        values: outputs at the communication points, shape (points, elements).
+        left: index of the last communication point before each row, shape (rows,).
+        right: index of the first communication point after each row, shape (rows,).
+        variable: variable of fmpy.
     """
     before, after = values[left], values[right]
     low, high = np.minimum(before, after), np.maximum(before, after)
@@ -189,7 +194,7 @@ def _distance(
         low = high = before + share * (after - before)
     events = np.flatnonzero(np.diff(time, prepend=-np.inf) > 0.0)
     sizes = np.diff(events, append=time.size)
-    least = np.repeat(np.minimum.reduceat(reference, events, axis=0), sizes, axis=0)
-    most = np.repeat(np.maximum.reduceat(reference, events, axis=0), sizes, axis=0)
-    distance: Array = np.maximum(np.maximum(least - high, low - most), 0.0).max(axis=1, initial=0.0)
+    minimum = np.repeat(np.minimum.reduceat(reference, events, axis=0), sizes, axis=0)
+    maximum = np.repeat(np.maximum.reduceat(reference, events, axis=0), sizes, axis=0)
+    distance: Array = np.maximum(np.maximum(minimum - high, low - maximum), 0.0).max(axis=1, initial=0.0)
     return distance

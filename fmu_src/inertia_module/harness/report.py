@@ -1,4 +1,4 @@
-"""Report of the check of an FMU, and the journal by which a child process writes it."""
+"""Report of the check of an FMU, and the journal in which a child process writes the report."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from typing import Any
 
 from ..common.files import write_atomically
 
-# messages of one kind that are listed
+# maximum number of listed messages of one kind
 MAX_MESSAGES = 10
-# length of a message that is printed, characters
+# maximum length of a printed message, characters
 MAX_LENGTH = 1000
-# size of a journal that is read, bytes
+# maximum size of a journal, bytes; a larger file is not read
 MAX_JOURNAL = 50_000_000
-# time between two entries of the progress, s
+# minimum time between two writes of the progress, s
 INTERVAL = 0.2
 
 
 @dataclass
 class Deviation:
-    """Largest deviation of a variable from its reference.
+    """Maximum deviation of a variable from its reference.
 
     Attributes:
         experiment: name of the experiment.
         variable: name of the variable.
-        deviation: in the unit of the variable; for texts 1 if they differ.
-        allowed: likewise.
-        time: of the largest deviation, s.
+        deviation: maximum deviation in the unit of the variable; 1 for texts that differ.
+        allowed: allowed deviation in the unit of the variable.
+        time: time of the maximum deviation, s.
     """
 
     experiment: str
@@ -50,7 +50,7 @@ class Report:
 
     Attributes:
         problems: one sentence each; empty if the FMU is correct.
-        warnings: messages of the FMU, and parts of the check that are left out.
+        warnings: messages of the FMU, and omitted parts of the check.
         facts: properties of the FMU by heading.
         outputs: last value of each output; a list for an array, None for a value that is not finite.
         references: deviations from the reference results in the FMU.
@@ -64,36 +64,51 @@ class Report:
 
 
 def line_of(text: str) -> str:
-    """Return a text of an FMU as one line of printable characters, at most MAX_LENGTH."""
+    """Convert a text of an FMU to one line with a maximum of MAX_LENGTH printable characters.
+
+    Args:
+        text: the text.
+    """
     line = " ".join(text.split())
     line = "".join(letter if letter.isprintable() else "\ufffd" for letter in line)
     return line if len(line) <= MAX_LENGTH else f"{line[:MAX_LENGTH]}…"
 
 
 def listed(messages: Iterable[str]) -> list[str]:
-    """Return different messages as lines, at most MAX_MESSAGES, and the number of the others."""
+    """Return the first MAX_MESSAGES different messages as lines, and a line with the number of the others.
+
+    Args:
+        messages: the messages.
+    """
     different = list(dict.fromkeys(map(line_of, messages)))
     more = len(different) - MAX_MESSAGES
     return different[:MAX_MESSAGES] + [f"and {more} more messages"] * (more > 0)
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the reason of a failure as one line."""
+    """Return the reason of a failure as one line.
+
+    Args:
+        error: the error.
+    """
     if isinstance(error, MemoryError):
         return "the memory limit is exceeded"
     return " ".join(str(error).split()) or type(error).__name__
 
 
 class Journal:
-    """A report and the state of the work on it, written to a file at each stage.
+    """A report and the progress of the examination, written to a file at each stage.
+
+    Args:
+        file: path of the file; None to write nothing.
 
     Attributes:
-        report: so far.
-        stage: the work that is being done, as the subject of a sentence.
-        time: simulation time reached in this stage, s, or None.
-        share: share of this stage that is done, 0 to 1.
+        report: the present report.
+        stage: the present stage, as the subject of a sentence.
+        time: simulation time in this stage, s, or None.
+        share: completed share of this stage, 0 to 1.
         error: reason why there is no report, or "".
-        is_done: True if the work has come to its end.
+        is_done: True if the examination is complete.
     """
 
     def __init__(self, file: Path | None = None) -> None:
@@ -103,13 +118,22 @@ class Journal:
         self._file, self._written = file, 0.0
 
     def begin(self, stage: str) -> None:
-        """Begin a stage."""
+        """Begin a stage and write the file.
+
+        Args:
+            stage: the stage, as the subject of a sentence.
+        """
         self.stage, self.time, self.share = stage, None, 0.0
         self.write()
 
-    def reach(self, time_reached: float, share: float) -> None:
-        """Note a simulation time, s, and the share of the stage that is done; write them now and then."""
-        self.time, self.share = time_reached, share
+    def reach(self, simulation_time: float, share: float) -> None:
+        """Store the progress of the stage; write the file if the last write is older than INTERVAL.
+
+        Args:
+            simulation_time: simulation time, s.
+            share: completed share of the stage, 0 to 1.
+        """
+        self.time, self.share = simulation_time, share
         if time.monotonic() - self._written > INTERVAL:
             self.write()
 
@@ -125,7 +149,10 @@ class Journal:
     def read(cls, file: Path) -> Journal:
         """Read a journal; return an empty one if the file is missing or no journal.
 
-        The file may be of an FMU that has exchanged it: a link or a pipe is not opened.
+        An FMU may have replaced the file. Therefore links and pipes are not opened.
+
+        Args:
+            file: path of the file.
         """
         journal = cls()
         try:

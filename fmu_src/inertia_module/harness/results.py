@@ -1,4 +1,4 @@
-"""A named table of results: columns over time, with units, to and from CSV, and a plain plot."""
+"""Tables of results: named columns over time with units, CSV files, and plots."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Result", "TableError", "write_figure", "write_text"]
 
 TIME = "time"
-# rows at either end of a table that a notebook shows
+# number of rows at each end of a table that a notebook shows
 ENDS = 5
 
 
@@ -35,9 +35,9 @@ class Origin(ByContent):
     """File of a table.
 
     Attributes:
-        path: file.
+        path: path of the file.
         lines: file line of each row, shape (rows,).
-        unread: why a column of the file is not in the table, by its name.
+        unread: reasons by name for the columns of the file that are not in the table.
     """
 
     path: str
@@ -47,12 +47,12 @@ class Origin(ByContent):
 
 @dataclass(frozen=True, eq=False)
 class Result(ByContent):
-    """Columns of equal length n, the first of them ``time`` (s).
+    """Table with columns of equal length n; the first column is ``time`` (s).
 
     Attributes:
-        columns: name -> array of shape (n,).
-        units: name -> unit, for the columns that have one.
-        origin: file that the table is from, or None.
+        columns: columns by name, shape (n,) each.
+        units: units by name, for the columns that have a unit.
+        origin: file of the table, or None.
     """
 
     columns: dict[str, NDArray[np.float64]]
@@ -66,16 +66,21 @@ class Result(ByContent):
         units: Mapping[str, str] | None = None,
         origin: Origin | None = None,
     ) -> Result:
-        """Check and take over columns; time in another unit is converted to s.
+        """Create a table from checked columns; time in another unit is converted to s.
+
+        Args:
+            columns: columns by name, shape (n,) each.
+            units: units by name, for the columns that have a unit.
+            origin: file of the table, or None.
 
         Raises:
-            TableError: no time, time that does not grow, lengths that differ, or a value that is not finite.
+            TableError: time is missing or decreases, the lengths differ, or a value is not finite.
         """
         arrays = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in columns.items()}
         if TIME not in arrays:
             raise TableError(f"missing column {TIME!r}{suggestion(TIME, arrays)}")
-        given = dict(units or {})
-        arrays[TIME] = arrays[TIME] * _factor(TIME, given.pop(TIME, "s"), "s")
+        remaining_units = dict(units or {})
+        arrays[TIME] = arrays[TIME] * _factor(TIME, remaining_units.pop(TIME, "s"), "s")
         n = arrays[TIME].size
         for name, values in arrays.items():
             if values.shape != (n,):
@@ -88,15 +93,28 @@ class Result(ByContent):
             row = int(np.argmax(np.diff(arrays[TIME]) < 0)) + 1
             raise TableError(f"{TIME} must not decrease (got {arrays[TIME][row]} in row {row})")
         ordered = {TIME: arrays.pop(TIME), **arrays}
-        return cls(ordered, {TIME: "s", **given}, origin)
+        return cls(ordered, {TIME: "s", **remaining_units}, origin)
 
     @classmethod
     def from_rows(cls, names: Sequence[str], rows: NDArray[np.float64], units: Mapping[str, str]) -> Result:
-        """Take over rows, shape (n, names), time first and in s. Raises as from_columns."""
+        """Create a table from rows.
+
+        Args:
+            names: names of the columns, time first.
+            rows: values, shape (n, names), time in s.
+            units: units by name, for the columns that have a unit.
+
+        Raises:
+            TableError: time is missing or decreases, or a value is not finite.
+        """
         return cls.from_columns(dict(zip(names, rows.T, strict=True)), units)
 
     def without(self, names: Set[str]) -> Result:
-        """The table without the columns of these names."""
+        """Return the table without some columns.
+
+        Args:
+            names: names of these columns.
+        """
         columns = {name: values for name, values in self.columns.items() if name not in names}
         units = {name: unit for name, unit in self.units.items() if name in columns}
         return replace(self, columns=columns, units=units)
@@ -127,14 +145,21 @@ class Result(ByContent):
         return int(self.time.size)
 
     def label(self, name: str) -> str:
-        """Heading of a column: its name and, in brackets, its unit."""
+        """Return the heading of a column: its name and, in brackets, its unit.
+
+        Args:
+            name: name of the column.
+        """
         return heading(name, self.units.get(name, ""))
 
     def converted(self, units: Mapping[str, str]) -> Result:
-        """Convert some columns to these units; one that has no unit yet is in it already.
+        """Return the table with some columns converted to other units.
+
+        Args:
+            units: new units by name; a column without a unit is assumed to have its new unit already.
 
         Raises:
-            TableError: there is no such column, or its unit is of another kind.
+            TableError: there is no such column, or the units are incompatible.
         """
         columns = {
             name: self[name] * _factor(name, self.units.get(name, unit), unit) for name, unit in units.items()
@@ -142,25 +167,36 @@ class Result(ByContent):
         return replace(self, columns=self.columns | columns, units=self.units | dict(units))
 
     def place(self, row: int) -> str:
-        """Return the file and the line of a row, for the start of a message; "" for a table of no file."""
+        """Return the file and the line of a row, for the start of a message; "" without a file.
+
+        Args:
+            row: index of the row.
+        """
         return f"{self.origin.path} line {self.origin.lines[row]}: " if self.origin else ""
 
     def last(self) -> dict[str, float]:
-        """The last row by name."""
+        """Return the values of the last row by name."""
         return {name: float(values[-1]) for name, values in self.columns.items()}
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write all columns to a path, with the digits that give the same doubles; whole or not at all."""
+        """Write the table as CSV atomically, with the digits that give the same doubles; return the path.
+
+        Args:
+            path: path of the file.
+        """
         return write_columns(Path(path), self.columns, self.units)
 
     @classmethod
     def from_csv(cls, path: Path | str) -> Result:
         """Read a CSV file of numbers over time (see CsvTable).
 
-        Columns that are not numbers are left out; asking for one of them raises the reason.
+        The table omits columns that are not numbers; access to such a column raises an error with the reason.
+
+        Args:
+            path: path of the file.
 
         Raises:
-            TableError: the file cannot be read, or has no column of times that never fall.
+            TableError: the file cannot be read, or the column time is missing or decreases.
         """
         table = CsvTable(path, [TIME])
         columns, unread = {TIME: table.points(TIME)}, {}
@@ -176,17 +212,20 @@ class Result(ByContent):
             raise TableError(f"{path}: {error}") from None
 
     def to_pandas(self) -> Any:
-        """A pandas DataFrame with time, s, as its index, and headings with units.
+        """Return a pandas DataFrame with time, s, as its index, and headings with units.
 
         Raises:
-            NotInstalled: there is no pandas here.
+            NotInstalled: pandas is not installed.
         """
         columns = {self.label(name): self[name] for name in self.names[1:]}
         pandas = library("pandas", "notebook")
         return pandas.DataFrame(columns, index=pandas.Index(self.time, name=self.label(TIME)))
 
     def plot(self, *names: str) -> Picture:
-        """A matplotlib Figure of columns over time, of all without names, one panel for each unit.
+        """Return a matplotlib Figure of columns over time, with one panel for each unit.
+
+        Args:
+            names: names of the columns; all columns without names.
 
         Raises:
             TableError: there is no such column.
@@ -211,16 +250,21 @@ class Result(ByContent):
         return self.plot()._repr_png_()
 
     def _repr_html_(self) -> str:
-        """Show the first and the last rows in a notebook."""
-        shown = range(len(self)) if len(self) <= 2 * ENDS else [*range(ENDS), *range(-ENDS, 0)]
-        rows = [[f"{self[name][n]:.6g}" for name in self.names] for n in shown]
+        """Return an HTML table of the first and the last rows for a notebook."""
+        indices = range(len(self)) if len(self) <= 2 * ENDS else [*range(ENDS), *range(-ENDS, 0)]
+        rows = [[f"{self[name][n]:.6g}" for name in self.names] for n in indices]
         if len(self) > 2 * ENDS:
             rows.insert(ENDS, ["…"] * len(self.names))
         return html_table([self.label(name) for name in self.names], rows)
 
 
 def html_table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table in HTML; what has a meaning there is escaped."""
+    """Return a table in HTML; special characters are escaped.
+
+    Args:
+        headings: headings of the columns.
+        rows: cells of each row.
+    """
 
     def line(kind: str, cells: Iterable[str]) -> str:
         return "<tr>" + "".join(f"<{kind}>{html.escape(cell)}</{kind}>" for cell in cells) + "</tr>"
@@ -228,29 +272,34 @@ def html_table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     return "<table>" + line("th", headings) + "".join(line("td", row) for row in rows) + "</table>"
 
 
-def _factor(name: str, unit: str, wanted: str) -> float:
+def _factor(name: str, unit: str, target: str) -> float:
     try:
-        return factor_between(unit, wanted)
+        return factor_between(unit, target)
     except ValueError as error:
-        raise TableError(f"{name} must be in {wanted} or a compatible unit: {error}") from None
+        raise TableError(f"{name} must be in {target} or a compatible unit: {error}") from None
 
 
 def heading(name: str, unit: str) -> str:
-    """Heading of a column: its name and, in brackets, its unit, if it has one."""
+    """Return the heading of a column: its name and, in brackets, its unit.
+
+    Args:
+        name: name of the column.
+        unit: unit, or "" for a heading without brackets.
+    """
     return f"{name} [{unit}]" if unit else name
 
 
 def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, str]]:
-    """Read all columns of a CSV file whose first row has the headings (see CsvTable).
+    """Read all columns of a CSV file with the headings in its first row (see CsvTable).
 
     Args:
-        path: file.
+        path: path of the file.
 
     Returns:
         Columns by name, and their units by name, as written.
 
     Raises:
-        TableError: the file cannot be read, or a column is not numbers.
+        TableError: the file cannot be read, or a column does not consist of numbers.
     """
     table = CsvTable(path)
     return {name: table.numbers(name).tolist() for name in table.names}, table.units
@@ -259,14 +308,26 @@ def read_columns(path: Path | str) -> tuple[dict[str, list[float]], dict[str, st
 def write_columns(
     path: Path, columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str] | None = None
 ) -> Path:
-    """Write columns of equal length as CSV, whole or not at all; units: of those that have one, by name."""
+    """Write columns of equal length as CSV atomically; return the path.
+
+    Args:
+        path: path of the file.
+        columns: columns by name, shape (n,) each.
+        units: units by name, for the columns that have a unit.
+    """
     headings = [heading(name, (units or {}).get(name, "")) for name in columns]
     rows = ([repr(float(value)) for value in row] for row in zip(*columns.values(), strict=True))
     return write_rows(path, headings, rows)
 
 
 def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> Path:
-    """Write rows of cells as CSV below headings, whole or not at all."""
+    """Write headings and rows of cells as CSV atomically; return the path.
+
+    Args:
+        path: path of the file.
+        headings: headings of the columns.
+        rows: cells of each row.
+    """
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(headings)
@@ -275,8 +336,15 @@ def write_rows(path: Path, headings: Iterable[str], rows: Iterable[Iterable[Any]
 
 
 def write_mat(path: Path, name: str, values: Mapping[str, Any], units: Mapping[str, str]) -> Path:
-    """Write a struct of numbers and arrays, with the units of those that have one, as MAT of version 5."""
-    from scipy.io import savemat  # takes half a second
+    """Write a struct of numbers and arrays as a MAT file of version 5; return the path.
+
+    Args:
+        path: path of the file.
+        name: name of the struct.
+        values: numbers and arrays by name.
+        units: units by name, for the values that have a unit; others are pure numbers.
+    """
+    from scipy.io import savemat  # the import takes half a second
 
     stream = io.BytesIO()
     struct = {**values, "units": {field: units.get(field) or "1" for field in values}}

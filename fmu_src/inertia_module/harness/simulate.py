@@ -1,4 +1,4 @@
-"""Driving an FMU: a whole run from a table of inputs to a table of results."""
+"""Simulation of an FMU: a run from a table of inputs to a table of results."""
 
 from __future__ import annotations
 
@@ -22,12 +22,19 @@ from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
 
-# steps of one run: each recorded column takes 800 MB
+# maximum number of steps of a run, with which each recorded column needs 800 MB
 MAX_STEPS = 100_000_000
 
 
 def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result:
-    """Inputs as a table: a Result, columns by name (scalars are constant), or a CSV file."""
+    """Convert inputs to a table.
+
+    Args:
+        inputs: a Result, columns by name (scalars are constant), or the path of a CSV file.
+
+    Raises:
+        TableError: a value is no number, or the columns are no table over time.
+    """
     if isinstance(inputs, Result):
         return inputs
     if isinstance(inputs, str | Path):
@@ -49,7 +56,7 @@ def input_table(inputs: Result | Mapping[str, ArrayLike] | Path | str) -> Result
 
 
 def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Result) -> str:
-    """Return the unit of a column in an FMU, "" for none; a TableError if the FMU cannot take its values."""
+    """Return the unit of a column in an FMU, or ""; raise TableError if the FMU cannot use the column."""
     variable = variables.get(name)
     if variable is None:
         names = (other for other, v in variables.items() if v.causality in ("input", "output"))
@@ -57,7 +64,7 @@ def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Res
     if variable.causality == "parameter" and variable.variability != "tunable":
         raise TableError(f"{name} is a fixed parameter of {file}. Set it with parameters, not as a column.")
     unit = variable.unit or ("1" if name in table.units else "")
-    # raises what is wrong with the column
+    # raises an error if the unit or the content of the column is invalid
     table.converted({name: unit}) if unit else table[name]
     return str(unit)
 
@@ -65,8 +72,8 @@ def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Res
 def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
     """Return a table in the units of an FMU, and the names of its columns that are inputs.
 
-    Columns that the FMU computes are renamed to NAME_measured. A column of a file that is no input may have
-    any name, unit and content: it is left out with a warning.
+    Columns of computed variables are renamed to NAME_measured. In a file, a column that is no input may have
+    any name, unit and content: an unusable one is omitted with a warning.
     """
     variables = {variable.name: variable for variable in description.modelVariables}
     driven = [name for name, v in variables.items() if v.causality in ("input", "parameter")]
@@ -102,26 +109,31 @@ def drive(
     tolerance: float | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Drive an FMU with given inputs and record outputs at every communication point.
+    """Simulate an FMU with a table of inputs and record outputs at every communication point.
 
     Args:
-        path: the .fmu file; None for that of the module, as it comes with the package or is built.
-        inputs: arrays by name (with time), a Result or a CSV file. Between its rows inputs are
-            interpolated linearly, before the first and after the last row they are constant, and two rows of
-            the same time are a step. Columns in other units (`omega1 [rpm]`) are converted. Columns that the
-            FMU computes are measured values. Other columns of a file are left out with a warning.
-        stop_time: s. step: communication step, s; the last one is cut to end at stop_time.
-        outputs: names of variables to record. parameters, tolerance: see Fmu.
-        progress: called with the share done, 0 to 1; by default a bar on runs over two seconds.
+        path: path of the .fmu file; None for the FMU of the module, from the wheel or built on demand.
+        inputs: arrays by name (with time), a Result, or the path of a CSV file. The inputs are interpolated
+            linearly between rows and constant before the first and after the last row. Two rows with the same
+            time are a step. Columns in other units (`omega1 [rpm]`) are converted. Columns of computed
+            variables are measured values. Other columns of a file are omitted with a warning.
+        stop_time: stop time, s; the run starts at 0.
+        step: communication step, s; the last step is shortened to end at stop_time.
+        outputs: names of variables to record, or a single name.
+        parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
+            or item name.
+        tolerance: relative tolerance of the experiment, or None.
+        progress: function that receives the completed share, 0 to 1; by default runs over two seconds show a
+            progress bar.
 
     Returns:
-        Table of time, the inputs, what was measured (`omega_out_measured`) and the outputs, shape
-        (steps + 1,) each; it is shorter if the FMU itself ends the simulation.
+        Table of time, inputs, measured values (`omega_out_measured`) and outputs, shape (steps + 1,) each; it
+        is shorter if the FMU ends the simulation.
 
     Raises:
         FmuError: the FMU rejects a value or a step.
         TableError: the inputs are not a table, not inputs of this FMU, or not within the run.
-        Refused: stop_time or step is not positive; all of these are kinds of it.
+        Refused: stop_time or step is not positive. FmuError and TableError are subclasses.
     """
     times = communication_points(stop_time, step)
     path, outputs = fmu_file(path), as_names(outputs)
@@ -130,15 +142,15 @@ def drive(
     for text in time_warnings(label, table.time, [table[name] for name in names], stop_time):
         warnings.warn(text, stacklevel=2)
     columns = {name: np.interp(times, table.time, table[name]) for name in table.names[1:]}
-    held = {name: columns[name][:-1] for name in names}
-    start = {name: float(values[0]) for name, values in held.items()}
+    input_columns = {name: columns[name][:-1] for name in names}
+    start = {name: float(values[0]) for name, values in input_columns.items()}
     with contextlib.ExitStack() as stack:
         fmu = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
         report = progress or stack.enter_context(progress_bar(f"simulating {fmu.path.name}"))
         rows = np.empty((times.size, len(table.names) + len(outputs)))
         rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
         try:
-            run(fmu, np.diff(times), held, outputs, rows[:, len(table.names) :], report)
+            run(fmu, np.diff(times), input_columns, outputs, rows[:, len(table.names) :], report)
         except Ended:
             rows = rows[: int(np.searchsorted(times, fmu.time, "right"))]
         units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
@@ -146,12 +158,15 @@ def drive(
 
 
 def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> None:
-    """Raise Refused for a communication step with which a run has more than MAX_STEPS steps.
+    """Check that a run has no more than MAX_STEPS steps.
 
     Args:
         stop_time: stop time, s.
         step: communication step, s.
         name: name of the step in the message.
+
+    Raises:
+        Refused: there are more steps.
     """
     if stop_time > step * MAX_STEPS:
         allowed = f"at least {stop_time / MAX_STEPS:g} s, for at most {MAX_STEPS:,} steps"
@@ -159,13 +174,24 @@ def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> 
 
 
 def whole_steps(duration: float, step: float) -> int:
-    """Number of steps in a duration, both in s; 0 if it is not a whole number (within 1e-6)."""
+    """Return the number of steps in a duration; 0 if it is not an integer within 1e-6.
+
+    Args:
+        duration: duration, s.
+        step: communication step, s.
+    """
     number = duration / step
     return max(round(number), 0) if math.isfinite(number) and abs(number - round(number)) <= 1e-6 else 0
 
 
 def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
-    """Times 0, step, 2 step, ... and stop_time, s (a remainder below 1e-9 of a step is dropped).
+    """Return the communication points 0, step, 2 step ... and stop_time, s, shape (steps + 1,).
+
+    A remainder below 1e-9 of a step is omitted.
+
+    Args:
+        stop_time: stop time, s.
+        step: communication step, s.
 
     Raises:
         Refused: stop_time or step is not positive, or there are more than MAX_STEPS steps.

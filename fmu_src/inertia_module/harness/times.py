@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..common.errors import FmuError, must_be
 
-# steps of an experiment that names no step
+# number of steps of an experiment without a step size
 STEPS = 100
-# share of a step that counts as rounding
+# share of a step that is treated as round-off
 ROUNDING = 1e-6
 
 
@@ -21,10 +21,10 @@ class Span(NamedTuple):
     """Times of an experiment.
 
     Attributes:
-        start: s.
-        stop: s.
+        start: start time, s.
+        stop: stop time, s.
         step: communication step, s.
-        is_variable: the last step may be shorter; otherwise a remainder is left out.
+        is_variable: True if the last step may be shorter; otherwise a remainder is omitted.
     """
 
     start: float
@@ -34,25 +34,25 @@ class Span(NamedTuple):
 
     @property
     def steps(self) -> float:
-        """Number of steps, with a fraction; not a number if the times are not finite."""
+        """Number of steps, with a fraction; NaN if the times are not finite."""
         return (self.stop - self.start) / self.step if self.step > 0.0 else math.nan
 
-    def times(self, most: int) -> NDArray[np.float64]:
+    def times(self, maximum: int) -> NDArray[np.float64]:
         """Return the communication points, s, shape (steps + 1,).
 
         Args:
-            most: largest number of steps.
+            maximum: maximum number of steps.
 
         Raises:
-            FmuError: the times make no experiment, or one of too many steps.
+            FmuError: the times are invalid, or there are too many steps.
         """
         text = f"{self.start:g} s to {self.stop:g} s by {self.step:g} s"
         if not (0.0 < self.steps < math.inf):
             allowed = "finite, the stop time after the start time and the step positive"
             raise FmuError(must_be("times of an experiment", allowed, text))
-        if self.steps > most + ROUNDING:
+        if self.steps > maximum + ROUNDING:
             number = f"{self.steps:.4g}: {text}"
-            raise FmuError(must_be("number of steps of an experiment", f"at most {most}", number))
+            raise FmuError(must_be("number of steps of an experiment", f"at most {maximum}", number))
         whole = max(math.floor(self.steps + ROUNDING), 1)
         is_shorter = self.is_variable and self.steps > whole + ROUNDING
         times = self.start + np.arange(whole + 1, dtype=np.float64) * self.step
@@ -68,12 +68,12 @@ class Span(NamedTuple):
 def span_of(description: Any, settings: Mapping[str, str | float]) -> Span:
     """Return the times of an experiment.
 
-    The step is the one of the experiment, else of the default experiment, else the internal step of the FMU,
-    else a hundredth of the duration.
+    The step is the first of these that exists: step of the experiment, step of the default experiment,
+    internal step of the FMU, a hundredth of the duration.
 
     Args:
-        description: of the FMU, whose default experiment completes the settings.
-        settings: startTime, stopTime and stepSize, s, as far as the experiment has them.
+        description: model description of fmpy; its default experiment completes the settings.
+        settings: startTime, stopTime and stepSize, s, if the experiment defines them.
 
     Raises:
         ValueError: a time is no number.

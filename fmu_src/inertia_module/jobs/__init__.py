@@ -1,4 +1,4 @@
-"""The engineer's jobs, one call each; the commands take the same arguments."""
+"""Engineering tasks: sweep, design, fit, orders, batch; the commands have the same arguments."""
 
 from .batch import batch
 from .design import DesignResult, design

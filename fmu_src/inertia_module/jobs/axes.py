@@ -1,4 +1,4 @@
-"""Keys of a scene by dots: axes of a sweep with the points sampled of them, free keys of a fit."""
+"""Dotted keys of a scene: axes of a sweep with their sample points, and free keys of a fit."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ..contract.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene, SceneError
 from ..scene.keys import MECHANISM, full_name, unit_of
 
-# values by key of the scene: numbers in SI units, or names
+# values by key of the scene: numbers in SI, or names
 Point = dict[str, float | str]
-# of a free key
+# range or prior value of a free key
 Range = str | tuple[float, float] | None
-LARGEST_GRID = 10_000_000
+MAX_GRID = 10_000_000
 _RANGE = re.compile(r"(log:)?([^:]+):([^:]+?)(?::\s*(\d+)\s*)?")
 # prior value and its standard deviation
 _PRIOR = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
@@ -33,9 +33,16 @@ _PRIOR = re.compile(r"(.+?)\s*(?:\+-|\+/-|±)(.+)")
 
 @dataclass(frozen=True)
 class Axis:
-    """One key that is varied, its name by dots: over a range in SI, or over a list of values.
+    """Varied key: a range or a list of values.
 
-    The number of points in a grid is 0 if none is given; they are even in the range or in its logarithm.
+    Attributes:
+        name: Dotted key.
+        unit: SI unit; "" for none.
+        low: Lower end of the range, SI.
+        high: Upper end of the range, SI.
+        number: Number of points in a grid; 0 without a grid.
+        logarithmic: True if points are equally spaced in the logarithm.
+        values: List of values; empty for a range.
     """
 
     name: str
@@ -48,12 +55,16 @@ class Axis:
 
     @property
     def whole(self) -> bool:
-        """Tell whether it is a number that must be whole, such as that of teeth."""
+        """Return True if the key is an integer, such as a number of teeth."""
         variable = BY_NAME.get(self.name.removeprefix(MECHANISM))
         return variable is not None and variable.kind == INTEGER
 
     def at(self, share: float) -> float | str:
-        """The value at a share (0 to 1) of the range or of the list."""
+        """Return the value at a fraction of the range or list.
+
+        Args:
+            share: Fraction, 0 to 1.
+        """
         if self.values:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         if self.whole:
@@ -63,19 +74,23 @@ class Axis:
         return self.low + share * (self.high - self.low)
 
     def grid(self) -> list[float | str]:
-        """The values of a grid, if their number is given."""
+        """Return the values of a grid.
+
+        Raises:
+            Refused: The range has no number of points.
+        """
         if self.values:
             return list(self.values)
         if not self.number:
-            given = f"{self.low:g}:{self.high:g} {self.unit}".rstrip()
-            raise Refused(must_be(self.name, "FROM:TO:COUNT for a grid", given))
-        spaced = np.geomspace if self.logarithmic else np.linspace
-        found = [float(value) for value in spaced(self.low, self.high, self.number)]
-        return list(dict.fromkeys(round(value) * 1.0 for value in found)) if self.whole else list(found)
+            text = f"{self.low:g}:{self.high:g} {self.unit}".rstrip()
+            raise Refused(must_be(self.name, "FROM:TO:COUNT for a grid", text))
+        space = np.geomspace if self.logarithmic else np.linspace
+        values = [float(value) for value in space(self.low, self.high, self.number)]
+        return list(dict.fromkeys(round(value) * 1.0 for value in values)) if self.whole else list(values)
 
 
 def _unit_and_value(name: str, scene: Scene) -> tuple[str, Any]:
-    """Unit, "" for none, and value of a key of a scene; None where the scene does not give it."""
+    """Return the unit ("" for none) and the value of a key of a scene (None if the scene has no value)."""
     *tables, key = name.split(".")
     table: Any = scene
     for part in tables:
@@ -84,13 +99,13 @@ def _unit_and_value(name: str, scene: Scene) -> tuple[str, Any]:
     return (unit_of(fields[key]), getattr(table, key)) if key in fields else ("", None)
 
 
-def _value(scene: Scene, name: str, given: Any) -> float | str:
-    """Value of a key, in SI units or a name; one that it cannot have, whatever the others are, is refused."""
-    value = given.strip() if isinstance(given, str) else float(given)
+def _value(scene: Scene, name: str, text: Any) -> float | str:
+    """Return the value of a key in SI, or a name; reject a value that is invalid with any other values."""
+    value = text.strip() if isinstance(text, str) else float(text)
     try:
         scene.with_keys({name: value})
     except SceneError as error:
-        # other errors may vanish with other values of other keys
+        # Other errors can disappear with other values of other keys.
         if f"{error.key}.".startswith(f"{name}."):
             raise
     if isinstance(value, float):
@@ -102,10 +117,20 @@ def _value(scene: Scene, name: str, given: Any) -> float | str:
     return number * parse_unit(unit or "1")[0]
 
 
-def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]) -> Axis:
-    """The range FROM:TO or FROM:TO:COUNT, "log:" before it or not, of a key; value: reads one of its ends."""
-    demand = must_be(name, "FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C", repr(given))
-    parts = _RANGE.fullmatch(given)
+def _range(name: str, unit: str, text: str, value: Callable[[str], float | str]) -> Axis:
+    """Parse the range of a key: FROM:TO or FROM:TO:COUNT, optionally with the prefix "log:".
+
+    Args:
+        name: Dotted key.
+        unit: Unit of the key.
+        text: The range.
+        value: Function that converts one end of the range to SI.
+
+    Raises:
+        Refused: The range is invalid.
+    """
+    demand = must_be(name, "FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C", repr(text))
+    parts = _RANGE.fullmatch(text)
     if parts is None:
         raise Refused(demand)
     low, high = map(value, parts.group(2, 3))
@@ -120,60 +145,90 @@ def _range(name: str, unit: str, given: str, value: Callable[[str], float | str]
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
-def _by_key(given: Sequence[str] | Mapping[str, Any], what: str, example: str) -> list[tuple[str, Any]]:
-    """Keys by dots, each once, with what is given for them, None for nothing; what: is done to the keys."""
+def _by_key(keys: Sequence[str] | Mapping[str, Any], use: str, example: str) -> list[tuple[str, Any]]:
+    """Return pairs of a full dotted key and its range, None without a range.
+
+    Args:
+        keys: Texts NAME or NAME=RANGE, or ranges by name.
+        use: Use of the keys, for messages.
+        example: Example, for messages.
+
+    Raises:
+        Refused: There is no key, or a key is present twice.
+    """
     pairs: list[tuple[str, Any]] = []
-    for item in given.items() if isinstance(given, Mapping) else given:
+    for item in keys.items() if isinstance(keys, Mapping) else keys:
         name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
         pairs.append((full_name(name.strip()), text if equals else None))
     if not pairs:
-        raise Refused(f"at least one key must be {what}, for example {example}")
+        raise Refused(f"at least one key must be {use}, for example {example}")
     for name, times in Counter(name for name, _ in pairs).items():
         if times > 1:
-            raise Refused(f"{name} is {what} {times} times; list it once")
+            raise Refused(f"{name} is {use} {times} times; list it once")
     return pairs
 
 
 def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
-    """The axes of a sweep of a scene.
+    """Return the axes of a sweep of a scene.
 
     Args:
-        vary: "NAME=RANGE" each, or ranges by name: "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or
-            "A,B,C", each with units if wanted, or a list of values.
+        vary: Texts "NAME=RANGE", or ranges by name. A range is "FROM:TO:COUNT", "FROM:TO",
+            "log:FROM:TO:COUNT" or "A,B,C", with optional units, or a list of values.
+        scene: The scene.
+
+    Raises:
+        Refused: A key or a range is invalid.
     """
-    found = []
-    for name, given in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
-        if not given:
+    axes = []
+    for name, range_ in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
+        if not range_:
             raise Refused(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
         (unit, _), value = _unit_and_value(name, scene), partial(_value, scene, name)
-        if isinstance(given, str) and ":" in given:
-            found.append(_range(name, unit, given, value))
+        if isinstance(range_, str) and ":" in range_:
+            axes.append(_range(name, unit, range_, value))
         else:
-            values = map(value, given.split(",") if isinstance(given, str) else given)
-            found.append(Axis(name, unit, values=tuple(dict.fromkeys(values))))
-    return found
+            values = map(value, range_.split(",") if isinstance(range_, str) else range_)
+            axes.append(Axis(name, unit, values=tuple(dict.fromkeys(values))))
+    return axes
 
 
 def grid(axes: Sequence[Axis]) -> list[Point]:
-    """Combine all values, the last axis fastest; at most LARGEST_GRID points."""
-    values = [one.grid() for one in axes]
+    """Return all combinations of the values of axes; the last axis varies fastest.
+
+    Args:
+        axes: The axes.
+
+    Raises:
+        Refused: An axis has no number of points, or the grid has more than MAX_GRID points.
+    """
+    values = [axis.grid() for axis in axes]
     total = math.prod(map(len, values))
-    if total > LARGEST_GRID:
-        raise Refused(must_be("the number of points of a grid", f"at most {LARGEST_GRID}", str(total)))
-    names = [one.name for one in axes]
+    if total > MAX_GRID:
+        raise Refused(must_be("the number of points of a grid", f"at most {MAX_GRID}", str(total)))
+    names = [axis.name for axis in axes]
     return [dict(zip(names, row, strict=True)) for row in itertools.product(*values)]
 
 
 def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
-    """Points of shares (0 to 1), shape (points, axes)."""
-    return [{one.name: one.at(u) for one, u in zip(axes, row, strict=True)} for row in shares.tolist()]
+    """Return the points at fractions of the axes.
+
+    Args:
+        axes: The axes.
+        shares: Fractions, 0 to 1, shape (points, axes).
+    """
+    return [{axis.name: axis.at(u) for axis, u in zip(axes, row, strict=True)} for row in shares.tolist()]
 
 
 def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
-    """Shares (0 to 1) of a number of ranges, shape (points, number); same seed, same points.
+    """Sample fractions of ranges, shape (points, number); equal seeds produce equal points.
 
     Args:
-        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (Sobol's sequence, scrambled).
+        number: Number of ranges.
+        sample: "latin:COUNT" (Latin hypercube) or "sobol:COUNT" (scrambled Sobol sequence).
+        seed: Random seed.
+
+    Raises:
+        Refused: sample is invalid.
     """
     from scipy.stats import qmc
 
@@ -187,16 +242,16 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, kw_only=True)
 class Free(Axis):
-    """A free key of a fit.
+    """Free key of a fit.
 
     Attributes:
-        start: value at which a search starts, SI.
-        nominal: value in the scene, SI; NaN if there is none.
-        size: scale of the key, SI: the width of its range, or else the size of its start.
-        has_range: whether a range is specified.
-        physical: limits of the key without the range, SI.
-        deviation: standard deviation of the prior value, which is the start, SI; infinite without a prior
-            value, 0 for an exact one.
+        start: Value at which a search starts, SI.
+        nominal: Value in the scene, SI; NaN if the scene has no value.
+        size: Scale of the key, SI: the width of its range, otherwise the magnitude of its start.
+        has_range: True if a range is specified.
+        physical: Limits of the key without the range, SI.
+        deviation: Standard deviation of the prior value (the start), SI; infinite without a prior value, 0
+            for an exact prior value.
     """
 
     start: float
@@ -207,12 +262,16 @@ class Free(Axis):
     deviation: float = math.inf
 
     def at(self, share: float) -> float | str:
-        """Return the value at a share (0 to 1) of the range, or the start if there is no range."""
+        """Return the value at a fraction of the range, or the start without a range.
+
+        Args:
+            share: Fraction, 0 to 1.
+        """
         return super().at(share) if self.has_range else self.start
 
     @property
     def range_remark(self) -> str:
-        """A warning if the range does not contain the value in the scene, else ""."""
+        """Return a warning if the range does not contain the value in the scene, else ""."""
         if not self.has_range or math.isnan(self.nominal) or self.low <= self.nominal <= self.high:
             return ""
         allowed = f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
@@ -225,10 +284,14 @@ def free_keys(
     """Return the free keys of a fit.
 
     Args:
-        free: "NAME", "NAME=LOW:HIGH", "NAME=log:LOW:HIGH" (starts are even in the logarithm) or, with prior
-            knowledge, "NAME=VALUE +- DEVIATION" each; or such a text, (low, high) or None by name.
-        scene: its values are starts.
-        sensors: keys of the sensors, by name.
+        free: Texts "NAME", "NAME=LOW:HIGH", "NAME=log:LOW:HIGH" (starts are equally spaced in the logarithm)
+            or "NAME=VALUE +- DEVIATION" (prior value). A mapping has such a range as a text, (low, high) or
+            None by name.
+        scene: Scene with the start values.
+        sensors: Keys of the sensors, by name.
+
+    Raises:
+        Refused: A key or a range is invalid.
     """
     keys, others = [], sensors or {}
     kinds = {name.partition(".")[0] for name in others}
@@ -241,7 +304,7 @@ def free_keys(
         else:
             key, read = key_of_scene(name, scene), partial(_value, scene, name)
             if text is None and not abs(key.start) > 0.0:
-                scene.with_keys({name: 1.0})  # which says so if there is no such key
+                scene.with_keys({name: 1.0})  # raises SceneError for an unknown key
                 raise Refused(
                     f"{name} requires a range, {name}=LOW:HIGH, because the scene has no start value other"
                     " than 0"
@@ -251,7 +314,15 @@ def free_keys(
 
 
 def key_of_scene(name: str, scene: Scene) -> Free:
-    """Return a key of a scene without a range; it starts at its value there, NaN for none."""
+    """Return a key of a scene without a range; its start is its value in the scene, NaN without a value.
+
+    Args:
+        name: Dotted key.
+        scene: The scene.
+
+    Raises:
+        Refused: The key is not a continuous number.
+    """
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
     unit, value = _unit_and_value(name, scene)
     if value is None and variable is not None:
@@ -269,9 +340,12 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
     """Return a key with its range or its prior value.
 
     Args:
-        key: without a range.
-        limits: range or prior value, None for neither.
-        read: reads a value of the key, in SI.
+        key: Key without a range.
+        limits: Range or prior value; None for neither.
+        read: Function that converts a value of the key to SI.
+
+    Raises:
+        Refused: The range or prior value is invalid.
     """
     if limits is None:
         return key
@@ -287,9 +361,9 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
     axis = _range(name, key.unit, text, read)
     if axis.number:
         raise Refused(must_be(name, "LOW:HIGH without a number of points", repr(text)))
-    # False if the scene has no value
-    inside = axis.low <= key.start <= axis.high
-    start = key.start if inside else 0.5 * (axis.low + axis.high)
+    # A key without a value in the scene (NaN) is outside.
+    is_inside = axis.low <= key.start <= axis.high
+    start = key.start if is_inside else 0.5 * (axis.low + axis.high)
     return Free(
         **vars(axis),
         start=start,
@@ -301,7 +375,7 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
 
 
 def _number(name: str, unit: str, text: str) -> float:
-    """A quantity in SI units."""
+    """Return a quantity in SI; reject a text that is no number in the unit."""
     try:
         return number_of(text, unit or "1")
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Batch: arrays in, arrays out; the module run in memory over all of them, on all cores."""
+"""Batch: run the module in memory over arrays of parameters and inputs, on all cores."""
 
 from __future__ import annotations
 
@@ -27,25 +27,26 @@ def batch(
     step: float | None = None,
     workers: int | None = None,
 ) -> Mapping[str, AnyArray]:
-    """Run the module over arrays of parameters and inputs: a run for each element, all broadcast together.
+    """Run the module over arrays of parameters and inputs, broadcast together: one run per element.
 
     Args:
-        values: parameters and inputs by name: numbers, strings (units, names of items), or arrays of them.
-        stop_time: stop time, s.
-        outputs: names of variables.
-        step: communication step, s, by default the whole run: it is fastest, and means are those of the run.
-        workers: threads, by default one for each core.
+        values: Parameters and inputs by name: numbers, strings (with units, or names of items), or arrays.
+        stop_time: Stop time, s.
+        outputs: Names of variables.
+        step: Communication step, s; None for the whole run. One step is fastest, and step means then cover
+            the run.
+        workers: Number of threads; None for one per core.
 
     Returns:
-        Outputs at the end by name, NaN where a run was refused, and `refused`, sentences why, else "". All
-        have the shape that the values are broadcast to.
+        Outputs at the stop time by name, NaN for failed runs, and `refused`, the message of a failed run or
+        "". All have the shape of the broadcast values.
 
     Raises:
-        Refused: an argument is wrong for all runs: a name, the times, the workers, arrays that cannot be
-            broadcast together, or values of a name of which none has a suitable unit or is a known item.
+        Refused: An argument is invalid for all runs: a name, the times, the workers, arrays that do not
+            broadcast together, or a name without any valid value.
     """
-    known = Module.model.by_name
-    names = [known[name].name for name in as_names(outputs)]
+    variables = Module.model.by_name
+    names = [variables[name].name for name in as_names(outputs)]
     lengths = np.diff(communication_points(stop_time, stop_time if step is None else step))
     if workers is not None and not (isinstance(workers, int) and workers > 0):
         raise Refused(must_be("workers", "a whole number of at least 1", repr(workers)))
@@ -56,7 +57,7 @@ def batch(
     ends = np.full((len(names), *shape), np.nan)
     refused = np.full(shape, "", dtype=object)
 
-    def run_one(place: Any) -> None:
+    def run_at(place: Any) -> None:
         rows = np.empty((lengths.size + 1, len(names)))
         try:
             module = Module().start(**{name: array.item(place) for name, array in arrays.items()})
@@ -66,15 +67,15 @@ def batch(
         else:
             ends[:, *place] = rows[-1]
 
-    Module().load_kernel()  # which lets go of the interpreter while it runs: threads are enough
+    Module().load_kernel()  # the kernel releases the interpreter lock, so threads run in parallel
     with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
-        for _ in pool.map(run_one, np.ndindex(shape)):
+        for _ in pool.map(run_at, np.ndindex(shape)):
             pass
     return Named({**dict(zip(names, ends, strict=True)), "refused": refused}, "batch output")
 
 
 def _readable(variable: Variable, values: ArrayLike) -> AnyArray:
-    """Return values of a variable as an array; raise Refused if the variable can read none of them."""
+    """Return values of a variable as an array; reject them if none is valid for the variable."""
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -94,10 +95,10 @@ def _readable(variable: Variable, values: ArrayLike) -> AnyArray:
 
 
 def _broadcast(arrays: Mapping[str, AnyArray]) -> dict[str, AnyArray]:
-    """Broadcast arrays by name together; raise Refused with the names and shapes if that is impossible."""
+    """Broadcast arrays together; reject incompatible shapes with names and shapes in the message."""
     try:
-        together = np.broadcast_arrays(*arrays.values())
+        broadcast = np.broadcast_arrays(*arrays.values())
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.size != 1)
         raise Refused(f"values must have shapes that broadcast together: {shapes}") from None
-    return dict(zip(arrays, together, strict=True))
+    return dict(zip(arrays, broadcast, strict=True))

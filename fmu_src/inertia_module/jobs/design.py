@@ -1,7 +1,7 @@
-"""Design: values of the free keys that meet the limits of a specification and are best for its goals.
+"""Design: values of free keys that satisfy the limits of a specification and are best for its goals.
 
-Figures of a mechanism by name are of steady pulses at a speed and a speed ratio, and of its size; others are
-of the summary of a run. A judge says how far a design is from meeting its limits, and which ones are best.
+Metrics in NAMED describe the steady state at a speed and a speed ratio, or the size of a mechanism. Other
+metrics come from the summary of a run. A judge computes violations of limits and ranks designs.
 """
 
 from __future__ import annotations
@@ -36,11 +36,15 @@ from .axes import Axis, Point, axes_of, of_shares
 from .evaluation import Evaluator, Figures, FiguresOf, Row, Task, summary_of, write_tables
 from .search import SPREAD, DesignSearch, Searched, population
 
-# --- figures of a mechanism ---
+# --- metrics of a mechanism ---
 
 
 class Mechanism(SteadyMachine):
-    """A mechanism whose steady pulses, samples and charts are found once for each speed, rad/s, and ratio."""
+    """Mechanism that computes steady pulses, samples and charts once per speed, rad/s, and ratio.
+
+    Args:
+        parameters: Parameters of the module, SI, by name.
+    """
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
         super().__init__(parameters)
@@ -50,32 +54,50 @@ class Mechanism(SteadyMachine):
 
     @property
     def envelope_diameter(self) -> float:
-        """Diameter about the central axis that imbalances and pitch circles of the satellites need, m."""
-        # the rim of a satellite is where an imbalance on its pitch circle would be
+        """Return the diameter about the central axis of all unbalanced masses and pitch circles, m."""
+        # A point of the rim of a satellite moves like an unbalanced mass on its pitch circle.
         rim = Module("plain")
         rim.check(**{**self._values, "a": 1.0, "b": 1.0, "eccentricity": self.module["satellite_radius"]})
-        return 2.0 * max(_farthest(self.module.derived), _farthest(rim.derived))
+        return 2.0 * max(_maximum_radius(self.module.derived), _maximum_radius(rim.derived))
 
-    def least_torque(self, speed: float) -> float:
-        """Least mean output torque over all speed ratios, N.m: 0 without lock-up, for it then ends."""
+    def minimum_torque(self, speed: float) -> float:
+        """Return the minimum mean output torque over all speed ratios, N.m; 0 without lock-up.
+
+        Args:
+            speed: Speed of link 1, rad/s.
+        """
         numbers = self.chart(speed).summary(speed)
         return numbers["least_torque"] if numbers["lock_up_torque"] > 0.0 else 0.0
 
     def engagement_frequency(self, speed: float, ratio: float) -> float:
-        """Engagements a second of the freewheel that engages more often, Hz; speed in rad/s."""
+        """Return the maximum engagement frequency of both freewheels, Hz.
+
+        Args:
+            speed: Speed of link 1, rad/s.
+            ratio: Speed ratio.
+        """
         pulses = self.pulses(speed, ratio)
         return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
 
-    def largest(self, names: tuple[str, ...], speed: float, ratio: float) -> float:
-        """Largest magnitude of the vector of some outputs in steady pulses; speed in rad/s."""
+    def maximum(self, names: tuple[str, ...], speed: float, ratio: float) -> float:
+        """Return the maximum magnitude of a vector of outputs in the steady state.
+
+        Args:
+            names: Names of the components.
+            speed: Speed of link 1, rad/s.
+            ratio: Speed ratio.
+        """
         return float(np.linalg.norm(self.sampled(names, speed, ratio), axis=1).max())
 
 
-def _farthest(d: Any) -> float:
-    """Largest distance of an imbalance from the central axis, m, at any drive angle.
+def _maximum_radius(d: Any) -> float:
+    """Return the maximum distance of an unbalanced mass from the central axis, m.
 
-    Planar: R0 + r + l. Bevel: with R, T and z of the layout (Karetin 2020, equation 2) R^2 + T^2 + z^2 is
-    linear in cos B, hence largest where that is 1 or -1. d: derived constants of the kernel.
+    Planar: R0 + r + l. Bevel: with R, T and z of the layout (Karetin 2020, equation 2), R^2 + T^2 + z^2 is
+    linear in cos B, so the maximum is at cos B = 1 or -1.
+
+    Args:
+        d: Derived constants of the kernel.
     """
     if d.planar != 0.0:
         return float(d.axial + d.radial)
@@ -84,7 +106,13 @@ def _farthest(d: Any) -> float:
 
 
 class Named(NamedTuple):
-    """A figure: its unit, which of speed (rad/s) and ratio it asks for, and its value at these."""
+    """Metric of a mechanism.
+
+    Attributes:
+        unit: Unit.
+        asks: Required keys of a demand: "speed", "ratio", both or none.
+        value: Function of mechanism, speed, rad/s, and speed ratio.
+    """
 
     unit: str
     asks: tuple[str, ...]
@@ -93,20 +121,20 @@ class Named(NamedTuple):
 
 _BOTH = ("speed", "ratio")
 _SPEED = ("speed",)
-# all the way from stall on
+# speed ratios from stall to lock-up
 _ALL = RATIOS[::4]
 _FORCE, _MOMENT = (tuple(f"shaking_{load}_{axis}" for axis in "xyz") for load in ("force", "moment"))
 _INPUT = ("input_torque",)
 NAMED = {
     "stall_torque": Named("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
     "steady_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
-    "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.least_torque(w)),
+    "least_torque": Named("N.m", _SPEED, lambda m, w, i: m.minimum_torque(w)),
     "lock_up_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).summary(w)["lock_up_torque"]),
     "end_ratio": Named("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
     "steady_input_torque": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
     "greatest_input_torque": Named("N.m", _SPEED, lambda m, w, i: m.chart(w).input_torque.max() * w**2),
     "input_torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.sampled(_INPUT, w, i).std()),
-    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.largest(_INPUT, w, i)),
+    "input_torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.maximum(_INPUT, w, i)),
     "steady_efficiency": Named("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
     "torque_ripple": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
     "torque_peak": Named("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
@@ -116,10 +144,10 @@ NAMED = {
     "output_slip_peak": Named("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).output_slip),
     "bearing_force": Named("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
     "bearing_force_peak": Named("N", _SPEED, lambda m, w, i: max(m.pulses(w, r).bearing_force for r in _ALL)),
-    # where link 2 is at rest
+    # speed of the satellites with link 2 at rest
     "satellite_speed": Named("rad/s", _SPEED, lambda m, w, i: m.module.derived.k * m.module.derived.s * w),
-    "mount_force": Named("N", _BOTH, lambda m, w, i: m.largest(_FORCE, w, i)),
-    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.largest(_MOMENT, w, i)),
+    "mount_force": Named("N", _BOTH, lambda m, w, i: m.maximum(_FORCE, w, i)),
+    "mount_moment": Named("N.m", _BOTH, lambda m, w, i: m.maximum(_MOMENT, w, i)),
     "envelope_diameter": Named("m", (), lambda m, w, i: m.envelope_diameter),
     "total_imbalance_mass": Named(
         "kg", (), lambda m, w, i: math.prod(m.module.read(("modules", "satellites", "imbalance_mass")))
@@ -130,20 +158,22 @@ NAMED = {
 # --- specifications ---
 
 LEVELS = tuple(name for name, _, _ in ENUMERATIONS["Fidelity"])
-MOST_GOALS = 3
-# reserve to a limit, relative to it, below which a figure is at the limit
-TOUCHING = 1e-9
-# violation of a limit whose figure there is not: the run was refused, or a speed is not reached
+MAX_GOALS = 3
+# maximum relative margin of a metric that is at its limit
+MARGIN_RTOL = 1e-9
+# violation of a limit if the metric is missing, because the run failed or a speed is not reached
 MISSING = 1.0
 
 
 class Demand(Strict):
-    """Demand on a figure: a limit or a goal.
+    """Limit or goal of a metric.
 
     Attributes:
-        speed, ratio: of link 1, rad/s, and of the output to it: where a steady figure is taken.
-        minimum, maximum: limits, as numbers in the unit of the figure or with a unit.
-        goal: whether it is to be the least or the greatest.
+        speed: Speed of link 1 for a steady-state metric, rad/s.
+        ratio: Speed ratio for a steady-state metric.
+        minimum: Minimum: number in the unit of the metric, or text with a unit; None for no limit.
+        maximum: Maximum, likewise.
+        goal: "least" to minimise, "greatest" to maximise, None for no goal.
     """
 
     speed: Annotated[float, quantity("rad/s", maximum=LARGEST_SPEED, above=0.0)] = 0.0
@@ -157,14 +187,16 @@ class Search(Strict):
     """Settings of the search for designs (docs/design.md).
 
     Attributes:
-        population, generations: of each start.
-        starts: number of independent searches, each with another seed and population.
-        stall: generations without improvement that end a start in which no design satisfies all limits.
-        longest: s, after which no generation is added and no start begins.
-        seed: of the first start.
-        fidelity, check: levels of the search and of the finalists.
-        finalists: number of designs to verify.
-        margin: relative reserve to the limits of summary metrics, for effects that the fidelity omits.
+        population: Number of designs of a generation.
+        generations: Number of generations of each start.
+        starts: Number of independent searches with different seeds.
+        stall: Number of generations without improvement that ends a start without a valid design.
+        longest: Time limit, s. After it no generation is added and no start begins.
+        seed: Random seed of the first start.
+        fidelity: Fidelity of the search.
+        check: Fidelity of the verification of finalists.
+        finalists: Number of designs to verify.
+        margin: Relative margin to the limits of summary metrics, for effects that the fidelity omits.
     """
 
     population: int = Field(default=40, ge=4, le=10_000)
@@ -180,10 +212,12 @@ class Search(Strict):
 
 
 class Spec(Scene):
-    """A specification: a scene of all that is not free, what is asked of it, and how it is searched.
+    """Specification of a design: a scene with free keys, demands and settings of the search.
 
     Attributes:
-        free: ranges or lists by key; see axes_of. figures: demands by figure. search: how.
+        free: Ranges or lists by key, as in axes_of.
+        figures: Demands by metric.
+        search: Settings of the search.
     """
 
     free: dict[str, Any] = Field(default={})
@@ -192,17 +226,17 @@ class Spec(Scene):
 
     @cached_property
     def axes(self) -> list[Axis]:
-        """The free keys."""
+        """Return the free keys."""
         return axes_of(self.free, self)
 
     @property
     def goals(self) -> dict[str, str]:
-        """Figures that are to be the least or the greatest."""
+        """Return the goals ("least" or "greatest") by metric."""
         return {name: demand.goal for name, demand in self.figures.items() if demand.goal is not None}
 
     @property
     def named(self) -> dict[str, tuple[float, float]]:
-        """The figures that need no run of the scene, with speed and ratio; others are of its summary."""
+        """Return speed and ratio of the metrics that require no run of the scene, by name."""
         return {name: (d.speed, d.ratio) for name, d in self.figures.items() if name in NAMED}
 
     @model_validator(mode="after")
@@ -212,40 +246,68 @@ class Spec(Scene):
             if demand.minimum is None and demand.maximum is None and demand.goal is None:
                 goals = "a goal ('least' or 'greatest')"
                 raise SceneError(f"figures.{name} requires a minimum, a maximum or {goals}")
-            asked = NAMED[name].asks if name in NAMED else ()
-            given = tuple(one for one in ("speed", "ratio") if one in demand.model_fields_set)
-            if given != asked:
-                at_speed = [one for one, named in NAMED.items() if named.asks]
+            required_keys = NAMED[name].asks if name in NAMED else ()
+            keys = tuple(key for key in ("speed", "ratio") if key in demand.model_fields_set)
+            if keys != required_keys:
+                at_speed = [metric for metric, named in NAMED.items() if named.asks]
                 cause = "" if name in NAMED else f": {unknown('steady-state metric', name, at_speed)}"
-                required = f"requires {' and '.join(asked)}" if asked else "accepts no speed and no ratio"
-                got = " and ".join(given) or "none"
+                required = "accepts no speed and no ratio"
+                if required_keys:
+                    required = f"requires {' and '.join(required_keys)}"
+                got = " and ".join(keys) or "none"
                 raise SceneError(f"figures.{name} {required} (got {got}){cause}")
             if name in NAMED:
                 limits_of(name, demand, NAMED[name].unit)
         number = len(self.goals)
-        if not 1 <= number <= MOST_GOALS:
-            raise SceneError(must_be("the number of metrics with a goal", f"1 to {MOST_GOALS}", number))
+        if not 1 <= number <= MAX_GOALS:
+            raise SceneError(must_be("the number of metrics with a goal", f"1 to {MAX_GOALS}", number))
         return self
 
 
 def read_spec(path: Path | str, keys: Keys = None) -> Spec:
-    """Read a specification: the TOML of a scene with [free], [figures] and [search]; all as load_scene."""
+    """Read and check a specification: a scene file with tables [free], [figures] and [search].
+
+    Args:
+        path: Path of the TOML file.
+        keys: Values that replace values of the file, as in load_scene.
+
+    Raises:
+        SceneError: The file or a value is invalid.
+    """
     return load_tables(path, keys, lambda tables: Spec)
 
 
-def shown(value: float | str, unit: str = "") -> str:
-    """Write a value with its unit, a name as it is."""
+def text_of(value: float | str, unit: str = "") -> str:
+    """Return a value with its unit as text; names are unchanged.
+
+    Args:
+        value: Number or name.
+        unit: Unit; "" or "1" for none.
+    """
     return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
 
 
 def figure_of(row: Row, name: str, unit: str = "") -> str:
-    """Write the figure of a row with its unit, or why it has none."""
+    """Return the metric of a row with its unit as text, or the reason why it is missing.
+
+    Args:
+        row: The row.
+        name: Name of the metric.
+        unit: Unit of the metric.
+    """
     absent = "not reached" if name.startswith(TIME_TO) and not row.refused else "not available"
-    return shown(row.figures.get(name, absent), unit)
+    return text_of(row.figures.get(name, absent), unit)
 
 
 class Limit(NamedTuple):
-    """A limit of a figure, in its unit; side: 1.0 for a maximum, -1.0 for a minimum."""
+    """Limit of a metric.
+
+    Attributes:
+        figure: Name of the metric.
+        unit: Unit of the metric.
+        bound: Limit in this unit.
+        side: 1.0 for a maximum, -1.0 for a minimum.
+    """
 
     figure: str
     unit: str
@@ -253,40 +315,66 @@ class Limit(NamedTuple):
     side: float
 
     def violation(self, row: Row, margin: float = 0.0) -> float:
-        """Excess of a row over the limit, narrower by a margin, relative to it; below 0 what is left."""
+        """Return the violation of the limit relative to the limit; negative values are the remaining margin.
+
+        Args:
+            row: The row.
+            margin: Relative margin that tightens limits of summary metrics.
+        """
         value = row.figures.get(self.figure, math.nan)
         if not math.isfinite(value):
             return MISSING
-        narrower = 0.0 if self.figure in NAMED else margin
-        return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + narrower
+        tightening = 0.0 if self.figure in NAMED else margin
+        return self.side * (value - self.bound) / (abs(self.bound) or 1.0) + tightening
 
     def text(self, row: Row) -> str:
-        """Compare what a row has with the limit, in a line."""
+        """Return a line that compares the metric of a row with the limit.
+
+        Args:
+            row: The row.
+        """
         side = "at most" if self.side > 0.0 else "at least"
-        has = figure_of(row, self.figure, self.unit)
-        return f"{self.figure} {has} (limit: {side} {shown(self.bound, self.unit)})"
+        metric = figure_of(row, self.figure, self.unit)
+        return f"{self.figure} {metric} (limit: {side} {text_of(self.bound, self.unit)})"
 
 
 def limits_of(name: str, demand: Demand, unit: str) -> list[Limit]:
-    """Limits of a figure in its unit; refused if one is no quantity in it, or no number meets both."""
-    found = []
-    for which, side in (("minimum", -1.0), ("maximum", 1.0)):
-        given = getattr(demand, which)
-        if given is None:
+    """Return the limits of a metric.
+
+    Args:
+        name: Name of the metric.
+        demand: Demand with the limits.
+        unit: Unit of the metric.
+
+    Raises:
+        SceneError: A limit is no quantity in the unit, or the minimum exceeds the maximum.
+    """
+    limits = []
+    for field, side in (("minimum", -1.0), ("maximum", 1.0)):
+        value = getattr(demand, field)
+        if value is None:
             continue
         try:
-            found.append(Limit(name, unit, number_of(given, unit or "1"), side))
+            limits.append(Limit(name, unit, number_of(value, unit or "1"), side))
         except ValueError as error:
-            message = must_be(f"figures.{name}.{which}", f"a number in {unit or '1'}", repr(given))
+            message = must_be(f"figures.{name}.{field}", f"a number in {unit or '1'}", repr(value))
             raise SceneError(f"{message}: {error}") from None
-    if len(found) == 2 and found[0].bound > found[1].bound:
-        low, high = (f"{limit.bound:g}" for limit in found)
+    if len(limits) == 2 and limits[0].bound > limits[1].bound:
+        low, high = (f"{limit.bound:g}" for limit in limits)
         raise SceneError(must_be(f"figures.{name}.minimum", f"at most the maximum, {high}", low))
-    return found
+    return limits
 
 
 class Judge:
-    """Judges rows by a specification, with units of the figures by name; refuses as limits_of."""
+    """Judge of rows by the limits and goals of a specification.
+
+    Args:
+        spec: The specification.
+        units: Units of metrics and keys, by name.
+
+    Raises:
+        SceneError: A limit is invalid.
+    """
 
     def __init__(self, spec: Spec, units: dict[str, str]) -> None:
         self.spec, self.units, self.limits = spec, units, list[Limit]()
@@ -294,58 +382,89 @@ class Judge:
             self.limits += limits_of(name, demand, self.unit(name))
 
     def unit(self, name: str) -> str:
-        """Unit of a figure; of a time that no design has reached, s."""
+        """Return the unit of a metric or key, also of an acceleration time that no design reaches.
+
+        Args:
+            name: Name of the metric or key.
+        """
         return self.units.get(name, "s" if name.startswith(TIME_TO) else "")
 
     def violations(self, row: Row, margin: float = 0.0) -> list[float]:
-        """Violation of each limit, and at last whether a goal has no figure."""
+        """Return the violation of each limit, and finally of missing metrics of goals.
+
+        Args:
+            row: The row.
+            margin: Relative margin that tightens limits of summary metrics.
+        """
         missing = any(name not in row.figures for name in self.spec.goals)
         return [limit.violation(row, margin) for limit in self.limits] + [MISSING if missing else 0.0]
 
     def meets(self, row: Row, margin: float = 0.0) -> bool:
-        """Tell whether a row meets all limits."""
+        """Return True if a row satisfies all limits.
+
+        Args:
+            row: The row.
+            margin: Relative margin that tightens limits of summary metrics.
+        """
         return max(self.violations(row, margin)) <= 0.0
 
     def beyond(self, row: Row) -> float:
-        """Sum of what a row is beyond its limits: 0 where all are met."""
+        """Return the sum of all violations of a row; 0 if it satisfies all limits.
+
+        Args:
+            row: The row.
+        """
         return sum(max(violation, 0.0) for violation in self.violations(row))
 
     def tightest(self, row: Row, rows: Sequence[Row] = ()) -> str:
-        """Describe the limit that a row violates most, or is nearest to.
+        """Describe the limit with the maximum violation or the minimum margin.
 
         Args:
-            row: a design.
-            rows: all designs; a limit that none of them violates, or that all others just reach, like a speed
-                ratio of at least 1, does not restrict the design.
+            row: The design.
+            rows: All designs. A limit that none of them violates, or that all others just reach (such as a
+                speed ratio of at least 1), does not restrict the design.
 
         Returns:
-            A line, or "" without limits.
+            A line; "" without limits.
         """
         restricting = [limit for limit in self.limits if self._restricts(limit, row, rows)]
         limit = max(restricting or self.limits, key=lambda limit: limit.violation(row), default=None)
         return "" if limit is None else limit.text(row)
 
     def _restricts(self, limit: Limit, row: Row, rows: Sequence[Row]) -> bool:
-        """Return True if a row violates a limit, or other rows lie on both sides of it."""
+        """Return True if a row violates a limit, or other rows are on both sides of the limit."""
         if limit.violation(row) > 0.0 or not rows:
             return True
         violations = [limit.violation(other) for other in rows if limit.figure in other.figures]
-        return any(one > 0.0 for one in violations) and any(one < -TOUCHING for one in violations)
+        return max(violations, default=0.0) > 0.0 and min(violations, default=0.0) < -MARGIN_RTOL
 
     def costs(self, row: Row) -> list[float]:
-        """The goals as numbers that are to be small."""
+        """Return the goals as costs to minimise.
+
+        Args:
+            row: The row.
+        """
         sign = {"least": 1.0, "greatest": -1.0}
         return [sign[goal] * row.figures.get(name, 0.0) for name, goal in self.spec.goals.items()]
 
     def better(self, row: Row, others: Iterable[Row]) -> Row | None:
-        """The best of other rows that meet all limits, are no worse in any goal and better in one."""
+        """Return the best other row that satisfies all limits and dominates a row; None if there is none.
+
+        Args:
+            row: The row.
+            others: Other rows.
+        """
         costs = self.costs(row)
-        found = [one for one in others if self.meets(one) and self.costs(one) != costs]
-        found = [one for one in found if all(map(operator.le, self.costs(one), costs))]
-        return min(found, key=self.costs, default=None)
+        valid = [other for other in others if self.meets(other) and self.costs(other) != costs]
+        dominating = [other for other in valid if all(map(operator.le, self.costs(other), costs))]
+        return min(dominating, key=self.costs, default=None)
 
     def fronts(self, rows: Sequence[Row]) -> list[list[Row]]:
-        """Rows by rank, at least one: the first ones are those that no other is better than in every goal."""
+        """Return the rows of each non-dominated front, the Pareto front first; at least one list.
+
+        Args:
+            rows: The rows.
+        """
         from pymoo.util.nds.non_dominated_sorting import NonDominatedSorting
 
         if not rows:
@@ -356,38 +475,48 @@ class Judge:
 
 # --- the search ---
 
-# key of a point that is none of the scene: the fidelity it is run at
+# additional key of a point: fidelity of the run
 LEVEL = "fidelity"
-# rad, a turn of the output shaft, or of the wheels of a car, below which a load stays at rest
-AT_REST = math.tau
+# minimum angle of a moving load, rad: one revolution of the output shaft, or of the wheels of a vehicle
+MIN_MOTION = math.tau
 
 
 def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
-    """Prepare for the figures of a specification at points with a LEVEL; see Task.
+    """Return a function from a point with a LEVEL to the metrics of a specification, as Task.prepare.
 
-    Of the settings "tables" are those of the scene, "named" as of Spec, "runs" whether the scene is run.
+    Args:
+        settings: "tables" of the scene, "named" as in Spec, and "runs", True if metrics require a run.
+        runner: Runner of scenes.
     """
-    # (its deprecated value has a warning, but the mechanism can be built)
+    # A deprecated method would add a warning, which here means a mechanism that cannot be built.
     base = validated(Scene, settings["tables"]).replaced(mechanism={"method": None})
 
     def figures(point: Point) -> Figures:
         keys = {name: value for name, value in point.items() if name != LEVEL}
         scene = base.with_keys(keys).with_fidelity(str(point[LEVEL]))
         mechanism = Mechanism(scene.parameters())
-        if unbuildable := mechanism.module.warnings():
-            raise Refused("; ".join(unbuildable))
-        found = {
+        if warnings := mechanism.module.warnings():
+            raise Refused("; ".join(warnings))
+        metrics = {
             name: Quantity(float(NAMED[name].value(mechanism, *at)), NAMED[name].unit)
             for name, at in settings["named"].items()
         }
-        return found | summary_of(runner, scene) if settings["runs"] else found
+        return metrics | summary_of(runner, scene) if settings["runs"] else metrics
 
     return figures
 
 
 @dataclass(frozen=True, eq=False)
 class Finalist(ByContent):
-    """A design that was run at the fidelities of search and check, as a scene in a file."""
+    """Verified design.
+
+    Attributes:
+        searched: Row at the fidelity of the search.
+        checked: Row at the fidelity of the verification.
+        scene: Scene of the design.
+        file: File of the scene.
+        doubts: Caveats: a sentence by short name.
+    """
 
     searched: Row
     checked: Row
@@ -397,34 +526,37 @@ class Finalist(ByContent):
 
 
 def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[str, str]:
-    """Say why a design that meets its limits may be no answer: what in short, and in a sentence.
+    """Return caveats of a design that satisfies its limits: a sentence by short name.
 
-    Figures are those of its check; lock-up is looked at at a speed of link 1, rad/s.
+    Args:
+        scene: Scene of the design.
+        figures: Metrics of its verification.
+        speed: Speed of link 1 for lock-up and torque of the drive, rad/s.
     """
-    found, mechanism = {}, Mechanism(scene.parameters())
+    caveats, mechanism = {}, Mechanism(scene.parameters())
     try:
         chart = mechanism.chart(speed)
         if not chart.lock_up_torque[0] > 0.0:
-            found["no lock-up"] = f"no torque is transmitted above a speed ratio of {chart.end_ratio:.2g}"
+            caveats["no lock-up"] = f"no torque is transmitted above a speed ratio of {chart.end_ratio:.2g}"
         limit = scene.drive_torque_limit(speed)
         if limit is not None and (beyond := chart.beyond_drive(speed, limit)):
-            found["drive too weak"] = beyond
+            caveats["drive too weak"] = beyond
     except Refused as error:
-        found["no mean torque"] = str(error)
+        caveats["no mean torque"] = str(error)
     if mechanism.module["satellite_inertia"] == 0.0:
-        found["satellites without inertia"] = "satellite_inertia is 0"
-    # of the wheels of a car, at most of another load; where nothing was run there is nothing to say
-    turned = figures.get("omega_out_maximum", math.inf) * scene.run.stop_time
+        caveats["satellites without inertia"] = "satellite_inertia is 0"
+    # angle of the wheels of a vehicle, or upper bound of the angle of another load; infinite without a run
+    angle = figures.get("omega_out_maximum", math.inf) * scene.run.stop_time
     if isinstance(scene.load, VehicleLoad):
-        turned = figures.get("distance", math.inf) / scene.load.wheel_radius
+        angle = figures.get("distance", math.inf) / scene.load.wheel_radius
     if isinstance(scene.load, VehicleLoad) and figures.get(TRACTIVE_FORCE, 0.0) > (
         scene.load.grip or math.inf
     ):
         force, grip = figures[TRACTIVE_FORCE], scene.load.grip
-        found["wheels slip"] = f"the tractive force reaches {force:.4g} N, the grip is {grip:.4g} N"
-    if turned < AT_REST:
-        found["load does not move"] = f"{turned / math.tau:.2g} revolutions in the run"
-    return found
+        caveats["wheels slip"] = f"the tractive force reaches {force:.4g} N, the grip is {grip:.4g} N"
+    if angle < MIN_MOTION:
+        caveats["load does not move"] = f"{angle / math.tau:.2g} revolutions in the run"
+    return caveats
 
 
 @dataclass(frozen=True, eq=False)
@@ -432,10 +564,13 @@ class DesignResult(ByContent):
     """Result of a design.
 
     Attributes:
-        judge: by the specification, its spec. rows: all designs of the search, in order.
-        front: those of them that meet all limits and that no other is better than.
-        finalists: those that were checked. new: how many rows were not there before. files: by kind.
-        searched: outcome of the search, with the best figures of each start.
+        judge: Judge, with the specification in ``spec``.
+        rows: All designs of the search, in the order of evaluation.
+        front: Pareto front of the designs that satisfy all limits.
+        finalists: Verified designs.
+        new: Number of rows that were not in the journal.
+        files: Paths of the written files, by kind.
+        searched: Outcome of the search, with the best metrics of each start.
     """
 
     judge: Judge
@@ -448,54 +583,60 @@ class DesignResult(ByContent):
 
     @property
     def cut(self) -> bool:
-        """True if time ended the search before it had made its starts."""
+        """Return True if the time limit ended the search."""
         return self.searched.is_cut
 
     @property
     def chosen(self) -> list[Finalist]:
-        """Finalists that meet all limits at the fidelity of the check."""
-        return [one for one in self.finalists if self.judge.meets(one.checked)]
+        """Return the finalists that satisfy all limits at the fidelity of the verification."""
+        return [finalist for finalist in self.finalists if self.judge.meets(finalist.checked)]
 
-    def lines(self, one: Finalist) -> dict[str, str]:
-        """The values of a finalist and its figures, searched and checked, as text by name."""
-        keys = {name: shown(value, self.judge.unit(name)) for name, value in one.searched.point.items()}
-        keys |= {name: shown(value, BY_NAME[name].unit) for name, value in one.scene.following.items()}
+    def lines(self, finalist: Finalist) -> dict[str, str]:
+        """Return values, metrics and caveats of a finalist as texts by name.
+
+        Args:
+            finalist: The finalist.
+        """
+        keys = {
+            name: text_of(value, self.judge.unit(name)) for name, value in finalist.searched.point.items()
+        }
+        keys |= {name: text_of(value, BY_NAME[name].unit) for name, value in finalist.scene.following.items()}
         figures = {}
         for name in self.judge.spec.figures:
-            checked = figure_of(one.checked, name, self.judge.unit(name))
-            figures[name] = f"{figure_of(one.searched, name)} → {checked}"
-        missed = [limit.figure for limit in self.judge.limits if limit.violation(one.checked) > 0.0]
-        limits = f"violated: {', '.join(missed)}" if missed else "satisfied"
-        caveats = {f"caveat: {name}": reason for name, reason in one.doubts.items()}
+            checked = figure_of(finalist.checked, name, self.judge.unit(name))
+            figures[name] = f"{figure_of(finalist.searched, name)} → {checked}"
+        violated = [limit.figure for limit in self.judge.limits if limit.violation(finalist.checked) > 0.0]
+        limits = f"violated: {', '.join(violated)}" if violated else "satisfied"
+        caveats = {f"caveat: {name}": reason for name, reason in finalist.doubts.items()}
         return keys | figures | {"limits": limits} | caveats
 
     def verdict(self) -> str:
-        """Say in a sentence how many meet the limits, which one binds or stops them, and what is in doubt."""
+        """Return a sentence with the number of valid designs, the tightest limit, convergence and caveats."""
         finalists, search = self.finalists, self.judge.spec.search
-        # where none meets them the one that is the least beyond the limits: of those checked, if any was
-        rows = [one.checked for one in self.chosen or finalists]
+        # Without a valid design the closest one is described: a verified design if there is any.
+        rows = [finalist.checked for finalist in self.chosen or finalists]
         rows = rows or [row for row in self.rows if not row.refused]
         row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
-        where = self.judge.tightest(row, self.rows)
+        limit = self.judge.tightest(row, self.rows)
         if self.chosen:
             first = self.chosen[0].file.stem.replace("_", " ")
-            binds = f"; tightest in {first}: {where}" if where else ""
-            short = [name for one in self.chosen for name in one.doubts]
-            doubts = ", ".join(f"{name} in {short.count(name)}" for name in dict.fromkeys(short))
-            binds += f"; caveats: {doubts} of them" if doubts else ""
+            notes = f"; tightest in {first}: {limit}" if limit else ""
+            names = [name for finalist in self.chosen for name in finalist.doubts]
+            doubts = ", ".join(f"{name} in {names.count(name)}" for name in dict.fromkeys(names))
+            notes += f"; caveats: {doubts} of them" if doubts else ""
             number = f"{len(self.chosen)} of {len(finalists)} verified designs satisfy all limits"
-            return f"{number}; {self.convergence()}{binds}"
-        what = f"{len(self.rows)} designs"
-        why = f"no improvement in the last {search.stall} generations of {search.starts} starts"
+            return f"{number}; {self.convergence()}{notes}"
+        designs = f"{len(self.rows)} designs"
+        reason = f"no improvement in the last {search.stall} generations of {search.starts} starts"
         if self.front:
-            what = f"{len(finalists)} verified designs"
-            why = f"{len(self.front)} of {len(self.rows)} designs do with fidelity {search.fidelity!r}"
+            designs = f"{len(finalists)} verified designs"
+            reason = f"{len(self.front)} of {len(self.rows)} designs do with fidelity {search.fidelity!r}"
         elif self.cut:
-            why = f"search.longest = {search.longest:g} s ended the search before it was complete"
-        return f"0 of {what} satisfy all limits; {why}; closest design: {where}"
+            reason = f"search.longest = {search.longest:g} s ended the search before it was complete"
+        return f"0 of {designs} satisfy all limits; {reason}; closest design: {limit}"
 
     def convergence(self) -> str:
-        """Compare the best designs of the starts: converged or not, with their figures."""
+        """Return a sentence that compares the best designs of the starts."""
         searched, search = self.searched, self.judge.spec.search
         starts, successful = searched.starts, [start for start in searched.starts if start.best]
         texts = []
@@ -528,28 +669,29 @@ def design(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> DesignResult:
-    """Search designs at a cheap fidelity, check finalists, and write tables and scenes.
+    """Search designs at a cheap fidelity, verify finalists, and write tables and scenes.
 
-    For methods and sources see jobs/search.py.
+    Methods and sources: jobs/search.py.
 
     Args:
-        spec: a specification, or its file.
-        output: folder, by default out/SPEC_design: what is computed there is not computed again.
-        fmu: as of sweep.
-        scheduler: as of sweep.
-        workers: as of sweep.
-        progress: as of sweep.
+        spec: Specification, or path of its file.
+        output: Output folder; None for out/SPEC_design. Completed runs in its journal are reused.
+        fmu: FMU file; None for current_fmu().
+        scheduler: Address of a running Dask scheduler; None for worker processes on this machine.
+        workers: Number of these processes; None for one per core.
+        progress: Function called with the completed fraction of the search, 0 to 1.
 
     Raises:
-        SceneError: the specification is not as it must be, in one sentence.
-        Refused: the folder holds results of another one. NotInstalled: the extra jobs is not.
+        SceneError: The specification is invalid, or none of the first designs can be computed.
+        Refused: The folder contains results of another specification.
+        NotInstalled: The extra ``jobs`` is not installed.
     """
     for name in ("distributed", "pyarrow", "pymoo", "tomli_w"):
         library(name, "jobs")
-    read, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
-    base, levels = read.with_keys({}), (read.search.fidelity, read.search.check)
-    runs = len(read.named) < len(read.figures)
-    settings = {"tables": base.tables, "named": read.named, "runs": runs}
+    specification, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
+    base, levels = specification.with_keys({}), (specification.search.fidelity, specification.search.check)
+    runs = len(specification.named) < len(specification.figures)
+    settings = {"tables": base.tables, "named": specification.named, "runs": runs}
     task = Task(fmu_content(fmu), settings, figures_wanted)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -558,43 +700,46 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        rows = evaluate(of_shares(read.axes, population(read, read.search.seed)))
-        units = {axis.name: axis.unit for axis in read.axes} | evaluator.units
-        known = [*(name for row in rows for name in row.figures), *NAMED]
+        rows = evaluate(of_shares(specification.axes, population(specification, specification.search.seed)))
+        units = {axis.name: axis.unit for axis in specification.axes} | evaluator.units
+        names = [*(name for row in rows for name in row.figures), *NAMED]
         if all(row.refused for row in rows):
             raise SceneError(f"none of the first {len(rows)} designs can be computed: {rows[0].refused}")
-        for figure in read.figures:
-            if figure not in known and not figure.startswith(TIME_TO):
-                raise SceneError(f"figures: {unknown('metric', figure, known)}")
-        judge = Judge(read, units)
-        searched = DesignSearch(read, judge, evaluate, progress).run()
+        for figure in specification.figures:
+            if figure not in names and not figure.startswith(TIME_TO):
+                raise SceneError(f"figures: {unknown('metric', figure, names)}")
+        judge = Judge(specification, units)
+        searched = DesignSearch(specification, judge, evaluate, progress).run()
         rows = searched.rows
-        computed = [row for row in rows if not row.refused]
-        fronts = judge.fronts([row for row in computed if judge.meets(row, read.search.margin)])
-        picked = _finalists(fronts, read.search.finalists) or [min(computed, key=judge.beyond)]
-        checked = evaluate([row.point for row in picked], levels[1])
-        # what the journal has of searches by other seeds
-        own = [{**row.point, LEVEL: levels[1]} for row in rows]
-        there = [row for row in evaluator.rows.values() if row.point[LEVEL] == levels[1]]
-        others = [row for row in there if row.point not in own]
-    finalists, speed = [], max(demand.speed for demand in read.figures.values()) or NOMINAL_SPEED
-    for number, (row, again) in enumerate(zip(picked, checked, strict=True), 1):
-        if not again.refused:
-            title = f"{read.title}: design {number}"
+        valid_rows = [row for row in rows if not row.refused]
+        fronts = judge.fronts([row for row in valid_rows if judge.meets(row, specification.search.margin)])
+        selected = _finalists(fronts, specification.search.finalists) or [min(valid_rows, key=judge.beyond)]
+        checked = evaluate([row.point for row in selected], levels[1])
+        # verified designs of searches with other seeds in the journal
+        own_points = [{**row.point, LEVEL: levels[1]} for row in rows]
+        in_journal = [row for row in evaluator.rows.values() if row.point[LEVEL] == levels[1]]
+        others = [row for row in in_journal if row.point not in own_points]
+    finalists, speed = [], max(demand.speed for demand in specification.figures.values()) or NOMINAL_SPEED
+    for number, (row, verified) in enumerate(zip(selected, checked, strict=True), 1):
+        if not verified.refused:
+            title = f"{specification.title}: design {number}"
             scene = base.with_keys({**row.point, "title": title}).with_fidelity(levels[1])
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
-            doubts = doubts_of(scene, again.figures, speed)
-            if better := judge.better(again, others):
-                goals = [f"{goal} {shown(better.figures[goal], judge.unit(goal))}" for goal in read.goals]
+            doubts = doubts_of(scene, verified.figures, speed)
+            if better := judge.better(verified, others):
+                goals = [
+                    f"{goal} {text_of(better.figures[goal], judge.unit(goal))}"
+                    for goal in specification.goals
+                ]
                 doubts["dominated by another search"] = f"a better design has {', '.join(goals)}"
-            finalists.append(Finalist(row, again, scene, file, doubts))
+            finalists.append(Finalist(row, verified, scene, file, doubts))
     files = {f"pareto {k}": v for k, v in write_tables(folder, "pareto", fronts[0], units).items()}
     files |= {f"checked {k}": v for k, v in write_tables(folder, "checked", checked, units).items()}
     return DesignResult(judge, rows, fronts[0], finalists, evaluator.new, files, searched)
 
 
 def _finalists(fronts: Sequence[Sequence[Row]], number: int) -> list[Row]:
-    """Pick at most so many rows: spread over the first front, and filled up from the next ones."""
+    """Select a number of rows: equally spaced on the first front, or all of it and rows of the next ones."""
     first, rest = fronts[0], [row for front in fronts[1:] for row in front]
     if len(first) <= number:
         return [*first, *rest[: number - len(first)]]

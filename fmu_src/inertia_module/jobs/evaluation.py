@@ -1,7 +1,7 @@
-"""Evaluation of points: each to figures with their units, its cost, or the sentence of a refusal.
+"""Evaluation of points: metrics with units, run time, or the message of a failed run.
 
-A task travels to the workers once, with its FMU as bytes. Results are kept as they come in a journal that
-survives a kill; the tables are made of it, Parquet and CSV.
+A task is sent to the workers once, with its FMU as bytes. A journal stores results immediately, so that an
+interrupted job can continue. The tables (Parquet and CSV) are made from the journal.
 """
 
 from __future__ import annotations
@@ -27,13 +27,20 @@ from .axes import Point
 
 Figures = dict[str, Quantity]
 FiguresOf = Callable[[Point], Figures]
-# figures of a summary that tell of the computer
+# metrics of a summary that depend on the computer
 TIMES = ("wall_time", "real_time_factor")
 JOURNAL = "journal.jsonl"
 
 
 class Row(NamedTuple):
-    """Result of a point: figures by name, s of computing, and why it was refused, in a sentence, or ""."""
+    """Result of a point.
+
+    Attributes:
+        point: Values by key.
+        figures: Metrics by name.
+        cost: Run time, s.
+        refused: Message of a failed run; "" for a successful run.
+    """
 
     point: Point
     figures: dict[str, float]
@@ -41,12 +48,17 @@ class Row(NamedTuple):
     refused: str = ""
 
 
-# rows of points, in their order
+# function that returns the rows of points, in their order
 Evaluate = Callable[[Sequence[Point]], list[Row]]
 
 
 class Batch(NamedTuple):
-    """Rows, and the units of their figures by name."""
+    """Rows of several points.
+
+    Attributes:
+        rows: The rows.
+        units: Units of their metrics, by name.
+    """
 
     rows: list[Row]
     units: dict[str, str]
@@ -54,11 +66,12 @@ class Batch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Task(ByContent):
-    """Figures of a scene at points; it is pickled.
+    """Computation of metrics at points, which can be pickled.
 
     Attributes:
-        fmu: content of its file. settings: all that results depend on other than point and FMU.
-        prepare: makes, of these and of what runs scenes, a function that gives the figures of a point.
+        fmu: Content of the FMU file.
+        settings: Everything that results depend on, except point and FMU.
+        prepare: Function of settings and a runner of scenes. It returns a function from a point to metrics.
     """
 
     fmu: bytes
@@ -67,47 +80,72 @@ class Task(ByContent):
 
     @property
     def identity(self) -> str:
-        """Hash of settings and FMU."""
+        """Return a hash of settings and FMU."""
         settings = json.dumps(self.settings, sort_keys=True)
         return content_hash({"scene": settings.encode(), "fmu": self.fmu})
 
 
 def summaries(tables: dict[str, Any], runner: SceneRunner) -> FiguresOf:
-    """Prepare for the summary of a scene at points; see Task."""
+    """Return a function from a point to the summary of a scene, as Task.prepare.
+
+    Args:
+        tables: Tables of the scene.
+        runner: Runner of scenes.
+    """
     scene = validated(Scene, tables)
     return lambda point: summary_of(runner, scene.with_keys(point))
 
 
 def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
-    """Run a scene; the figures of its summary but TIMES."""
-    found = runner.run(scene).quantities
-    return {name: quantity for name, quantity in found.items() if name not in TIMES}
+    """Run a scene and return the metrics of its summary, except TIMES.
+
+    Args:
+        runner: Runner of scenes.
+        scene: The scene.
+    """
+    quantities = runner.run(scene).quantities
+    return {name: quantity for name, quantity in quantities.items() if name not in TIMES}
 
 
 def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
-    """Evaluate points one after the other; a refusal is a result."""
+    """Evaluate points sequentially; a failed run is a result.
+
+    Args:
+        figures_of: Function from a point to metrics.
+        points: The points.
+    """
     batch = Batch([], {})
     for point in points:
-        began = time.perf_counter()
+        start = time.perf_counter()
         try:
-            figures, refused = figures_of(point), ""
+            figures, message = figures_of(point), ""
         except Refused as error:
-            figures, refused = {}, " ".join(str(error).split())
-        cost = time.perf_counter() - began
+            figures, message = {}, " ".join(str(error).split())
+        cost = time.perf_counter() - start
         batch.units.update({name: quantity.unit for name, quantity in figures.items()})
         values = {name: quantity.value for name, quantity in figures.items()}
-        batch.rows.append(Row(point, values, cost, refused))
+        batch.rows.append(Row(point, values, cost, message))
     return batch
 
 
 class Evaluator(ExitStack):
-    """Evaluator of points, as often as it is called, with a journal; a context manager that ends its workers.
+    """Function that evaluates points on workers, with a journal; a context manager that ends the workers.
+
+    Args:
+        task: The task.
+        folder: Folder of the journal.
+        scheduler: Address of a running Dask scheduler; None for worker processes on this machine.
+        workers: Number of these processes; None for one per core.
+        progress: Function called with the completed fraction of a call, 0 to 1.
 
     Attributes:
-        rows: all results, by key. units: of their figures by name. new: how many were not there before.
+        rows: All results, by point as text.
+        units: Units of their metrics, by name.
+        new: Number of results that were not in the journal.
 
     Raises:
-        Refused: the folder holds results of another task. OSError: it cannot be written to.
+        Refused: The folder contains results of another task, or workers is invalid.
+        OSError: The folder cannot be written.
     """
 
     def __init__(
@@ -124,19 +162,19 @@ class Evaluator(ExitStack):
         self.path = writable_folder(folder) / JOURNAL
         self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})
-        there = self.path.is_file()
-        text = self.path.read_text(encoding="utf-8") if there else f"{head}\n"
-        found, _, results = text.partition("\n")
-        if found != head:
+        exists = self.path.is_file()
+        text = self.path.read_text(encoding="utf-8") if exists else f"{head}\n"
+        first_line, _, results = text.partition("\n")
+        if first_line != head:
             raise Refused(
                 f"{folder} contains results of another scene or version; use another folder or delete"
                 f" {JOURNAL} in it"
             )
-        *whole, cut = results.split("\n")  # a kill may have cut the last line: what it held is done again
-        for line in map(json.loads, whole):
+        *lines, rest = results.split("\n")  # an interrupted job can leave an incomplete last line
+        for line in map(json.loads, lines):
             self._take(Batch([Row(*row) for row in line["rows"]], line["units"]))
-        if cut or not there:
-            write_atomically(self.path, "\n".join([head, *whole, ""]).encode())
+        if rest or not exists:
+            write_atomically(self.path, "\n".join([head, *lines, ""]).encode())
         self.task, self.new = task, 0
         self.progress = progress or (lambda share: None)
         self._pool, self._client = (scheduler, workers), None
@@ -146,29 +184,41 @@ class Evaluator(ExitStack):
         self.units.update(batch.units)
 
     def missing(self, points: Iterable[Point]) -> list[Point]:
-        """Points without a result, each once."""
+        """Return the points without a result, without duplicates.
+
+        Args:
+            points: The points.
+        """
         return list({_key(point): point for point in points if _key(point) not in self.rows}.values())
 
     def keep(self, batch: Batch) -> None:
-        """Keep a batch, from now on through kills."""
+        """Add a batch to the results and to the journal.
+
+        Args:
+            batch: The batch.
+        """
         with naming(self.path), self.path.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(batch._asdict()) + "\n")
         self._take(batch)
 
     def __call__(self, points: Sequence[Point]) -> list[Row]:
-        """Rows of points, in their order; what is in the journal is not done again."""
+        """Return the rows of points, in their order; results in the journal are reused.
+
+        Args:
+            points: The points.
+        """
         missing = self.missing(points)
         if missing:
             from .workers import evaluations, pool
 
             if self._client is None:
                 self._client = self.enter_context(pool(self.task, *self._pool))
-            done = 0
+            completed = 0
             for batch in evaluations(self._client, self.task.identity, missing):
                 self.keep(batch)
-                done += len(batch.rows)
-                self.progress(done / len(missing))
-            self.new += done
+                completed += len(batch.rows)
+                self.progress(completed / len(missing))
+            self.new += completed
         return [self.rows[_key(point)] for point in points]
 
 
@@ -177,20 +227,36 @@ def _key(point: Point) -> str:
 
 
 def read(scene: Scene | Path | str) -> tuple[Scene, str]:
-    """Read a scene, as load_scene; with what to call its results."""
+    """Return a scene and the name of its results.
+
+    Args:
+        scene: Scene, or path of its file.
+
+    Raises:
+        SceneError: The file is invalid.
+    """
     return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
 
 
 def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, str]) -> dict[str, Path]:
-    """Write rows as NAME.parquet (units in the metadata of its columns) and NAME.csv (units in headings).
+    """Write rows to NAME.parquet (units in the metadata of columns) and NAME.csv (units in headings).
 
-    Columns are the keys varied, the figures, cost and refused; empty where there is none.
+    Columns are keys, metrics, cost and refused. Missing values are empty.
+
+    Args:
+        folder: Output folder.
+        name: Name of the files without ending.
+        rows: The rows.
+        units: Units of keys and metrics, by name.
+
+    Returns:
+        Paths of the files, by kind.
     """
     arrow, parquet = library("pyarrow", "jobs"), library("pyarrow.parquet", "jobs")
-    own = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
+    records = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
     keys = [name for row in rows for name in row.point]
     names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
-    columns = {name: [one.get(name) for one in own] for name in names}
+    columns = {name: [record.get(name) for record in records] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
     table, buffer = arrow.table(columns), arrow.BufferOutputStream()
     fields = [field.with_metadata({"unit": units[field.name]}) for field in table.schema]
@@ -199,7 +265,7 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
     write_atomically(tables["parquet"], buffer.getvalue().to_pybytes())
 
     def cell(value: Any, unit: str) -> Any:
-        """Leave a cell empty for None; write counts as whole numbers."""
+        """Return the content of a cell: empty for None, counts as integers."""
         if isinstance(value, float) and value.is_integer() and not unit:
             return int(value)
         return "" if value is None else value

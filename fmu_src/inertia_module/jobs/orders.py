@@ -1,10 +1,11 @@
-"""Orders of a scene: how much of torques, speeds and forces swings how often a turn of link 1 or the drive.
+"""Order analysis of a scene: amplitudes of torques, speeds and forces over cycles per revolution.
 
-The scene is run, and what is recorded over time is resampled in equal steps of the angle, so that a machine
-that runs up has the same lines as one at a steady speed. Sources: K. R. Fyfe and E. D. S. Munck, Analysis of
-computed order tracking, Mechanical Systems and Signal Processing 11 (1997) 187-205; averages over windows
-that overlap: P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15 (1967) 70-73; sampling and
-leakage: A. Brandt, Noise and Vibration Analysis, Wiley 2011, chapters 3, 9 and 12.
+The scene is run, and its record over time is resampled in equal steps of the angle of link 1 or of the pinion
+shaft. A run-up then has the same lines as a steady speed. Sources: K. R. Fyfe and E. D. S. Munck, Analysis of
+computed order tracking, Mechanical Systems and Signal Processing 11 (1997) 187-205; averages over overlapping
+windows: P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15 (1967) 70-73; sampling and leakage:
+    A.
+Brandt, Noise and Vibration Analysis, Wiley 2011, chapters 3, 9 and 12.
 """
 
 from __future__ import annotations
@@ -44,64 +45,68 @@ from .evaluation import read
 
 Array = NDArray[np.float64]
 
-# what an order is counted over
+# reference angles of orders
 LINK1, DRIVE = "link1", "drive_angle"
 BASES = {LINK1: "revolution of link 1", DRIVE: "revolution of the pinion shaft"}
-# an angle comes without whole turns, and these
+# angle within a revolution, and number of revolutions, of link 1 and of the pinion shaft
 ANGLES = ("input_angle", "input_turns", "drive_angle", "drive_turns")
-# components, in the fixed frame, of the force of imbalance 0 on its bearing, which is that mass times
+# components of the force of unbalanced mass 0 on its bearing, and the accelerations that cause them
 BEARING = {f"satellite_force_{axis}": f"imbalance_acceleration_{axis}" for axis in "xyz"}
-# what is looked at where nothing is asked for
+# default signals
 SIGNALS = (
     *("input_torque", "output_torque", "input_speed", "omega_out"),
     *("shaking_force_x", "shaking_force_y", "shaking_force_z", *BEARING),
 )
-# points a cycle of the highest order, where 2 would just do
-RECORDED = 2.56
-# resampled as finely as recorded at the slowest, for what is left out would fold down, but at most so much
-# finer than at the fastest
-FINEST = 10.0
-# with its bandwidth of noise, in 1 / turns
+# recorded points per cycle of the maximum order (Nyquist minimum: 2)
+POINTS_PER_CYCLE = 2.56
+# Resampling uses the sampling at the minimum speed, because coarser sampling would cause aliases. This is the
+# maximum ratio to the sampling at the maximum speed.
+MAX_REFINEMENT = 10.0
+# window, and its noise bandwidth in 1 / revolutions
 WINDOW, BANDWIDTH = "hann", 1.5
-# a spectrum is drawn out to so many times the points, so that a line between two of them is not missed
+# Zero padding factor of spectra, so that lines between two points are visible.
 PADDING = 4
-# half the width of the main lobe of the Hann window, in 1 / turns of the window
+# half width of the main lobe of the Hann window, in 1 / revolutions of the window
 HALF_LOBE = 2
-# side lobes within twice that width reach this share of the line, because its speed and height change
+# Side lobes within twice this width reach this fraction of the line, because speed and amplitude change.
 SIDE_LOBE = 0.05
-# side lobes beyond it reach this multiple of the side lobes of a constant sine
+# More distant side lobes reach this multiple of the side lobes of a constant sine.
 LEAKAGE_FACTOR = 4.0
-# harmonics of a torque with jumps fall as 1 / n: aliases of harmonics from 50 on stay below 2 % of the first
+# Harmonics of a torque with jumps decrease as 1 / n, so aliases from n = 50 stay below 2 % of the first.
 ALIASED_HARMONIC = 50.0
 MIN_SHARE = 1.0 / ALIASED_HARMONIC
 # harmonics of the pulses up to the default maximum order
 HARMONICS = 5.0
-# communication points of a run for orders
+# maximum number of communication points of a run for orders
 MAX_ROWS = 2_000_000
-# a line bends if along its bend there is so many times more of the signal than along its order
-BENDING = 1.1
-# turns in a window: at most where nothing is asked for, and at least
-TURNS, LEAST_TURNS = 32.0, 4.0
-# below this share of its largest or its nominal value a signal is rounding, and what is beyond a limit
+# minimum ratio of the amplitude along a shifting line to the amplitude along a constant order
+SHIFT_FACTOR = 1.1
+# default maximum and absolute minimum of the revolutions in a window
+TURNS, MIN_TURNS = 32.0, 4.0
+# relative round-off of a signal (of its maximum or nominal value) and of limits
 ROUNDING = 1e-8
-# units of a UFF file, and what all its amplitudes have in common: over orders, speed on the z axis
+# units of a UFF file, and common fields of its data sets: amplitudes over orders, speed on the z axis
 UFF_UNITS: dict[str, Any] = {"type": 164, "units_code": 1, "units_description": "SI", "length": 1.0}
 UFF_UNITS |= {"force": 1.0, "temp": 1.0, "temp_offset": 273.15}
 UFF_LINES: dict[str, Any] = {"type": 58, "func_type": 0, "ref_node": 0, "ref_dir": 0}
 UFF_LINES |= {"abscissa_spec_data_type": 20, "abscissa_spacing": 1, "orddenom_spec_data_type": 0}
 UFF_LINES |= {"z_axis_spec_data_type": 19, "z_axis_axis_lab": "speed", "z_axis_axis_units_lab": "rpm"}
-# of the axes in files
+# units of the axes in files
 UNITS = {"time": "s", "speed": "rad/s", "rpm": "rpm", "frequency": "Hz"}
 
 
 class Line(NamedTuple):
-    """A line of a spectrum.
+    """Order line of a spectrum.
 
     Attributes:
-        order: cycles a turn. amplitude: RMS average over the windows, in the unit of the signal.
-        greatest: amplitude in the window where it is greatest. speed: of link 1 there, rad/s.
-        low, high: orders between which it bends with the speed ratio; of a straight line, order.
-        frequency, phase: Hz, and rad as of Orders, where it is greatest.
+        order: Order in the window of the maximum, cycles per revolution.
+        amplitude: RMS average over the windows, in the unit of the signal.
+        greatest: Maximum amplitude of all windows.
+        speed: Speed of link 1 in the window of the maximum, rad/s.
+        low: Minimum order of a line that shifts with the speed ratio, otherwise the order.
+        high: Maximum order of such a line, otherwise the order.
+        frequency: Frequency in the window of the maximum, Hz.
+        phase: Phase in the window of the maximum, rad, as in Orders.
     """
 
     order: float
@@ -115,7 +120,15 @@ class Line(NamedTuple):
 
 
 class _Candidate(NamedTuple):
-    """A peak of a mean spectrum: its line, the window of its maximum, its family of tracks, and its track."""
+    """Peak of a mean spectrum.
+
+    Attributes:
+        line: Line of the peak.
+        window: Window of its maximum.
+        family: Family of its track: 0 for constant orders, 1 to 3 for orders that shift with the pinion
+            shaft.
+        track: Order in each window.
+    """
 
     line: Line
     window: int
@@ -124,29 +137,32 @@ class _Candidate(NamedTuple):
 
 
 def leakage(distance: float) -> float:
-    """Return the largest spectrum of the Hann window around a distance from a sine of amplitude 1.
+    """Return the maximum spectrum of the Hann window near a distance from a sine of amplitude 1.
 
     Args:
-        distance: from the sine, in 1 / length of the window; within the main lobe it is 1.
+        distance: Distance from the sine, in 1 / length of the window. Within the main lobe the result is 1.
     """
     return 1.0 / (math.pi * distance * (distance**2 - 1.0)) if distance > HALF_LOBE else 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Orders(ByContent):
-    """Spectra over orders; n orders, m windows.
+    """Spectra of signals over n orders in m windows.
 
     Attributes:
-        of: what an order is counted over, LINK1 or DRIVE. turns: of that in a window.
-        order: cycles a turn, shape (n,).
-        time, speed: at the middle of each window, s, and mean speed of link 1 in it, rad/s, shape (m,).
-        rate: turns a second in each window, Hz: of order 1, shape (m,).
-        ratio: turns of the drive a turn in each window, shape (m,): with it lines bend.
-        spectrum: complex amplitude of each signal in each window, in its unit, shape (m, n); mean and trend
-            apart. Phases are those of cosines, 0 with a maximum where the angle of link 1 (the drive) is 0.
-        units: of the signals.
-        highest: maximum order of the lines; the spectra extend beyond it by half the width of a line.
-        step: s, longest distance of the communication points that were recorded.
+        of: Reference angle, LINK1 or DRIVE.
+        turns: Revolutions in a window.
+        order: Orders, cycles per revolution, shape (n,).
+        time: Time at the middle of each window, s, shape (m,).
+        speed: Mean speed of link 1 in each window, rad/s, shape (m,).
+        rate: Revolutions per second in each window, the frequency of order 1, Hz, shape (m,).
+        ratio: Revolutions of the pinion shaft per revolution of the reference angle, shape (m,). Orders of
+            the pinion shaft shift with it.
+        spectrum: Complex amplitudes by signal, in its unit, without mean and trend, shape (m, n). A cosine
+            has phase 0 if its maximum is at angle 0 of link 1 or of the pinion shaft.
+        units: Units by signal.
+        highest: Maximum order of the lines; spectra extend beyond it by half the width of a line.
+        step: Maximum distance of recorded communication points, s.
     """
 
     of: str
@@ -163,47 +179,55 @@ class Orders(ByContent):
 
     @cached_property
     def waterfall(self) -> dict[str, Array]:
-        """Amplitude of each signal in each window, shape (m, n)."""
+        """Return the amplitudes in each window by signal, shape (m, n)."""
         return {name: np.abs(rows) for name, rows in self.spectrum.items()}
 
     @cached_property
     def amplitude(self) -> dict[str, Array]:
-        """Amplitude of each signal, RMS average over the windows, shape (n,)."""
+        """Return the RMS average of the amplitudes over all windows by signal, shape (n,)."""
         return {name: np.sqrt(np.mean(rows**2, axis=0)) for name, rows in self.waterfall.items()}
 
     @property
     def rpm(self) -> Array:
-        """Mean speed of link 1 in each window, rpm, shape (m,)."""
+        """Return the mean speed of link 1 in each window, rpm, shape (m,)."""
         return self.speed * factor_between("rad/s", "rpm")
 
     @property
     def frequency(self) -> Array:
-        """Frequency of each order in each window, Hz, shape (m, n)."""
+        """Return the frequency of each order in each window, Hz, shape (m, n)."""
         return self.rate[:, None] * self.order
 
     def rms(self, name: str) -> float:
-        """RMS of all that swings up to the highest order, in the unit of the signal (Parseval's theorem)."""
+        """Return the RMS of all orders up to the maximum order (Parseval's theorem), in its unit.
+
+        Args:
+            name: Name of the signal.
+        """
         up_to_highest = self.amplitude[name][self.order <= self.highest * (1.0 + ROUNDING)]
         return math.sqrt(0.5 * float(np.sum(up_to_highest**2)) / (PADDING * BANDWIDTH))
 
     def largest(self, number: int = 5) -> dict[str, list[Line]]:
-        """The largest lines of each signal, the largest first."""
-        return {name: found[:number] for name, found in self._lines.items()}
+        """Return the lines with maximum amplitude by signal, in descending order.
+
+        Args:
+            number: Maximum number of lines of each signal.
+        """
+        return {name: lines[:number] for name, lines in self._lines.items()}
 
     @cached_property
     def _lines(self) -> dict[str, list[Line]]:
-        """All lines of each signal: picture, table and files ask for them."""
+        """Return all lines by signal, computed once."""
         return {name: self._lines_of(name) for name in self.spectrum}
 
     def lines(
         self, number: int = 5, hz: bool = False, speed_unit: str = "rad/s"
     ) -> dict[str, dict[str, str]]:
-        """Write the largest lines as text, by signal and order.
+        """Return the main lines as texts, by signal and order.
 
         Args:
-            number: of lines of each signal.
-            hz: True to add the frequency, and to write speeds in rpm.
-            speed_unit: unit of the speeds of link 1.
+            number: Maximum number of lines of each signal.
+            hz: True to add frequencies, and for speeds in rpm.
+            speed_unit: Unit of speeds of link 1.
         """
         unit_of_speed = "rpm" if hz else speed_unit
         factor = factor_between("rad/s", unit_of_speed)
@@ -211,8 +235,8 @@ class Orders(ByContent):
         for name, lines in self.largest(number).items():
             unit, rows = self.units[name], texts.setdefault(name, {})
             for line in lines:
-                several = f"{line.low:.4g} to {line.high:.4g}"
-                order = f"{line.order:.4g}" if line.low == line.high else several
+                span = f"{line.low:.4g} to {line.high:.4g}"
+                order = f"{line.order:.4g}" if line.low == line.high else span
                 place = f"{line.speed * factor:.4g} {unit_of_speed}"
                 place += f", {line.frequency:.4g} Hz" if hz else ""
                 maximum = f"maximum {line.greatest:.4g} {unit} at {place}"
@@ -220,88 +244,97 @@ class Orders(ByContent):
         return texts
 
     def _lines_of(self, name: str) -> list[Line]:
-        """Return the lines of a signal, the largest first.
+        """Return the lines of a signal in descending order of amplitude.
 
-        A line is constant, or shifts with the pinion shaft, alone or on top of a turn of link 1. Each peak is
-        followed along all of these tracks and belongs to the track with the largest amplitude. Peaks that a
-        larger line or the trend explains by leakage of the window, and lines below MIN_SHARE of the largest
-        one, which may be aliases, are left out.
+        A line is constant, or shifts with the pinion shaft, alone or added to a revolution of link 1. Each
+        peak is evaluated along all of these tracks and belongs to the track with the maximum amplitude. Peaks
+        that are leakage of a larger line or of the trend are omitted. Lines below MIN_SHARE of the maximum,
+        which can be aliases, are also omitted.
         """
         candidates = self._candidates(name)
-        candidates.sort(key=lambda one: one.line.amplitude / (BENDING if one.family else 1.0), reverse=True)
+        candidates.sort(
+            key=lambda peak: peak.line.amplitude / (SHIFT_FACTOR if peak.family else 1.0), reverse=True
+        )
         lines = list[_Candidate]()
-        for one in candidates:
-            if not any(self._explains(larger, one) for larger in lines):
-                lines.append(one)
-        listed = [
-            one.line
-            for one in lines
-            if one.line.order > self._near * (1.0 + ROUNDING)
-            and one.line.order <= self.highest + 0.5 * self.order[1]
+        for peak in candidates:
+            if not any(self._explains(larger, peak) for larger in lines):
+                lines.append(peak)
+        in_range = [
+            peak.line
+            for peak in lines
+            if peak.line.order > self._resolution * (1.0 + ROUNDING)
+            and peak.line.order <= self.highest + 0.5 * self.order[1]
         ]
-        largest = max((line.amplitude for line in listed), default=0.0)
+        maximum = max((line.amplitude for line in in_range), default=0.0)
         return sorted(
-            (line for line in listed if line.amplitude >= MIN_SHARE * largest),
+            (line for line in in_range if line.amplitude >= MIN_SHARE * maximum),
             key=lambda line: -line.amplitude,
         )
 
     @property
-    def _near(self) -> float:
-        """Distance of two lines that the window separates, in orders; below it there is only the trend."""
+    def _resolution(self) -> float:
+        """Return the minimum distance of separate lines, in orders; lower orders are the trend."""
         return 2 * HALF_LOBE / self.turns
 
     def _candidates(self, name: str) -> list[_Candidate]:
         """Return the peaks of the mean spectrum of a signal along each family of tracks."""
-        rows, near = self.waterfall[name], self._near
+        rows, resolution = self.waterfall[name], self._resolution
         candidates = list[_Candidate]()
-        ratio = self.ratio[:, None] / (self.ratio.mean() or 1.0)  # in lock-up the drive stands still
-        for family, (turn, bend) in enumerate([(0.0, ratio**0), (0.0, ratio), (1.0, ratio), (-1.0, ratio)]):
-            tracks = turn + (self.order - turn) * bend
+        ratio = self.ratio[:, None] / (self.ratio.mean() or 1.0)  # the pinion shaft is at rest in lock-up
+        for family, (offset, factor) in enumerate(
+            [(0.0, ratio**0), (0.0, ratio), (1.0, ratio), (-1.0, ratio)]
+        ):
+            tracks = offset + (self.order - offset) * factor
             pairs = zip(tracks, rows, strict=True)
             heights = [np.interp(track, self.order, row, right=0.0) for track, row in pairs]
             amplitude = np.sqrt(np.mean(np.square(heights), axis=0))
             places, _ = signal.find_peaks(amplitude, distance=HALF_LOBE * PADDING)
             for track in tracks.T[places]:
-                if track.min() >= 0.0 and (family == 0 or np.ptp(track) > 0.5 * near):
+                if track.min() >= 0.0 and (family == 0 or np.ptp(track) > 0.5 * resolution):
                     candidates.append(_Candidate(*self._line(name, track), family, track))
         return candidates
 
     def _explains(self, larger: _Candidate, other: _Candidate) -> bool:
-        """Return True if a peak is leakage of a larger one, or a part of the same line.
+        """Return True if a peak is leakage of a larger peak, or part of the same line.
 
         Args:
-            larger: peak with the larger amplitude.
-            other: peak that may be a side lobe.
+            larger: Peak with the larger amplitude.
+            other: Possible side lobe.
         """
         centre, height = float(larger.track[other.window]), larger.line.amplitude
-        if larger.line.order <= self._near * (1.0 + ROUNDING):  # the trend: a line of order 0
+        if larger.line.order <= self._resolution * (1.0 + ROUNDING):  # the trend is a line of order 0
             centre, height = 0.0, height / min(leakage(centre * self.turns), 1.0)
         distance = abs(centre - other.line.order)
-        if distance <= self._near:
+        if distance <= self._resolution:
             return other.family != larger.family or other.line.amplitude <= SIDE_LOBE * height
         return other.line.amplitude <= LEAKAGE_FACTOR * leakage(distance * self.turns) * height
 
     def _line(self, name: str, track: Array) -> tuple[Line, int]:
-        """The line of these orders in the windows, as near as they tell, and the window of its greatest."""
+        """Return the line along a track, from the closest points of the spectrum, and its window.
+
+        Args:
+            name: Name of the signal.
+            track: Order in each window, shape (m,).
+        """
         places = np.add(np.rint(track[:, None] / self.order[1]), [-1, 0, 1]).astype(int)
-        beside = np.take_along_axis(self.spectrum[name], places.clip(0, self.order.size - 1), axis=1)
-        found = beside[np.arange(track.size), np.abs(beside).argmax(axis=1)]
-        told = np.abs(found if np.ptp(track) > 0.0 else beside[:, 1])
-        at = int(np.abs(found).argmax())
+        neighbours = np.take_along_axis(self.spectrum[name], places.clip(0, self.order.size - 1), axis=1)
+        peaks = neighbours[np.arange(track.size), np.abs(neighbours).argmax(axis=1)]
+        amplitudes = np.abs(peaks if np.ptp(track) > 0.0 else neighbours[:, 1])
+        at = int(np.abs(peaks).argmax())
         line = Line(
             order=float(track[at]),
-            amplitude=float(np.sqrt(np.mean(told**2))),
-            greatest=float(np.abs(found[at])),
+            amplitude=float(np.sqrt(np.mean(amplitudes**2))),
+            greatest=float(np.abs(peaks[at])),
             speed=float(self.speed[at]),
             low=float(track.min()),
             high=float(track.max()),
             frequency=float(self.rate[at] * track[at]),
-            phase=float(np.angle(found[at])),
+            phase=float(np.angle(peaks[at])),
         )
         return line, at
 
     def as_dict(self) -> dict[str, Any]:
-        """The largest orders of each signal, for machines."""
+        """Return the main lines of each signal, for JSON."""
         return {
             "of": BASES[self.of],
             "turns": self.turns,
@@ -319,7 +352,14 @@ class Orders(ByContent):
         }
 
     def write(self, folder: Path) -> dict[str, Path]:
-        """Write orders.csv, waterfall.csv (a row for each window and order) and summary.json to a folder."""
+        """Write orders.csv, waterfall.csv (a row per window and order) and summary.json.
+
+        Args:
+            folder: Output folder.
+
+        Returns:
+            Paths of the files, by kind.
+        """
         coarse = slice(None, None, PADDING)
         orders = self.order[coarse]
         windows = {"time": self.time, "speed": self.speed, "rpm": self.rpm}
@@ -339,30 +379,37 @@ class Orders(ByContent):
         }
 
     def write_mat(self, path: Path) -> Path:
-        """Write a struct orders: its axes, and complex amplitudes by name, shape (m, n); MAT of version 5."""
+        """Write a MAT file (version 5) with a struct ``orders``: axes, and complex amplitudes, shape (m, n).
+
+        Args:
+            path: Path of the file.
+        """
         axes = {name: getattr(self, name) for name in ("order", *UNITS)}
         return write_mat(path, "orders", {**axes, **self.spectrum}, {**self.units, **UNITS})
 
     def write_uff(self, path: Path) -> Path:
-        """Write as UFF: for each signal and window a data set 58, complex over the orders, rpm on its z axis.
+        """Write a UFF file: for each signal and window a complex data set 58 over orders, rpm on the z axis.
+
+        Args:
+            path: Path of the file.
 
         Raises:
-            NotInstalled: there is no pyuff here.
+            NotInstalled: The package pyuff is not installed.
         """
         sets = [UFF_UNITS]
         for node, (name, rows) in enumerate(self.spectrum.items(), 1):
-            # directions of forces are 1 to 3, of moments 4 to 6
+            # Directions of forces are 1 to 3, directions of moments are 4 to 6.
             component = re.search("_(force|moment)_([xyz])$", name)
             side = "xyz".index(component[2]) + (1 if component[1] == "force" else 4) if component else 0
-            one = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles per {BASES[self.of]}"}
-            one |= {"rsp_node": node, "rsp_dir": side, "ordinate_axis_lab": name[:20]}
-            one["ordinate_axis_units_lab"] = self.units[name] or "NONE"
+            fields = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles per {BASES[self.of]}"}
+            fields |= {"rsp_node": node, "rsp_dir": side, "ordinate_axis_lab": name[:20]}
+            fields["ordinate_axis_units_lab"] = self.units[name] or "NONE"
             for row, time, rpm in zip(rows, self.time, self.rpm, strict=True):
-                sets.append({**one, "id3": f"at {time:g} s", "data": row, "z_axis_value": rpm})
+                sets.append({**fields, "id3": f"at {time:g} s", "data": row, "z_axis_value": rpm})
         with tempfile.TemporaryDirectory() as folder:
-            whole = Path(folder) / "orders.uff"
-            library("pyuff", "jobs").UFF(str(whole)).write_sets(sets, "overwrite")
-            write_atomically(path, whole.read_bytes())
+            file = Path(folder) / "orders.uff"
+            library("pyuff", "jobs").UFF(str(file)).write_sets(sets, "overwrite")
+            write_atomically(path, file.read_bytes())
         return path
 
 
@@ -375,37 +422,38 @@ def spectra(
     turns: float | None = None,
     drive: Array | None = None,
 ) -> Orders:
-    """Order spectra of recorded signals.
+    """Compute the order spectra of recorded signals.
 
     Args:
-        table: of the signals over time, with input_speed, r rows.
-        turned: turns up to each row, rising, shape (r,).
-        names: of the signals.
-        of: what turned counts, LINK1 or DRIVE.
-        highest: maximum order; by default the highest that the rows show.
-        turns: in a window; windows overlap by half. By default a quarter of all there are, at most TURNS.
-        drive: turns of the pinion shaft up to each row, for lines that shift with it.
+        table: Record of the signals and input_speed, r rows.
+        turned: Revolutions up to each row, increasing, shape (r,).
+        names: Names of the signals.
+        of: Reference angle of turned, LINK1 or DRIVE.
+        highest: Maximum order; None for the maximum that the rows resolve.
+        turns: Revolutions in a window; None for a quarter of all revolutions, between MIN_TURNS and TURNS.
+            Windows overlap by half.
+        drive: Revolutions of the pinion shaft up to each row, for lines that shift with it.
 
     Raises:
-        Refused: turned does not rise, is too little for a window, or rows are too far apart.
+        Refused: turned does not increase or is too short for a window, or the rows are too far apart.
     """
     steps, all_turns = np.diff(turned), float(turned[-1] - turned[0])
-    still = np.flatnonzero(steps <= 0.0)
-    if still.size:
-        at = f"constant or decreasing at {table.time[still[0]]:g} s"
+    constant_rows = np.flatnonzero(steps <= 0.0)
+    if constant_rows.size:
+        at = f"constant or decreasing at {table.time[constant_rows[0]]:g} s"
         raise Refused(
             f"{must_be('the angle that orders refer to', 'increasing', at)}; choose another time range"
         )
-    shown = 1.0 / (RECORDED * float(steps.max()))
-    if highest is not None and not 0.0 < highest <= shown * (1.0 + ROUNDING):
-        demand = must_be("highest (maximum order)", f"above 0 and at most {shown:.4g}", f"{highest:g}")
+    resolved = 1.0 / (POINTS_PER_CYCLE * float(steps.max()))
+    if highest is not None and not 0.0 < highest <= resolved * (1.0 + ROUNDING):
+        demand = must_be("highest (maximum order)", f"above 0 and at most {resolved:.4g}", f"{highest:g}")
         raise Refused(f"{demand}; a shorter run.communication_step allows higher orders")
-    limit = shown if highest is None else highest
-    per_window = min(TURNS, max(LEAST_TURNS, all_turns / 4.0)) if turns is None else turns
-    if not LEAST_TURNS <= per_window <= all_turns:
-        allowed = f"at least {LEAST_TURNS:g} and at most {all_turns:.4g} (1 turn = 1 {BASES[of]})"
+    limit = resolved if highest is None else highest
+    per_window = min(TURNS, max(MIN_TURNS, all_turns / 4.0)) if turns is None else turns
+    if not MIN_TURNS <= per_window <= all_turns:
+        allowed = f"at least {MIN_TURNS:g} and at most {all_turns:.4g} (1 turn = 1 {BASES[of]})"
         raise Refused(must_be("turns (window length)", allowed, f"{per_window:.4g}"))
-    samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / FINEST))
+    samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / MAX_REFINEMENT))
     size = round(per_window * samples)
     angle = np.arange(math.floor(all_turns * samples) + 1) / samples
     options: dict[str, Any] = {"fs": samples, "window": WINDOW, "nperseg": size, "noverlap": size // 2}
@@ -416,14 +464,14 @@ def spectra(
         order, middle, half = signal.spectrogram(values, mode="complex", **options)
         order = order[order <= limit + HALF_LOBE / per_window]
         edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
-        # half a line is at its negative order; phases from where the angle is 0, not from the window's begin
-        whole = np.where(order > 0.0, 2.0, math.sqrt(2.0)) * half.T[:, : order.size]
-        whole *= np.exp(-2j * math.pi * (turned[0] + edges[:, :1]) * order)
-        whole[np.abs(whole) < rounding(table, name)] = 0.0
-        spectrum[name] = whole
+        # Half of a line is at its negative order. Phases refer to angle 0, not to the start of the window.
+        amplitudes = np.where(order > 0.0, 2.0, math.sqrt(2.0)) * half.T[:, : order.size]
+        amplitudes *= np.exp(-2j * math.pi * (turned[0] + edges[:, :1]) * order)
+        amplitudes[np.abs(amplitudes) < rounding(table, name)] = 0.0
+        spectrum[name] = amplitudes
     begin, time, end = np.interp(edges, turned - turned[0], table.time).T
-    turned1 = cumulative_trapezoid(table["input_speed"], table.time, initial=0.0)
-    angles = np.interp([begin, end], table.time, turned1)
+    link1_angle = cumulative_trapezoid(table["input_speed"], table.time, initial=0.0)
+    angles = np.interp([begin, end], table.time, link1_angle)
     driven = np.interp([begin, end], table.time, turned if drive is None else drive)
     return Orders(
         of=of,
@@ -441,7 +489,12 @@ def spectra(
 
 
 def rounding(table: Result, name: str) -> float:
-    """Amplitude of a signal that is no more than rounding, in its unit."""
+    """Return the amplitude of round-off of a signal, in its unit.
+
+    Args:
+        table: Record of the signal.
+        name: Name of the signal.
+    """
     nominal = BY_NAME[name].nominal if name in BY_NAME else None
     return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
 
@@ -459,27 +512,28 @@ def orders(
     progress: Progress | None = None,
     record: Result | None = None,
 ) -> Orders:
-    """Run a scene and find the orders of its signals.
+    """Run a scene and analyse the orders of its signals.
 
     Args:
-        scene: a scene or its file.
-        fmu_path: the FMU of the module; None for that of the package.
-        of: "link1" or "drive_angle".
-        signals: names of outputs, locals or signals of the loop, or of BEARING; without them those of SIGNALS
-            that swing.
-        highest: maximum order; by default HARMONICS harmonics of the pulses. Where the steps of the scene are
-            too long for it, the module is run in shorter ones; drive, load and controller keep theirs.
-        turns: as of spectra.
-        begin: of the part of the run that is looked at, s; by default where it turns.
-        end: likewise; by default that of the run.
-        progress: told how much of the run is done (0 to 1).
-        record: of a run of the scene, with these signals, input_speed and ANGLES, if there is one already; it
-            is used if its steps are short enough.
+        scene: Scene, or path of its file.
+        fmu_path: FMU of the module; None for current_fmu().
+        of: Reference angle, "link1" or "drive_angle" (pinion shaft).
+        signals: Names of outputs, local variables, signals of the loop, or names in BEARING; None for the
+            signals in SIGNALS that are not constant.
+        highest: Maximum order; None for HARMONICS harmonics of the pulses. If the communication step of the
+            scene is too long for it, the module runs with shorter steps; drive, load and controller keep the
+            step of the scene.
+        turns: Revolutions in a window, as in spectra.
+        begin: Start of the analysed interval, s; None for the first motion.
+        end: End of the analysed interval, s; None for the end of the run.
+        progress: Function called with the completed fraction of the run, 0 to 1.
+        record: Record of the scene with these signals, input_speed and ANGLES, which is used if its steps are
+            short enough; None to run the scene.
 
     Raises:
-        SceneError: the scene cannot be, or has no such signal.
-        Refused: as spectra; fidelity averaged, which has no pulses; times not in order; a signal that the
-            scene computes too seldom.
+        SceneError: The scene is invalid, or has no signal of this name.
+        Refused: Reasons of spectra, fidelity averaged (no pulses), an invalid interval, or a signal that the
+            scene computes once per communication step.
     """
     if of not in BASES:
         raise Refused(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
@@ -492,30 +546,37 @@ def orders(
     if not 0.0 <= first < last <= scene.run.stop_time:
         limits = f"increasing and within 0 to {scene.run.stop_time:g} s"
         raise Refused(must_be("the time range", limits, f"{first:g} to {last:g} s"))
-    looked = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
-    outputs = dict.fromkeys([*(BEARING.get(name, name) for name in looked), "input_speed", *ANGLES])
+    selection = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
+    outputs = dict.fromkeys([*(BEARING.get(name, name) for name in selection), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(outputs)})
     recorder = _Recorder(scene, fmu_path, first, last, progress)
     record = recorder.record() if record is None else record
     first_row = recorder.first_row(record, of if begin is None else None)
     sampling = _sampling(scene, recorder.part(record, first_row), of, highest)
-    substeps = recorder.substeps(sampling, looked)
+    substeps = recorder.substeps(sampling, selection)
     if substeps > 1:
         record = recorder.record(substeps)
         first_row = recorder.first_row(record, of if begin is None else None)
     mass = scene.parameters().get("imbalance_mass", BY_NAME["imbalance_mass"].start or 0.0)
-    forces = {name: -mass * record[BEARING[name]] for name in looked if name in BEARING}
-    whole = Result(record.columns | forces, record.units | dict.fromkeys(forces, "N"))
-    table = recorder.part(whole, first_row)
-    swinging = [name for name in looked if np.ptp(table[name]) > rounding(table, name)]
-    if not swinging and signals is None:
-        raise Refused(f"all signals are constant: {', '.join(looked)}")
-    names = swinging if signals is None else looked
-    return spectra(table, _turned(table, of), names, of, sampling.highest, turns, _turned(table, DRIVE))
+    forces = {name: -mass * record[BEARING[name]] for name in selection if name in BEARING}
+    signals_table = Result(record.columns | forces, record.units | dict.fromkeys(forces, "N"))
+    table = recorder.part(signals_table, first_row)
+    varying = [name for name in selection if np.ptp(table[name]) > rounding(table, name)]
+    if not varying and signals is None:
+        raise Refused(f"all signals are constant: {', '.join(selection)}")
+    names = varying if signals is None else selection
+    return spectra(
+        table, _revolutions(table, of), names, of, sampling.highest, turns, _revolutions(table, DRIVE)
+    )
 
 
 class _Sampling(NamedTuple):
-    """Maximum order, and the longest step, s, that records it without aliases."""
+    """Sampling of an order analysis.
+
+    Attributes:
+        highest: Maximum order.
+        step: Maximum step without aliases, s.
+    """
 
     highest: float
     step: float
@@ -524,16 +585,19 @@ class _Sampling(NamedTuple):
 def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _Sampling:
     """Choose the maximum order and the sampling from the fastest pulses of a run.
 
-    Nyquist's condition, with a margin, holds for the maximum order. Pulses have jumps, hence no highest
-    harmonic: harmonics below ALIASED_HARMONIC must not fold down to the maximum order.
+    The maximum order satisfies the Nyquist condition with a margin. Pulses have jumps and therefore no
+    maximum harmonic, so aliases of harmonics below ALIASED_HARMONIC must stay above the maximum order.
 
     Args:
-        scene: the scene.
-        table: of its run, with the columns ANGLES.
-        of: LINK1 or DRIVE.
-        highest: maximum order; None for HARMONICS harmonics of the pulses.
+        scene: The scene.
+        table: Record of the scene with the columns ANGLES.
+        of: Reference angle, LINK1 or DRIVE.
+        highest: Maximum order; None for HARMONICS harmonics of the pulses.
+
+    Raises:
+        Refused: The maximum order is not positive.
     """
-    rate, turning = (_fastest(table, base) for base in (of, DRIVE))
+    rate, pinion_rate = (_fastest(table, base) for base in (of, DRIVE))
     module = Module("plain")
     module.check(**scene.parameters())
     d = module.derived
@@ -542,23 +606,24 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
     limit = HARMONICS * pulses * (d.k if of == LINK1 else 1.0) if highest is None else highest
     if not (math.isfinite(limit) and limit > 0.0):
         raise Refused(must_be("highest (maximum order)", "above 0", f"{limit:g}"))
-    sampling = max(RECORDED * limit * rate, limit * rate + ALIASED_HARMONIC * pulses * turning)
+    sampling = max(POINTS_PER_CYCLE * limit * rate, limit * rate + ALIASED_HARMONIC * pulses * pinion_rate)
     return _Sampling(limit, 1.0 / sampling if sampling > 0.0 else math.inf)
 
 
 def _fastest(table: Result, of: str) -> float:
-    """Return the largest number of turns a second between two rows."""
-    return float(np.abs(np.diff(_turned(table, of)) / np.diff(table.time)).max())
+    """Return the maximum number of revolutions per second between two rows."""
+    return float(np.abs(np.diff(_revolutions(table, of)) / np.diff(table.time)).max())
 
 
 class _Recorder(NamedTuple):
     """Runs of a scene up to the end of a time range.
 
     Attributes:
-        scene: the scene, with the outputs to record.
-        fmu_path: the FMU of the module; None for that of the package.
-        first, last: time range, s.
-        progress: called with the share of a run that is done, 0 to 1.
+        scene: Scene with the outputs to record.
+        fmu_path: FMU of the module; None for current_fmu().
+        first: Start of the time range, s.
+        last: End of the time range, s.
+        progress: Function called with the completed fraction of a run, 0 to 1.
     """
 
     scene: Scene
@@ -571,7 +636,7 @@ class _Recorder(NamedTuple):
         """Run the scene and record its outputs.
 
         Args:
-            substeps: rows of a communication step; drive, load and controller keep the step of the scene.
+            substeps: Rows per communication step; drive, load and controller keep the step of the scene.
         """
         step = self.scene.run.communication_step
         stop = min(self.scene.run.stop_time, math.ceil(self.last / step - ROUNDING) * step)
@@ -584,60 +649,65 @@ class _Recorder(NamedTuple):
         """Return the first row of the time range.
 
         Args:
-            record: of a run.
-            of: LINK1 or DRIVE to leave out the time before it begins to turn, or None.
+            record: Record of a run.
+            of: Reference angle to exclude the time before it begins to rotate, or None.
         """
         low, high = np.searchsorted(record.time, (self.first - 1e-9, self.last + 1e-9))
-        return int(low) + (int(np.argmax(np.diff(_turned(record, of)[low:high]) != 0.0)) if of else 0)
+        return int(low) + (int(np.argmax(np.diff(_revolutions(record, of)[low:high]) != 0.0)) if of else 0)
 
     def part(self, record: Result, first_row: int) -> Result:
-        """Return the rows of the time range from a row on."""
+        """Return the rows of the time range from a first row.
+
+        Args:
+            record: Record of a run.
+            first_row: First row.
+        """
         end = int(np.searchsorted(record.time, self.last + 1e-9))
         return Result({name: values[first_row:end] for name, values in record.columns.items()}, record.units)
 
     def substeps(self, sampling: _Sampling, names: Sequence[str]) -> int:
-        """Return the number of rows a communication step that a sampling needs.
+        """Return the number of rows per communication step for a sampling.
 
         Args:
-            sampling: maximum order and longest distance of the rows.
-            names: signals to analyse.
+            sampling: Maximum order and maximum step.
+            names: Names of the analysed signals.
 
         Raises:
-            Refused: a run would be too long, or the scene computes a signal only once a step.
+            Refused: The run would have too many rows, or the scene computes a signal once per step.
         """
         step = self.scene.run.communication_step
         number = math.ceil(step / sampling.step - ROUNDING)
         if number <= 1:
             return 1
-        most = MAX_ROWS * sampling.step
-        if self.last > most:
+        limit = MAX_ROWS * sampling.step
+        if self.last > limit:
             raise Refused(
                 f"orders up to {sampling.highest:.4g} need steps of {_step_text(sampling.step)}, more than"
-                f" {MAX_ROWS:,} in {self.last:g} s; lower highest, or end the time range before {most:.3g} s"
+                f" {MAX_ROWS:,} in {self.last:g} s; lower highest, or end the time range before {limit:.3g} s"
             )
         surroundings, parameters = self.scene.surroundings, self.scene.parameters()
         if isinstance(surroundings, Sources):
             return number
-        held = [name for name in names if name in surroundings.output_labels]
+        once_per_step = [name for name in names if name in surroundings.output_labels]
         if parameters.get("input_hold", 0.0) and parameters.get("drive", DRIVE_SPEED) == DRIVE_SPEED:
-            held.append("omega1 with mechanism.input_hold = linear")
-        if held:
+            once_per_step.append("omega1 with mechanism.input_hold = linear")
+        if once_per_step:
             raise Refused(
                 f"orders up to {sampling.highest:.4g} need run.communication_step ="
                 f" {_step_text(0.9 * sampling.step)} or less (got {step:g} s): the scene computes"
-                f" {', '.join(held)} once per communication step"
+                f" {', '.join(once_per_step)} once per communication step"
             )
         return number
 
 
 def _step_text(step: float) -> str:
-    """Write a step, rounded down to two digits."""
+    """Return a step as text, rounded down to two digits."""
     digits = 10.0 ** (math.floor(math.log10(step)) - 1)
     return f"{math.floor(step / digits) * digits * 1e3:.3g} ms"
 
 
-def _turned(table: Result, of: str) -> Array:
-    """Turns of link 1 or of the drive up to each row, counted the way it turns."""
-    angle, whole = ANGLES[:2] if of == LINK1 else ANGLES[2:]
-    turned = table[angle] / math.tau + table[whole]
-    return math.copysign(1.0, turned[-1] - turned[0]) * turned
+def _revolutions(table: Result, of: str) -> Array:
+    """Return the revolutions of a reference angle up to each row, positive in its direction of rotation."""
+    angle, count = ANGLES[:2] if of == LINK1 else ANGLES[2:]
+    revolutions = table[angle] / math.tau + table[count]
+    return math.copysign(1.0, revolutions[-1] - revolutions[0]) * revolutions

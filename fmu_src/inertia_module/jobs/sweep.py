@@ -1,4 +1,4 @@
-"""Sweep: the summary of a scene over values of its keys, and what varies it the most."""
+"""Sweep: the summary of a scene over values of its keys, and Sobol indices of the keys."""
 
 from __future__ import annotations
 
@@ -22,14 +22,20 @@ from ..scene.run import time_to
 from .axes import Axis, axes_of, grid, of_shares, shares_sampled
 from .evaluation import Evaluate, Evaluator, Row, Task, read, summaries, write_tables
 
-# a figure that varies less than this, relative to its magnitude, does not vary
-CONSTANT = 1e-9
+# maximum relative variation of a constant metric
+CONSTANT_RTOL = 1e-9
 
 
 class Share(NamedTuple):
-    """Sobol indices of a figure and a key: shares of its variance, alone, and with what it does with others.
+    """Sobol indices of a metric and a key.
 
     Source: Saltelli et al. (2010), Variance based sensitivity analysis of model output, table 2.
+
+    Attributes:
+        figure: Name of the metric.
+        key: Dotted key.
+        first_order: Fraction of the variance that the key alone causes.
+        total: Fraction of the variance that the key causes, including interactions with other keys.
     """
 
     figure: str
@@ -43,10 +49,13 @@ class SweepResult(ByContent):
     """Result of a sweep.
 
     Attributes:
-        axes: what was varied. rows: one for each point, in the order of the points.
-        units: of keys and figures by name, where known. new: how many rows were not there before.
-        unreached: by the time to a speed, how many runs do not come to it.
-        sensitivity: Sobol indices, where they were asked for, of figures that vary. files: written, by kind.
+        axes: Varied keys.
+        rows: Rows, one per point, in the order of the points.
+        units: Units of keys and metrics, by name.
+        new: Number of rows that were not in the journal.
+        unreached: Number of runs that do not reach a speed, by the name of the acceleration time.
+        sensitivity: Sobol indices of metrics that vary; empty unless requested.
+        files: Paths of the written files, by kind.
     """
 
     axes: list[Axis]
@@ -59,19 +68,26 @@ class SweepResult(ByContent):
 
     @property
     def refused(self) -> list[Row]:
-        """The rows that were refused."""
+        """Return the rows of failed runs."""
         return [row for row in self.rows if row.refused]
 
     def figure(self, name: str) -> NDArray[np.float64]:
-        """Values of a figure, NaN where refused, shape (rows,); one that no row has is refused."""
-        known = self.figures
-        if name not in known:
-            raise Refused(unknown("metric", name, known))
+        """Return the values of a metric, NaN for failed runs, shape (rows,).
+
+        Args:
+            name: Name of the metric.
+
+        Raises:
+            Refused: No row has the metric.
+        """
+        names = self.figures
+        if name not in names:
+            raise Refused(unknown("metric", name, names))
         return np.array([row.figures.get(name, np.nan) for row in self.rows])
 
     @property
     def figures(self) -> list[str]:
-        """Names of the figures."""
+        """Return the names of the metrics."""
         return list(dict.fromkeys(name for row in self.rows for name in row.figures))
 
 
@@ -88,24 +104,25 @@ def sweep(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> SweepResult:
-    """Run a scene at all combinations of values, or at sampled ones, and write a table of the summaries.
+    """Run a scene at a grid of values or at samples, and write a table of the summaries.
 
     Args:
-        scene: a scene, or its file.
-        vary: "NAME=FROM:TO:COUNT", "NAME=log:FROM:TO:COUNT" or "NAME=A,B,C" each, or such ranges by name;
-            NAME is a key of the scene by dots, or a parameter of the mechanism.
-        sample: "latin:COUNT" or "sobol:COUNT" instead of a grid.
-        sensitivity: number n of Sobol indices, a power of 2: n (d + 2) runs over d ranges instead of a grid.
-        seed: of the samples.
-        output: folder, by default out/SCENE_sweep: what is done there is not done again.
-        fmu: its file, by default that of the package (current_fmu).
-        scheduler: address of a running Dask scheduler.
-        workers: processes on this machine without one, by default one for each core.
-        progress: told the share done.
+        scene: Scene, or path of its file.
+        vary: Texts "NAME=FROM:TO:COUNT", "NAME=log:FROM:TO:COUNT" or "NAME=A,B,C", or such ranges by name.
+            NAME is a dotted key of the scene or a parameter of the mechanism.
+        sample: "latin:COUNT" or "sobol:COUNT" for samples; None for a grid.
+        sensitivity: Number n of base samples for Sobol indices, a power of 2. The sweep then has n (d + 2)
+            runs over d ranges instead of a grid.
+        seed: Random seed of the samples.
+        output: Output folder; None for out/SCENE_sweep. Completed runs in its journal are reused.
+        fmu: FMU file; None for current_fmu().
+        scheduler: Address of a running Dask scheduler; None for worker processes on this machine.
+        workers: Number of these processes; None for one per core.
+        progress: Function called with the completed fraction, 0 to 1.
 
     Raises:
-        Refused: the scene, a range, a sample or the folder is not as above, in one sentence.
-        NotInstalled: the extra jobs is not.
+        Refused: The scene, a range or a sample is invalid, or the folder contains another sweep.
+        NotInstalled: The extra ``jobs`` is not installed.
     """
     for library_name in ("distributed", "pyarrow"):
         library(library_name, "jobs")
@@ -136,54 +153,67 @@ def sweep(
 
 
 def varies(values: NDArray[np.float64]) -> bool:
-    """Tell whether values of a figure differ by more than rounding, NaN left out."""
-    known = values[np.isfinite(values)]
-    return known.size > 1 and bool(np.ptp(known) > CONSTANT * np.abs(known).max())
+    """Return True if values of a metric differ by more than round-off; NaN is ignored.
+
+    Args:
+        values: The values, shape (n,).
+    """
+    finite = values[np.isfinite(values)]
+    return finite.size > 1 and bool(np.ptp(finite) > CONSTANT_RTOL * np.abs(finite).max())
 
 
 def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
-    """Count, by the time to a speed, the rows that do not reach it; without those where all do."""
+    """Count the runs that do not reach a speed, by the name of the acceleration time; zeros are omitted.
+
+    Args:
+        scene: The scene.
+        rows: Rows of the sweep.
+    """
     names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
-    counted = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
-    return {name: number for name, number in counted.items() if number}
+    counts = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
+    return {name: number for name, number in counts.items() if number}
 
 
 def indices(
     axes: Sequence[Axis], number: int, seed: int, evaluate: Evaluate
 ) -> tuple[list[Share], list[Row]]:
-    """Compute Sobol indices of all figures that vary over d independent, uniform ranges; with n (d + 2) rows.
+    """Compute Sobol indices of all metrics that vary over d independent, uniform ranges.
 
     Args:
-        axes: ranges.
-        number: n, a power of 2.
-        seed: of the samples.
-        evaluate: returns the rows of points.
+        axes: The ranges.
+        number: Number n of base samples, a power of 2.
+        seed: Random seed of the samples.
+        evaluate: Function that returns the rows of points.
+
+    Returns:
+        Sobol indices, and the n (d + 2) rows.
 
     Raises:
-        Refused: a point is refused: indices take whole ranges.
+        Refused: A run fails; the indices require a run at every point.
     """
     from scipy.stats import sobol_indices, uniform
 
-    every, names = list[Row](), list[str]()
+    all_rows, names = list[Row](), list[str]()
 
     def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Figures, shape (m, points), at shares of the ranges, shape (axes, points)."""
+        """Return metrics, shape (m, points), at fractions of the ranges, shape (axes, points)."""
         rows = evaluate(of_shares(axes, shares.T))
         for row in rows:
             if row.refused:
                 raise Refused(
                     f"Sobol indices require a run at every point; {row.point} is rejected: {row.refused}"
                 )
-        every.extend(rows)
+        all_rows.extend(rows)
         names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
         return np.array([[row.figures[name] for row in rows] for name in names])
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
-    shape = len(names), len(axes)  # SciPy leaves out the axis of a single range
-    first, total = (np.reshape(part, shape).tolist() for part in (found.first_order, found.total_order))
+        sobol = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
+    shape = len(names), len(axes)  # SciPy omits the axis of a single range
+    first, total = (np.reshape(part, shape).tolist() for part in (sobol.first_order, sobol.total_order))
     shares = []
     for name, *of_axes in zip(names, first, total, strict=True):
-        if varies(np.array([row.figures[name] for row in every])):
-            shares += [Share(name, *one) for one in zip([axis.name for axis in axes], *of_axes, strict=True)]
-    return shares, every
+        if varies(np.array([row.figures[name] for row in all_rows])):
+            keys = [axis.name for axis in axes]
+            shares += [Share(name, *values) for values in zip(keys, *of_axes, strict=True)]
+    return shares, all_rows

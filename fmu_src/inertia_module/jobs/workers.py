@@ -1,8 +1,8 @@
-"""Evaluations on the workers of dask.distributed: those of this machine, or of a cluster that exists.
+"""Evaluations on workers of dask.distributed, on this machine or on a running cluster.
 
-What a worker needs goes there once, as a plugin, and to those that join or are started anew as well. Points
-travel in batches of some tenths of a second. A batch whose worker dies is computed elsewhere; one that
-kills several workers is taken apart, and the point that does it is refused.
+A plugin sends the task to each worker once, also to workers that join or restart later. Points are sent in
+batches of some tenths of a second. If a worker dies, another worker computes its batch. If a batch ends
+several workers, its points run alone, and the point that ends workers counts as a failed run.
 """
 
 from __future__ import annotations
@@ -38,24 +38,28 @@ from ..scene.run import SceneRunner
 from .axes import Point
 from .evaluation import Batch, Row, Task, evaluate
 
-# a batch takes about so long, s, and has at most so many points
+# target run time of a batch, s, and maximum number of points
 BATCH_TIME = 0.25
-LARGEST_BATCH = 2000
-# batches under way for each thread, so that none waits for the next
-AHEAD = 3
-# s without a result after which workers that are gone are looked for
-PATIENCE = 5.0
+MAX_BATCH = 2000
+# submitted batches per thread, so that no thread waits
+BATCHES_PER_THREAD = 3
+# time without a result after which missing workers are replaced, s
+TIMEOUT = 5.0
 
 
 LOG = logging.getLogger(__name__)
 
 
 class ClusterError(RuntimeError):
-    """The scheduler or its workers cannot do the work."""
+    """Failure of the scheduler or its workers."""
 
 
 class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
-    """A task on a worker: its FMU as a file, and what evaluates points, one for each thread."""
+    """Task on a worker, with its FMU as a file and an FMU instance for each thread.
+
+    Args:
+        task: The task.
+    """
 
     def __init__(self, task: Task) -> None:
         self.task = task
@@ -63,7 +67,14 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         self.version = __version__
 
     def setup(self, worker: Worker) -> None:
-        """Write the FMU to a file; it goes when no thread runs an instance any more."""
+        """Write the FMU to a file, which is deleted when no thread uses the plugin.
+
+        Args:
+            worker: The worker.
+
+        Raises:
+            ClusterError: The worker has another version of this package.
+        """
         if self.version != __version__:
             raise ClusterError(must_be("version of inertia-module on the worker", self.version, __version__))
         self.closing = contextlib.ExitStack()
@@ -71,47 +82,51 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         with naming(self.path):
             self.path.write_bytes(self.task.fmu)
         self.local = threading.local()
-        # not teardown: where the client is gone a thread may still run an instance
+        # teardown would be too early: a thread can still run an instance after the client has gone.
         weakref.finalize(self, self.closing.close)
 
     def evaluate(self, points: list[Point]) -> Batch:
-        """Evaluate points."""
+        """Evaluate points in this thread.
+
+        Args:
+            points: The points.
+        """
         if not hasattr(self.local, "figures_of"):
             runner = self.closing.enter_context(SceneRunner(self.path))
             self.local.figures_of = self.task.prepare(self.task.settings, runner)
         return evaluate(self.local.figures_of, points)
 
 
-def _evaluated_here(name: str, points: list[Point]) -> Batch:
+def _evaluate_on_worker(name: str, points: list[Point]) -> Batch:
     """Evaluate points on this worker."""
     plugin: TaskPlugin = get_worker().plugins[name]
     return plugin.evaluate(points)
 
 
 @contextlib.contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Hold back Ctrl-C until the end; threads and processes that are started meanwhile never receive it."""
+def _defer_interrupts() -> Iterator[None]:
+    """Defer Ctrl-C until the end; threads and processes that start within never receive it."""
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    held: list[int] = []
-    handler = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
-    resource_tracker.ensure_running()  # its start unblocks Ctrl-C in the thread that starts the first worker
+    signals: list[int] = []
+    handler = signal.signal(signal.SIGINT, lambda number, _: signals.append(number))
+    resource_tracker.ensure_running()  # its start would unblock Ctrl-C in the thread of the first worker
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, handler)
-        if held:
+        if signals:
             signal.raise_signal(signal.SIGINT)
 
 
 @contextlib.contextmanager
-def _without_main() -> Iterator[None]:
-    """Hide the file of the running script: otherwise each worker imports it, and it needs a guard.
+def _hide_main() -> Iterator[None]:
+    """Hide the file of the running script, because workers do not need it.
 
-    Workers take nothing from it.
+    Otherwise each worker would import the script, and the script would require a guard.
     """
     main: dict[str, Any] = vars(sys.modules["__main__"])
     hidden: dict[str, Any] = {name: main.pop(name) for name in ("__file__", "__spec__") if name in main}
@@ -124,13 +139,13 @@ def _without_main() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _local_cluster(workers: int | None) -> Iterator[LocalCluster]:
-    """Start worker processes on this machine, by default one for each core."""
-    # the workers' own profiler, which nobody reads, costs a fifth of a short run
+    """Start worker processes on this machine, by default one per core."""
+    # The profiler of the workers is not used and takes a fifth of the time of a short run.
     settings = dask.config.set({"distributed.worker.profile.enabled": False})
     with contextlib.ExitStack() as stack:
         stack.enter_context(settings)
-        stack.enter_context(_without_main())
-        with _interrupts_held():
+        stack.enter_context(_hide_main())
+        with _defer_interrupts():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -142,29 +157,32 @@ def _local_cluster(workers: int | None) -> Iterator[LocalCluster]:
         yield cluster
 
 
-def _connected(cluster: LocalCluster | str) -> Client:
+def _connect(cluster: LocalCluster | str) -> Client:
     """Connect a client.
 
+    Args:
+        cluster: Cluster, or address of a scheduler.
+
     Raises:
-        OSError: there is no scheduler at this address.
-        ClusterError: the scheduler is of another version.
+        OSError: There is no scheduler at this address.
+        ClusterError: The scheduler has another version.
     """
     try:
         with warnings.catch_warnings():
-            # its table lists every package that differs: versions that do not work together fail below
+            # The warning lists all packages that differ. Incompatible versions fail below.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             return Client(cluster, timeout=10)
     except OSError:
         raise
     except Exception as error:
-        with ThreadPoolExecutor(1) as thread:  # a notebook has an event loop in this one
+        with ThreadPoolExecutor(1) as thread:  # the thread of a notebook has an event loop
             version = thread.submit(asyncio.run, _version_at(str(cluster))).result()
         demand = must_be(f"version of distributed at {cluster}", distributed.__version__, version)
         raise ClusterError(f"{demand}: {error}") from None
 
 
 async def _version_at(scheduler: str) -> str:
-    """Return the version of distributed that the scheduler at an address runs, or "another version"."""
+    """Return the version of distributed of a scheduler, or "another version"."""
     with contextlib.suppress(Exception):
         async with rpc(scheduler) as remote:
             versions = await remote.versions(packages=[])
@@ -174,20 +192,20 @@ async def _version_at(scheduler: str) -> str:
 
 @contextlib.contextmanager
 def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -> Iterator[Client]:
-    """Connect a client whose workers know a task.
+    """Connect a client whose workers have a task.
 
     Args:
-        task: the task.
-        scheduler: address of a running one; without it a cluster of processes is started on this machine.
-        workers: number of these processes; by default one for each core.
+        task: The task.
+        scheduler: Address of a running Dask scheduler; None for worker processes on this machine.
+        workers: Number of these processes; None for one per core.
 
     Raises:
-        OSError: there is no scheduler at this address.
-        ClusterError: the scheduler or its workers cannot do the task.
+        OSError: There is no scheduler at this address.
+        ClusterError: The scheduler or its workers cannot run the task.
     """
     with contextlib.ExitStack() as stack:
         cluster = scheduler or stack.enter_context(_local_cluster(workers))
-        client = stack.enter_context(_connected(cluster))
+        client = stack.enter_context(_connect(cluster))
         try:
             client.register_plugin(TaskPlugin(task))
         except Exception as error:
@@ -200,56 +218,56 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
 
 
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
-    """Evaluate points on the workers of pool; return batches as they come, in no order.
+    """Evaluate points on workers, and yield batches in the order of completion.
 
     Args:
-        client: client of pool.
-        name: name of its task.
-        points: points.
+        client: Client of pool.
+        name: Identity of its task.
+        points: The points.
 
     Raises:
-        ClusterError: a worker cannot do the task: it has not this package, say.
+        ClusterError: A worker cannot run the task, for example because this package is missing.
     """
-    # of those waiting, how many of the first may end their worker
+    # The first `suspects` waiting points can end their worker.
     waiting, suspects, size = deque(points), 0, 1
-    # batches, and whether alone
-    under_way: dict[Any, tuple[list[Point], bool]] = {}
+    # submitted batches, and True for a batch that runs alone
+    submitted: dict[Any, tuple[list[Point], bool]] = {}
     has_workers = True
-    while waiting or under_way:
+    while waiting or submitted:
         threads = max(sum(client.nthreads().values()), 1)
         fair = math.ceil(len(waiting) / (2 * threads))
-        # a suspect is alone under way: Dask suspects all that wait on a worker that dies
-        alone = suspects > 0 or any(alone for _, alone in under_way.values())
-        most, number = (1, 1) if alone else (AHEAD * threads, min(size, max(fair, 1)))
-        while waiting and len(under_way) < most:
+        # A suspect runs alone, because Dask suspects all batches on a worker that dies.
+        is_alone = suspects > 0 or any(is_alone for _, is_alone in submitted.values())
+        max_batches, number = (1, 1) if is_alone else (BATCHES_PER_THREAD * threads, min(size, max(fair, 1)))
+        while waiting and len(submitted) < max_batches:
             batch = [waiting.popleft() for _ in range(min(number, len(waiting)))]
-            under_way[client.submit(_evaluated_here, name, batch, pure=False)] = batch, alone
+            submitted[client.submit(_evaluate_on_worker, name, batch, pure=False)] = batch, is_alone
             suspects = max(suspects - 1, 0)
         try:
-            future = wait(list(under_way), timeout=PATIENCE, return_when="FIRST_COMPLETED").done.pop()
-            found: Batch = future.result(timeout=PATIENCE)
-            del under_way[future]
+            future = wait(list(submitted), timeout=TIMEOUT, return_when="FIRST_COMPLETED").done.pop()
+            result: Batch = future.result(timeout=TIMEOUT)
+            del submitted[future]
         except TimeoutError:
             if client.cluster is not None:
-                # Dask gives up workers of this machine that die while they start: start them anew
+                # Dask does not replace workers of this machine that die while they start.
                 client.cluster.scale(len(client.cluster.worker_spec))
             elif has_workers and not client.nthreads():
                 LOG.warning("the scheduler at %s has no workers: waiting for some", client.scheduler.address)
             has_workers = bool(client.nthreads())
             continue
         except KilledWorker as error:
-            batch, alone = under_way.pop(future)
-            if not alone:
+            batch, is_alone = submitted.pop(future)
+            if not is_alone:
                 waiting.extendleft(batch)
                 suspects += len(batch)
                 continue
-            ended = f"its worker ended {error.allowed_failures + 1} times"
-            found = Batch([Row(batch[0], {}, math.nan, ended)], {})
+            message = f"its worker ended {error.allowed_failures + 1} times"
+            result = Batch([Row(batch[0], {}, math.nan, message)], {})
         except Refused:
             raise
         except Exception as error:
             raise ClusterError(f"a worker cannot do the task: {type(error).__name__}: {error}") from error
-        mean = sum(row.cost for row in found.rows) / len(found.rows)
+        mean = sum(row.cost for row in result.rows) / len(result.rows)
         if mean > 0.0:
-            size = int(min(max(BATCH_TIME / mean, 1.0), LARGEST_BATCH))
-        yield found
+            size = int(min(max(BATCH_TIME / mean, 1.0), MAX_BATCH))
+        yield result

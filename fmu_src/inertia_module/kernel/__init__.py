@@ -1,6 +1,6 @@
-"""Numeric core of the inertia module: one idea a file, arrays of doubles in and out.
+"""Numeric core of the inertia module.
 
-The functions below this package import ``math`` and each other, nothing else. They allocate
-nothing and raise nothing (a status code comes back), so the same source runs as plain Python
-and compiled (see :mod:`inertia_module.compiling.load`).
+The functions of this package import ``math`` and each other, and read and write records of doubles
+(fields.py). They allocate no memory and raise no exceptions, but return a status code. The same source
+therefore runs as plain Python and compiled (:mod:`inertia_module.compiling.load`).
 """

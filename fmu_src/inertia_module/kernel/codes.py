@@ -1,49 +1,43 @@
-"""Numbers of the kernel by name: contact modes, levels of fidelity, operations, statuses."""
+"""Enumerations of the kernel: contact modes, fidelities, methods, operations, warnings, status codes."""
 
-# contact modes
-HELD = 0
-FREE = 1
-DRIVING = 2
-HELD_DRIVING = 3
+# Contact modes: state of the housing freewheel and of the output freewheel
+HELD = 0  # Link 2 locked to the housing
+FREE = 1  # Both freewheels overrun
+DRIVING = 2  # Link 2 drives the output
+HELD_DRIVING = 3  # Both freewheels are locked
 
-# none of the guards (events.guards)
-NONE = -1
+NO_EVENT = -1  # No event indicator has crossed zero (events.guards)
 
-# fidelities and methods
+# Fidelities
 KINEMATIC = 0
 AVERAGED = 1
 RIGID = 2
 ELASTIC = 3
+# Methods
 EVENT = 0
 TIMESTEPPING = 1
 
-# what drives link 1
+# Quantity that is prescribed at link 1
 DRIVE_SPEED = 0
 DRIVE_TORQUE = 1
 
-# operations of the entry of a kernel
-START = 0
-STEP = 1
-# only the checks of START: changes nothing but d
-CHECK = 2
-# STEP without the late outputs, which cost more than a step of fidelity averaged; OUTPUTS fills them in,
-# where a shell is asked for one of them
-STEP_ONLY = 3
-OUTPUTS = 4
-# STEP with little noise in its results, for differences of them
-STEP_PRECISELY = 5
-# rates of the outputs in place of the outputs; u and x are left with no meaning
-RATES = 6
-# the sum of the warnings that hold; nothing is changed
-WARN = 7
-# parameters have changed between steps: derives d anew and forgets what x knows of the last step
-TUNE = 8
-# STEP_ONLY that ends early, just before the first switch of a freewheel within it; SWITCH carries that out,
-# as the next step else does
-STEP_TO_SWITCH = 9
-SWITCH = 10
+# Operations of the entry of a kernel (entry.call)
+START = 0  # End of the initialisation
+STEP = 1  # One communication step with all outputs
+CHECK = 2  # The checks of START only; writes the constants d only
+STEP_ONLY = 3  # STEP without the late outputs, which can take longer than the step
+OUTPUTS = 4  # The late outputs after STEP_ONLY
+STEP_FOR_DIFFERENCING = 5  # STEP at a tight tolerance, for differences of its results
+OUTPUT_DERIVATIVES = 6  # Time derivatives of the outputs, in y; u and x are invalid afterwards
+WARN = 7  # Returns the sum of the warnings; writes nothing
+UPDATE_PARAMETERS = 8  # After a change of tunable parameters between steps
+STEP_UNTIL_EVENT = 9  # STEP_ONLY that ends before the first freewheel switching event
+HANDLE_EVENT = 10  # The event at which STEP_UNTIL_EVENT has ended (the next step does the same)
+# START in the periodic orbit of the rigid module with its output held at omega_out_start; the step is the
+# angle of the pinion shaft that counts as a period, rad
+STEADY = 11
 
-# warnings
+# Warnings, which can be added
 PLANAR_OVERLAP = 1
 BEVEL_OVERLAP = 2
 PLANAR_OUTSIDE = 4
@@ -51,18 +45,21 @@ BEVEL_OUTSIDE = 8
 GEAR_TOO_FLAT = 16
 METHOD_DEPRECATED = 32
 
-# status codes
+# Status codes; contract/messages.py has a message for each
 OK = 0
+# Parameters
 SINGULAR = 3
 BAD_START_HOUSING = 4
 BAD_START_OUTPUT = 5
 BAD_START_RIGID = 6
-NO_RECTIFIER = 7
-NO_INPUT_INERTIA = 8
-PRESCRIBED = 9
-NO_PLAY = 27
-NO_WINDAGE = 26
-JAMMED = 19
+FREEWHEELS_REQUIRED = 7
+INPUT_INERTIA_TOO_SMALL = 8
+TORQUE_DRIVE_UNSUPPORTED = 9
+BACKLASH_UNSUPPORTED = 27
+WINDAGE_UNSUPPORTED = 26
+SOFT_FREEWHEEL = 28
+SELF_LOCKING = 19
+# Steps
 BAD_STEP = 12
 BAD_HOLD = 13
 TOO_MANY_SWITCHES = 20
@@ -70,7 +67,8 @@ TOO_MUCH_WORK = 21
 STEP_TOO_SMALL = 22
 NOT_FINITE = 23
 NOT_BALANCED = 24
-NOT_STEADY = 25
-# ... of the first input and of its rate; those of the others follow
+LIGHT_INPUT = 18
+NO_CYCLIC_STEADY_STATE = 25
+# Inputs: the first input and the first rate; add the number of the input
 BAD_INPUT = 30
 BAD_RATE = 40

@@ -3,14 +3,15 @@
 The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
 """
 
-from .accumulate import add, copy
+from .accumulate import copy
 from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SWITCHES, TOO_MUCH_WORK
-from .equations.choice import GOES_ON, choose_next_states, choose_states, switch_states
-from .equations.motion import evaluate, recall, take_state
-from .equations.states import GEARED
+from .equations.choice import CONTINUATION_BIAS, select_mode, select_mode_after_event, switch_mode
+from .equations.motion import copy_accelerations, evaluate, load_state
+from .equations.states import RATIO_PRESCRIBED
 from .events.advance import advance_general
-from .events.kinematic import advance_kinematic, keep_ratio, prescribe
+from .events.kinematic import advance_kinematic, impose_ratio, prescribe_motion
 from .links import fastest_own_rate, prescribed_at_input
+from .records import Constants, State, Workspace
 
 # share of a communication step that it has at least, where it ends at a switch
 SHORTEST = 1e-9
@@ -22,98 +23,129 @@ SWITCHES_ALLOWED, SWITCHES_PER_PULSE = 1000.0, 64.0
 STALLS_ALLOWED = 100
 
 
-def solve_now(d, x):
+def solve_now(d: Constants, x: State) -> None:
     """Accelerations and torques in the present mode, into d.machine."""
-    if x.output_state == GEARED:
-        prescribe(d, x, 0.0)
+    if x.output_state == RATIO_PRESCRIBED:
+        prescribe_motion(d, x, 0.0)
         return
-    take_state(d, x)
+    load_state(d, x)
     if x.rates_cached != 0.0:
-        recall(d.machine, x.now)
+        copy_accelerations(d.machine, x.now)
     else:
         evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
 
 
-def follow_torque(d, x):
-    """Take over the acceleration of link 1 that its torque gives it now, where that is given."""
+def follow_torque(d: Constants, x: State) -> None:
+    """Set the acceleration of link 1 from the torque at this instant, if a torque drives it."""
     if d.by_torque != 0.0:
         solve_now(d, x)
         x.alpha1 = d.machine.alpha1
 
 
-def follow_parameters(d, x):
-    """Write what parameters prescribe at once: the prescribed speed of link 2, or contact mode and alpha1."""
+def follow_parameters(d: Constants, x: State) -> None:
+    """Apply parameters at an instant: the prescribed speed of link 2, or contact mode and alpha1."""
     if d.fidelity == KINEMATIC:
-        keep_ratio(d, x)
+        impose_ratio(d, x)
         x.mode = DRIVING
     elif d.fidelity != AVERAGED:
-        choose_states(d, x, 0.0)
+        select_mode(d, x, 0.0)
         follow_torque(d, x)
 
 
-def switch_now(d, x):
-    """Carry out the switch that the last step has stopped at, if it has."""
+def switch_now(d: Constants, x: State) -> None:
+    """Handle the event before which the last step has stopped, if there is one."""
     if x.switching == 0.0:
         return
     x.step_evaluations = 0.0
-    choose_next_states(d, x)
+    select_mode_after_event(d, x)
     x.evaluations += x.step_evaluations
     x.switching = 0.0
     x.torques_continue = 1.0
     follow_torque(d, x)
 
 
-def run_events(d, x, w, h):
-    """Advance the links and the output by h from event to event, or to the first one. Returns a status."""
-    if h > MAX_EVALUATIONS * d.max_step:
-        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
-    start1 = x.omega1
+def begin_events(d: Constants, x: State, w: Workspace) -> None:
+    """Read the inputs of the step; select the contact mode again if they have changed."""
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
-    time = 0.0
-    low = 0.0
-    travel = 0.0
-    stalls = 0
     if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
         x.rates_cached = 0.0
-        switch_states(d, x, GOES_ON)
+        switch_mode(d, x, CONTINUATION_BIAS)
     if d.losses != 0.0:
         x.rates_cached = 0.0  # losses and guards are not kept from one communication step to the next
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load
+
+
+def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> tuple[bool, bool]:
+    """Select the contact mode after an event, or stop just before it changes.
+
+    Args:
+        d: constants.
+        x: state.
+        w: workspace.
+        can_stop: whether the communication step may end here.
+
+    Returns:
+        (whether the mode has changed, whether the communication step ends just before that).
+    """
+    x.rates_cached = 0.0
+    if w.stops != 0.0:
+        copy(w.kept.numbers, x.numbers)
+    has_changed = select_mode_after_event(d, x)
+    if not has_changed:
+        x.step_size *= 0.5  # the dense output is too coarse for the event indicators
+    is_switch = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
+    stops = w.stops != 0.0 and can_stop and has_changed and is_switch
+    if stops:
+        copy(x.numbers, w.kept.numbers)
+        x.switching = 1.0
+    return has_changed, stops
+
+
+def phase_passed(d: Constants, x: State, passed: float, speeds: float) -> float:
+    """Return the phase by which pinion shafts and elastic shaft have advanced, rad.
+
+    Args:
+        d: constants.
+        x: state at the end of the time.
+        passed: time, s.
+        speeds: sum of the speeds of links 1 and 2 at the beginning, rad/s.
+    """
+    phase = passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
+    return phase + passed * fastest_own_rate(d, x) if d.elastic != 0.0 else phase
+
+
+def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
+    """Integrate from event to event over the time h, or up to the first event, and return the status."""
+    if h > MAX_EVALUATIONS * d.max_step:
+        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
+    start1 = x.omega1
+    time = 0.0
+    travel = 0.0
+    stalls = 0
     event = False
+    begin_events(d, x, w)
     while time < h:
-        remaining = (h - time) - low
+        remaining = h - time
         speeds = abs(x.omega1) + abs(x.omega2)
-        if x.output_state == GEARED:
+        if x.output_state == RATIO_PRESCRIBED:
             passed = advance_kinematic(d, x, w, remaining)
         else:
             passed, event = advance_general(d, x, w, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
-        if passed >= remaining:
-            time = h
-        else:
-            time, low = add(time, low, passed)
+        time = h if passed >= remaining else time + passed
         if d.by_torque == 0.0:
             x.omega1 = start1 + w.prescribed * time
-            x.omega1_low = 0.0
-        travel += passed * d.k * (speeds + abs(x.omega1) + abs(x.omega2))
-        if d.elastic != 0.0:
-            travel += passed * fastest_own_rate(d, x)
+        travel += phase_passed(d, x, passed, speeds)
         if event:
-            x.rates_cached = 0.0
-            if w.stops != 0.0:
-                copy(w.kept.numbers, x.numbers)
-            changed = choose_next_states(d, x)
-            switched = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
-            if changed and switched and w.stops != 0.0 and time > SHORTEST * h:
-                copy(x.numbers, w.kept.numbers)
-                x.switching = 1.0
+            has_changed, stops = switch_or_stop(d, x, w, time > SHORTEST * h)
+            if stops:
                 x.length = time
                 return OK
-            stalls = 0 if changed else stalls + 1
+            stalls = 0 if has_changed else stalls + 1
             allowed = SWITCHES_PER_PULSE * d.harmonic * travel
             switches = x.switches - w.before.switches
             if stalls > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed:

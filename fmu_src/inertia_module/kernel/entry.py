@@ -1,31 +1,52 @@
-"""The one entry of the compiled kernel of the module: all its operations (see :mod:`.codes`)."""
+"""Entry of the kernel of the module, with all its operations (:mod:`.codes`)."""
 
 from .accumulate import copy
-from .codes import CHECK, OK, OUTPUTS, RATES, RIGID, START, STEP_TO_SWITCH, SWITCH, TUNE, WARN
-from .derive import warnings
+from .buildability import buildability_warnings
+from .codes import (
+    CHECK,
+    HANDLE_EVENT,
+    OK,
+    OUTPUT_DERIVATIVES,
+    OUTPUTS,
+    RIGID,
+    START,
+    STEADY,
+    STEP_UNTIL_EVENT,
+    UPDATE_PARAMETERS,
+    WARN,
+)
 from .engine import follow_parameters, switch_now
 from .links import fastest_own_rate
 from .outputs import write_late_outputs, write_outputs
-from .step import advance, check, start, tune
+from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
+from .step import advance, restore, start, start_steady, tune
 
-# rates of the outputs, from two short steps onwards from the present state, inputs going on as they do:
-# a short step over the time in which the fastest of the motion turns by a radian
-SHARE = 1e-4
-# how often the short steps are cut down where a freewheel switches within them, and to what share
-CUTS = 3
-CUT = 0.01
+DIFFERENCING_PHASE = 1e-4  # rad of the fastest motion, length of a differencing step
+N_DIFFERENCING_TRIALS = 3  # A trial in which a freewheel switches is repeated with shorter steps
+DIFFERENCING_RETRY_FACTOR = 0.01  # On the length of the steps
+MIN_FREQUENCY = 1.0  # rad/s
 
 
-def fastest_rate(d, x):
-    """Angular frequency of the fastest motion there is, rad/s; 1 where nothing moves."""
+def fastest_rate(d: Constants, x: State) -> float:
+    """Return the angular frequency of the fastest motion, at least MIN_FREQUENCY, rad/s.
+
+    Args:
+        d: Constants.
+        x: State.
+    """
     rate = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
     if d.elastic != 0.0:
         rate += fastest_own_rate(d, x)
-    return rate if rate > 1.0 else 1.0
+    return rate if rate > MIN_FREQUENCY else MIN_FREQUENCY
 
 
-def go_on(u, x):
-    """Inputs that go on from the end of the last step: no jump of the speed, the same slope and torques."""
+def extrapolate_inputs(u: Inputs, x: State) -> None:
+    """Continue the inputs of the last step: its final speed and slope, and its torques.
+
+    Args:
+        u: Inputs, written.
+        x: State.
+    """
     u.omega1 = x.omega1
     u.omega1_rate = x.alpha1
     u.omega1_rate_given = 1.0
@@ -35,41 +56,52 @@ def go_on(u, x):
     u.drive_torque_rate_given = 0.0
 
 
-def write_rates(d, u, x, y, w):
-    """Put the rate of each output in its place in y, one-sided towards later times, per second.
+def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace) -> int:
+    """Write the time derivative of each output to y, 1/s, from two short steps forward in time.
 
-    A mean or peak holds for its step: its rate is 0. u and x are left as they become in between.
-    Returns a status.
+    With steps of length h the derivative is (4 (y(h) - y(0)) - (y(2 h) - y(0))) / (2 h), which is of order 2.
+    The derivatives of step means and peaks are 0.
+
+    Args:
+        d: Constants.
+        u: Inputs, overwritten.
+        x: State, overwritten.
+        y: Outputs, which are replaced by their derivatives.
+        w: Workspace.
+
+    Returns:
+        Status.
     """
     switch_now(d, x)
     if x.torques_continue == 0.0:
-        follow_parameters(d, x)  # which may have changed since the last step
+        follow_parameters(d, x)  # Parameters may have changed since the last step
     write_outputs(x, y)
     write_late_outputs(d, x, y)
-    h = SHARE / fastest_rate(d, x)
+    h = DIFFERENCING_PHASE / fastest_rate(d, x)
     copy(w.kept.numbers, x.numbers)
     copy(w.outputs_0.numbers, y.numbers)
-    for cut in range(CUTS):
-        if cut > 0:
+    for trial in range(N_DIFFERENCING_TRIALS):
+        if trial > 0:
             copy(x.numbers, w.kept.numbers)
-            h *= CUT
-        go_on(u, x)
-        status = advance(d, u, x, y, w, h, RATES)
+            h *= DIFFERENCING_RETRY_FACTOR
+        extrapolate_inputs(u, x)
+        status = advance(d, u, x, y, w, h, OUTPUT_DERIVATIVES)
         copy(w.outputs_1.numbers, y.numbers)
         if status == OK:
-            go_on(u, x)
-            status = advance(d, u, x, y, w, h, RATES)
+            extrapolate_inputs(u, x)
+            status = advance(d, u, x, y, w, h, OUTPUT_DERIVATIVES)
         if status != OK:
             return status
         if x.switches == w.kept.switches:
             break
-    rated = len(w.outputs_0.numbers)
-    for n in range(rated):
-        begin = w.outputs_0.numbers[n]
-        y.numbers[n] = ((w.outputs_1.numbers[n] - begin) * 4.0 - (y.numbers[n] - begin)) / (2.0 * h)
-    for n in range(rated, len(y.numbers)):
+    # y begins with the outputs that have derivatives (contract/models.py)
+    count = len(w.outputs_0.numbers)
+    for n in range(count):
+        value = w.outputs_0.numbers[n]
+        y.numbers[n] = ((w.outputs_1.numbers[n] - value) * 4.0 - (y.numbers[n] - value)) / (2.0 * h)
+    for n in range(count, len(y.numbers)):
         y.numbers[n] = 0.0
-    # the angle may just have come around, and after many turns its difference is rounding
+    # Differences of wrapped angles jump, and differences of many revolutions are round-off
     y.output_angle = w.outputs_0.omega_out
     y.output_turns = 0.0
     y.output_flange_angle = w.outputs_0.omega_out
@@ -77,24 +109,42 @@ def write_rates(d, u, x, y, w):
     return OK
 
 
-def call(operation, p, d, u, x, y, w, h):
-    """Carry out one of the operations START, STEP ... of :mod:`.codes`. Returns a status."""
-    w.stops = 1.0 if operation == STEP_TO_SWITCH and p.fidelity >= RIGID else 0.0
+def call(
+    operation: int, p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: float
+) -> int:
+    """Execute an operation.
+
+    Args:
+        operation: START, STEP and so on (:mod:`.codes`).
+        p: Parameters.
+        d: Constants.
+        u: Inputs.
+        x: State.
+        y: Outputs and local variables.
+        w: Workspace; nothing in it survives the call.
+        h: Length of the communication step, s.
+
+    Returns:
+        Status, or the sum of the warnings for WARN.
+    """
+    w.stops = 1.0 if operation == STEP_UNTIL_EVENT and p.fidelity >= RIGID else 0.0
     if operation == START:
         return start(p, d, u, x, y, w)
     if operation == CHECK:
-        return check(p, d, u)
+        return restore(p, d, u, w)
+    if operation == STEADY:
+        return start_steady(p, d, u, x, y, w, h)
     if operation == WARN:
-        return warnings(p)
-    if operation == TUNE:
+        return buildability_warnings(p)
+    if operation == UPDATE_PARAMETERS:
         return tune(p, d, x, w)
     if operation == OUTPUTS:
         write_late_outputs(d, x, y)
         return OK
-    if operation == SWITCH:
+    if operation == HANDLE_EVENT:
         switch_now(d, x)
         write_outputs(x, y)
         return OK
-    if operation == RATES:
-        return write_rates(d, u, x, y, w)
+    if operation == OUTPUT_DERIVATIVES:
+        return write_output_rates(d, u, x, y, w)
     return advance(d, u, x, y, w, h, operation)

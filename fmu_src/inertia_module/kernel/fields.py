@@ -1,170 +1,225 @@
-"""The records the module's kernel reads and writes, by the names of their fields.
+"""Fields of the records of the inertia module, in SI units.
 
-p parameters, u inputs (with omega1_rate, its rate over the coming step, omega1_rate_given, and so on), y
-outputs and locals: their fields are made from the table of variables (contract/models.py). First in p
-stands what the map of fidelity averaged depends on. x is the state, d what is derived from the parameters, w
-the workspace of one call. A field is a name (one double), a name with a length (an array of doubles), or a
-name with a list of fields (a record within) and maybe a number (so many).
-Every record has its doubles in one row besides, as `numbers`: so a state is copied whole.
+- p: parameters. u: inputs, each with its rate and a flag for the rate. y: outputs and local variables.
+  Their fields follow from the table of variables (contract/models.py).
+- d: p, followed by CONSTANTS. x: STATE. w: WORKSPACE, whose values do not outlive a call.
+
+A field is one of:
+
+- a name: one double;
+- a name and a length: an array of doubles;
+- a name and a list of fields: an inner record;
+- a name, a list of fields and a number: an array of records.
+
+All doubles of a record are also one array, `numbers`, so a state can be copied in one piece.
 """
 
 from .equations import losses
 
-# stages of the explicit pair, with those for the inside of a step; its interpolants
-STAGES = 16
-DENSE = 7
-# ... of the stiff step, and how many quantities it solves for
-SOLVED, MOVING = 8, 9
-# their guards, and the satellites that may have one each (equations.satellites.MANY)
-GUARDS, SATELLITES = 6, 50
-# causes of losses
-CAUSES = len(losses.CAUSES)
-# knots of the averaged map at most, for one sign of omega1
-KNOTS = 64
+STAGES = 16  # stages of a Runge-Kutta pair, with those for its dense output
+DENSE = 7  # coefficients of a dense output
+GUARDS = 6  # event indicators of freewheels and slip
+SATELLITES = 24  # maximum number of satellites; each has an event indicator
+CAUSES = len(losses.CAUSES)  # causes of losses
+MOMENTS = 8  # samples of the bearing force in a communication step
+# Map of fidelity averaged (averaged.torque_map): speed ratios, slownesses, causes of losses
+RATIOS, SLOWNESSES, LOSSES = 21, 13, 4
 
-# motion of links 1 and 2 at a moment, and how many moments of a step are kept (see loads)
-MOMENT = ("q", "omega1", "omega2", "alpha1", "alpha2")
-MOMENTS = 8
-
-# motion of an instant, and what is kept of it from one step to the next: accelerations, torques, reduced
-# inertia
-MOTION = ("q", "theta1", "omega1", "omega2", "omega3", "twist", "relative", "wound_housing", "wound_output")
-# play that is left until a freewheel which has overrun carries again
-PLAY = ("play_housing", "play_output")
-NOW = (
-    *("alpha1", "alpha2", "alpha3", "rate_relative", "drive", "mesh", "output", "housing"),
-    *("i", "b", "g"),
+# Sample of the motion for the bearing force (loads)
+MOMENT = (
+    "q",  # rad
+    *("omega1", "omega2"),  # rad/s
+    *("alpha1", "alpha2"),  # rad/s^2
 )
-# of the communication step in hand, or the last one: impulses, angle of the output, energy lost, how many
-# moments of it were seen, the largest |a|^2 of imbalance 0 before those kept, the largest torques and slips
+
+# Motion at an instant
+MOTION = (
+    "q",  # angle of the pinion shaft, rad
+    "theta1",  # angle of link 1, rad
+    *("omega1", "omega2", "omega3"),  # rad/s
+    "twist",  # of the elastic shaft, rad
+    "relative",  # omega3 - omega4, rad/s
+    *("wound_housing", "wound_output"),  # wind-up of the freewheels, rad
+)
+# Rest of the engagement angle of each freewheel, rad
+PLAY = ("play_housing", "play_output")
+# Accelerations, torques and reduced inertia at an instant
+NOW = (
+    *("alpha1", "alpha2", "alpha3", "rate_relative"),  # rad/s^2
+    *("drive", "mesh", "output", "housing"),  # M1, M2, Tc, Th, N m
+    *("i", "b", "g"),  # I, B, G, kg m^2
+)
+# Sums over the communication step
 SUMS = (
-    *("input_impulse", "mesh_impulse", "output_impulse", "housing_impulse", "output_square", "turned3"),
-    *("step_lost", "step_evaluations", "seen", "largest_square", "torque_peak"),
-    *("housing_torque_peak", "housing_slip_peak", "output_slip_peak"),
+    *("input_impulse", "mesh_impulse", "output_impulse", "housing_impulse"),  # N m s
+    "output_square",  # integral of Tc^2, N^2 m^2 s
+    "turned3",  # angle of the output, rad
+    "step_lost",  # energy lost, J
+    "step_evaluations",  # evaluations of the equations of motion
+    "seen",  # samples of the bearing force
+    "largest_square",  # maximum of |a|^2 of imbalance 0 in samples that are no longer stored, m^2/s^4
+    *("torque_peak", "housing_torque_peak"),  # N m
+    *("housing_slip_peak", "output_slip_peak"),  # rad/s
 )
 OF_MOTION, OF_NOW, OF_SUMS = len(MOTION), len(NOW), len(SUMS)
 
-# a ..._low is what the field before it lost to rounding (compensated sums), so that a billion tiny
-# communication steps add up to the same motion as one long step
 STATE = (
     *MOTION,
     *SUMS,
-    *("q_low", "drive_turns", "theta1_low", "input_turns"),
-    *("omega1_low", "omega2_low", "omega3_low", "mode"),
-    *("alpha1", "held_input", "load_torque", "drive_torque", "step_size", "short_size"),
-    # ... rigid output: the size in each contact mode when it was left, the mode of step_size; averaged: sizes
-    # of gentle steps in each leg
-    *(("sizes", 4), "sized_mode"),
-    *("energy_in", "energy_in_low", "energy_out", "energy_out_low"),
-    *(("lost", CAUSES), ("lost_low", CAUSES)),
-    *("energy_start", "energy_stored", "input_torque_mean", "output_torque_mean"),
-    "torque_ripple",
-    *("switches", "housing_engagements", "output_engagements"),
-    *("evaluations", "output_angle", "output_angle_low", "output_turns"),
-    # the communication step in hand, or the last one: its length, the state it began with, moments of it
-    *("length", "begin_q", "begin_omega2"),
-    *("begin_theta1", "begin_input_turns", "begin_drive_turns", ("moments", MOMENT, MOMENTS)),
-    # elastic output: of twist, and of omega3 - omega4, which would cancel if omega4 were kept instead
-    *("twist_low", "relative_low"),
-    # general: what freewheels and slip do
-    *("housing_state", "output_state", "slip_sign", "flow_sign", "spin_signs"),
-    # ... and how the last internal step has ended; whether a step has stopped at a switch yet to come
-    *("ended", "slip_reached_zero", "switching"),
-    # averaged: the knot of the map last used; the speed that its torques go with, if that is not omega1
-    *("map_knot", "map_speed"),
-    # by events: whether the contact mode continues under the same torques, with what is prescribed; whether
-    # the accelerations and torques of this instant are kept (without losses)
-    *("torques_continue", "prescribed", "load_prescribed", "rates_cached"),
+    *("drive_turns", "input_turns"),  # whole revolutions taken off the angles
+    "mode",  # contact mode (codes)
+    "alpha1",  # slope of a prescribed omega1, or the acceleration of a driven link 1, rad/s^2
+    "held_input",  # input speed of the last step, for its extrapolation, rad/s
+    *("load_torque", "drive_torque"),  # means over the step, N m
+    *("step_size", "short_size"),  # next step of the pairs 8(5,3) and 5(4), s
+    *("energy_in", "energy_out", ("lost", CAUSES)),  # since the start, J
+    *("energy_start", "energy_stored"),  # J
+    *("input_torque_mean", "output_torque_mean", "torque_ripple"),  # over the step, N m
+    *("switches", "housing_engagements", "output_engagements"),  # numbers since the start
+    "evaluations",  # of the equations of motion since the start
+    *("output_angle", "output_turns"),  # rad, revolutions
+    # The present or last communication step
+    "length",  # s
+    *("begin_q", "begin_omega2", "begin_theta1"),  # rad, rad/s, rad
+    *("begin_input_turns", "begin_drive_turns"),  # revolutions
+    ("moments", MOMENT, MOMENTS),
+    # Contacts (equations.states)
+    *("housing_state", "output_state"),
+    "slip_sign",  # sign of omega1 - omega2; 0 if the links stick
+    "flow_sign",  # sign of the power through the mesh of the pinion shaft
+    "spin_signs",  # signs of the torques at the satellites, one bit each
+    # End of the last internal step
+    "ended",  # 1 if a contact mode has ended
+    "slip_reached_zero",  # 1 if the slip has become 0
+    "switching",  # 1 if the communication step stopped just before an event
+    "mean_step",  # averaged: next internal step, s
+    "torques_continue",  # 1 if the contact mode holds under the same torques
+    *("prescribed", "load_prescribed"),  # torque or acceleration of link 1 and load of the last step
+    "rates_cached",  # 1 if `now` holds at this instant
     *PLAY,
     ("now", NOW),
 )
 
-# averaged: a knot of the map over the speed ratio: curves of mean torque, mean speed of link 2, the mean
-# energy or, under its torque, speed of link 1, ripple and peak (see averaged.table); while the map is built
-# the error of the interval that follows, the torque of link 1, and how the motion begins. Torques, speeds of
-# link 2 and powers lost by cause stand there for so many motions: the ideal one and with losses those of
-# averaged.table
-MOTIONS = 9
-CURVES = 2 * MOTIONS + 3
-KNOT = (
-    *("ratio", ("value", CURVES), ("slope", CURVES), "error"),
-    *("drive", "begin_energy", "begin_omega2", ("lost", MOTIONS * CAUSES)),
+# Column of the map of fidelity averaged, for one speed ratio; V is the speed of the slowness
+COLUMN = (
+    ("torque", SLOWNESSES),  # mean torque over V^2, kg m^2
+    ("link2", SLOWNESSES),  # mean omega2 over |omega1|
+    ("lost", SLOWNESSES * LOSSES),  # power lost over |omega1| V^2, kg m^2
+    "inertia",  # twice the mean energy over omega1^2, less J1, kg m^2
+    *("ripple", "peak"),  # standard deviation and maximum of the output torque over omega1^2, kg m^2
 )
-# one side of the map for each sign of omega1: where the torque ends, whether lock-up is reached there; where
-# a period begins and the largest momentum of link 2 at rest; with losses the speed at which friction takes
-# the stall torque
-SIDE = ("direction", "count", "end", "locks", "start", "thrown", "slow", ("knots", KNOT, KNOTS))
+# Map for one sign of omega1
+SIDE = (
+    "direction",  # sign of omega1
+    "end",  # last speed ratio
+    "locks",  # 1 if link 2 reaches link 1 there
+    "slow",  # V0, at which friction takes the stall torque, rad/s
+    ("columns", COLUMN, RATIOS),
+)
+# Means of the steady motion at a speed and a ratio
+STEADY = (
+    "torque",  # N m
+    "omega2",  # rad/s
+    "inertia",  # kg m^2
+    "slope",  # of the inertia over the ratio, kg m^2
+    "resistance",  # power lost over |omega1|, N m
+    ("lost", CAUSES),  # the same for each cause, N m
+)
+# Rates of the mean motion
+MEAN = (
+    *("omega1", "omega3"),  # rad/s^2
+    *("theta1", "theta2", "theta3"),  # rad/s
+    *("drive", "mesh", "output"),  # torques, N m
+    ("lost", CAUSES),  # W
+)
 
-# equations of motion: torques of weights and of losses that go by speeds, powers of these by cause; of the
-# satellites journals and mesh, of links that stick together the torque at the drives that is needed and the
-# rest
+# One evaluation of the equations of motion
 MACHINE = (
     *MOTION,
-    *("weight1", "weight_q", ("lost", CAUSES), "journals", "spun", "torque", "flow_sign", "margin"),
-    # signs of the loads of all satellites, as one number, and by these what each adds to spun
-    *("spin_signs", ("spun_by", SATELLITES)),
+    *("weight1", "weight_q"),  # torques of gravity and of speed-dependent losses on theta1 and q, N m
+    ("lost", CAUSES),  # powers of the speed-dependent losses, W
+    "journals",  # friction of the satellite journals, N m
+    "spun",  # friction of journals and satellite meshes that resists the slip, N m
+    "torque",  # that links sticking together need at the pinion shafts, N m
+    "flow_sign",  # sign of the power through the mesh of the pinion shaft
+    "margin",  # of stiction, N m
+    "spin_signs",  # signs of the torques at the satellites, one bit each
+    ("spun_by", SATELLITES),  # contribution of each satellite to `spun`, N m
     *PLAY,
     *NOW,
 )
 
-# what the equations of motion follow by events: speeds and angles; impulses of M1, Th and Tc, integral of
-# Tc^2; angle of the output, work of M1 and losses by cause; angles by which freewheels turn back, into their
-# play or their springs. An ideal module of rigid output has the first 12
+# Integrated quantities; the ideal module with a rigid output has the first 12
 FOLLOWED = (
-    *("q", "omega1", "omega2", "omega3", "drive", "housing", "output", "square"),
-    *("theta1", "turned3", "work_in", ("lost", CAUSES)),
-    *("twist", "relative", "wound_housing", "wound_output"),
+    "q",  # rad
+    *("omega1", "omega2", "omega3"),  # rad/s
+    *("drive", "housing", "output"),  # impulses of M1, Th and Tc, N m s
+    "square",  # integral of Tc^2, N^2 m^2 s
+    *("theta1", "turned3"),  # rad
+    *("work_in", ("lost", CAUSES)),  # J
+    *("twist", "relative"),  # rad, rad/s
+    *("wound_housing", "wound_output"),  # rad
 )
 
-# d, behind all fields of p, of some of which derive makes something else
 CONSTANTS = (
-    *("k", "s", "mass", "planar", "phase_a", "phase_b"),
-    *("radial", "radial_cos", "arm", "axial", "axial_cos", "pole_offset", "pole_arm", "spin"),
-    *("period", "period_low", "period_turns", "harmonic", "F_by_slip", "F_by_speed", "F_by_alpha1"),
-    # (F_by_...: bounds of |F|, the mesh torque, by the squares of slip and speed and by alpha1; then the
-    # least inertia of a link over its largest)
-    "lightest",
-    # (J1 and J16 with what the turning satellite gears add at every angle, body_...: what varies, see bodies)
-    *("bodies", "body_i", "body_b"),
-    *("J1", "J2", "J3", "J4", "J16", "housing", "output", "by_torque", "elastic"),
-    *("b1", "bq", "b2", "b3", "viscous"),
-    # whether it is fidelity averaged, with losses
-    *("averaged", "lossy"),
-    # what only the general equations of motion know, and whether any of it is there (kernel.equations)
-    *("losses", "mesh_loss", "satellite_loss", "weight"),
-    # whether freewheels have play, and whether angles of theirs are followed: play, wind-up
-    *("plays", "turning"),
-    *("turn_across", "turn_along"),
+    *("k", "s"),  # gear ratios
+    "mass",  # of all imbalances, kg
+    "planar",  # 1 for the planar layout
+    *("phase_a", "phase_b"),  # phases of the angles A and B, rad
+    *("radial", "radial_cos", "arm", "axial", "axial_cos"),  # lengths of the position of an imbalance, m
+    *("pole_offset", "pole_arm", "spin"),  # lengths of |r'|, m, and a square, m^2
+    *("period", "period_low"),  # of q, in two doubles, rad
+    "period_turns",  # revolutions of the pinion shaft in a period
+    "harmonic",  # highest harmonic of q in the reduced inertia
+    *("F_by_slip", "F_by_speed", "F_by_alpha1"),  # bounds of |F| over slip^2, omega1^2 and |alpha1|, kg m^2
+    "lightest",  # minimum over maximum of the inertia of a link
+    "bodies",  # 1 if the satellite gears have an inertia that depends on q
+    *("body_i", "body_b"),  # their parts of I and B, kg m^2
+    *("J1", "J2", "J3", "J4", "J16"),  # kg m^2
+    *("housing", "output"),  # 1 if the freewheel is present
+    "by_torque",  # 1 if a torque drives link 1
+    "elastic",  # 1 if the elastic shaft is integrated
+    "rigid_shaft",  # 1 if the elastic shaft is so stiff that it is rigid
+    *("b1", "bq", "b2", "b3"),  # viscous friction, N m s/rad
+    "viscous",  # 1 if one of them is not 0
+    "averaged",  # 1 for fidelity averaged
+    "lossy",  # 1 for fidelity averaged with losses
+    "losses",  # 1 if the general equations of motion are necessary
+    *("mesh_loss", "satellite_loss"),  # 1 - efficiency
+    "weight",  # of all imbalances, N
+    "plays",  # 1 if a freewheel has an engagement angle
+    "turning",  # 1 if an angle of a freewheel is integrated
+    *("turn_across", "turn_along"),  # rotation of a satellite per q: product with axis x over cos A, square
     ("machine", MACHINE),
-    # averaged: rates of an instant (see averaged.rates); the map
-    ("mean", FOLLOWED),
-    *("map_ready", "map_lock", "map_inertia", "map_evaluations"),
+    *(("steady", STEADY), ("mean", MEAN)),  # averaged: means and rates at an instant
+    "map_ready",  # 1 if the map is there, -1 if it was lost, otherwise 0
+    "map_lock",  # maximum torque of lock-up over omega1^2, kg m^2
+    "map_evaluations",  # evaluations of the equations of motion for the map
     *(("forward", SIDE), ("backward", SIDE)),
 )
 
-# w, before a copy of d for the mechanism of a map, and two of the outputs that have rates: nothing in it
-# outlives the call
 WORKSPACE = (
-    # whether a step ends at a switch; the tolerance that holds
-    *("stops", "tolerance"),
-    # the step in hand: row of its pair in the table of weights; torque or acceleration given at link 1, load,
-    # length, angular momentum and kinetic energy at its beginning
-    *("pair", "prescribed", "load", "step", "momentum", "energy"),
-    # averaged: speed that counts as zero beside those at the beginning of the communication step
-    "at_rest",
-    # rates at the stages, changes over the step and over a part of it of all that is followed, and the guards
-    *(("rates", FOLLOWED, STAGES), ("change", FOLLOWED), ("inside", FOLLOWED)),
+    "stops",  # 1 if the communication step ends at an event
+    "tolerance",  # relative, of the present step
+    # The present internal step
+    "pair",  # row of the Runge-Kutta pair (tableau)
+    "prescribed",  # torque, N m, or acceleration, rad/s^2, of link 1
+    "load",  # N m
+    "step",  # length, s
+    *("momentum", "energy", "potential"),  # at its beginning, N m s, J, J
+    ("rates", FOLLOWED, STAGES),  # at each stage
+    *(("change", FOLLOWED), ("inside", FOLLOWED)),  # over the step and over a part of it
     ("watched", (("value", STAGES), ("rate", STAGES), ("dense", DENSE)), GUARDS + SATELLITES),
-    ("weights", STAGES),
-    # the stiff step: changes at its stages, derivatives of all rates, what moves in it, linear equations
-    *(("stages", FOLLOWED, SOLVED), ("slopes", FOLLOWED, MOVING), ("moves", MOVING), "moving"),
-    *(("matrix", MOVING * MOVING), ("pivots", MOVING), ("right_side", MOVING)),
-    # steady motion of a map: torque of link 1; at the beginning energy, over that of v = 1, and omega2
-    *("drive", "begin_energy", "begin_omega2", ("knot", KNOT)),
-    # ... and sums over it
-    *("sum_time", "sum_torque", "sum_square", "sum_energy"),
-    *("sum_gain", "sum_omega1", "sum_omega2", "sum_peak"),
-    ("sum_lost", CAUSES),
-    # state at the beginning of the call, of two short steps for rates, of a part of a step
+    ("weights", STAGES),  # of the stages for a part of the step
+    ("scale", FOLLOWED),  # scale of each error; 0 if the error does not count (events.error)
+    # Periodic orbit
+    "orbit_start",  # angle of the pinion shaft at its beginning, rad
+    "orbit_torque",  # input torque, N m
+    "orbit_energy",  # mean kinetic energy, J
+    # Mean motion (averaged.integrate)
+    *(("means", MEAN, 2), ("mean_slopes", MEAN, 2)),  # rates at both stages, derivatives by omega1 and omega3
+    *(("mean_stages", MEAN, 2), ("mean_change", MEAN)),
+    "mean_length",  # of the step, s
+    # States at the beginning of the call, of two steps for differences, and of a part of a step
     *(("before", STATE), ("kept", STATE), ("part", STATE)),
 )

@@ -1,20 +1,27 @@
-"""Reduced inertia I, B, G of all imbalances and its exact derivatives in q (docs/mechanics.md)."""
+"""Reduced inertia I, B, G of all imbalances and its derivatives in q in closed form (docs/mechanics.md)."""
 
-from .layout import imbalance_at
+from .layout import bevel_imbalance_position
+from .records import Constants, ReducedInertia
 from .sine import sine_cosine, sines_cosines
 
 
-def reduced_inertia(d, q):
-    """I = sum m (y^2 + z^2), B = sum m (y z' - z y'), G = sum m |r'|^2 + J16, and the satellite gears' own.
+def reduced_inertia(d: Constants, q: float) -> ReducedInertia:
+    """Return the reduced inertia of imbalances, pinion shafts and satellite gears, and its derivatives in q.
 
-    The sums over the satellites of a module are closed: with two or more spread evenly B vanishes,
-    with three or more the harmonics of A vanish from I. Modules are alike about the central axis.
-    In the planar layout the drive turns about an axis parallel to the central one, so its own
-    inertia J16 is carried by link 1 as well: it enters I and B as it enters G. What the turning gears add
-    at every angle is in J1 and J16.
+        I = sum m (y^2 + z^2)        B = sum m (y z' - z y')        G = sum m |r'|^2 + J16
+
+    - The sums over the evenly spaced satellites of a module have a closed form. B is 0 for two or more
+      satellites; for three or more, I does not depend on the angle A.
+    - All modules have the same I, B and G.
+    - In the planar layout the pinion shaft is parallel to the central axis, so J16 is part of I, B and G.
+    - The terms of the satellite gears that do not depend on q are part of J1 and J16 (parameters.py).
+
+    Args:
+        d: Constants.
+        q: Pinion-shaft angle, rad.
 
     Returns:
-        (I, I', B, B', G, G') at the drive angle q, kg m^2 and kg m^2 per rad of q.
+        (I, I', B, B', G, G'): kg m^2 and kg m^2/rad.
     """
     mass = d.mass
     if d.planar != 0.0:
@@ -42,7 +49,7 @@ def reduced_inertia(d, q):
     spin = d.spin
     g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
-    x, y, z, x1, y1, z1, _, y2, z2 = imbalance_at(d, sin_a, cos_a, sin_b, cos_b)
+    x, y, z, x1, y1, z1, _, y2, z2 = bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b)
     if d.satellites > 2.0:
         i = mass * (0.5 * (x * x + y * y) + z * z)
         i1 = mass * (x * x1 + y * y1 + 2.0 * z * z1)

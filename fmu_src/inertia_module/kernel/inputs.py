@@ -1,72 +1,88 @@
-"""The inputs of a step: checked, extrapolated, taken over into the state."""
+"""Inputs of a communication step: checks, hold and rates, initialisation of the sums of the step.
+
+The record u has all inputs, then the rate of each, then a flag for each rate (1 if it is set).
+The first input is a speed, the others are torques (contract.models.interface checks this order).
+"""
 
 from .codes import BAD_HOLD, BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
-from .fields import OF_MOTION, OF_SUMS
+from .fields import OF_MOTION, OF_SUMS, STATE, SUMS
+from .records import Constants, Inputs, ShaftInputs, ShaftState, State
 
-# limits of inputs and of a communication step: rad/s, N m, s
-LARGEST_SPEED, LARGEST_TORQUE, LARGEST_STEP = 1e6, 1e12, 1e6
-# shorter than any remainder that a host's time leaves by rounding; rates over it can be squared
-SMALLEST_STEP = 1e-30
-# a slower input counts as none: its square is no normal double
-SMALLEST_SPEED = 1e-150
-# largest magnitudes of the inputs, in their order: a speed, then torques
-LARGEST = (LARGEST_SPEED, LARGEST_TORQUE, LARGEST_TORQUE)
+MAX_SPEED = 1e5  # rad/s
+MAX_TORQUE = 1e7  # N m
+MAX_STEP = 1e6  # s
+MIN_STEP = 1e-30  # s, below any round-off of the importer's time; rates over it can still be squared
+MAX_INPUTS = (MAX_SPEED, MAX_TORQUE, MAX_TORQUE)  # Maximum magnitude of each input
+
+# reset_sums clears the sums by their positions
+assert STATE[OF_MOTION : OF_MOTION + OF_SUMS] == SUMS
 
 
-def check_inputs(u):
-    """Status of the inputs: finite and within what a drivetrain can mean."""
+def check_inputs(u: Inputs | ShaftInputs) -> int:
+    """Return OK if all inputs are finite and within their range, otherwise BAD_INPUT + number of the input.
+
+    Args:
+        u: Inputs.
+    """
     for n in range(len(u.numbers) // 3):
-        if not abs(u.numbers[n]) <= LARGEST[n]:
+        if not abs(u.numbers[n]) <= MAX_INPUTS[n]:
             return BAD_INPUT + n
     return OK
 
 
-def check_step(u, h):
-    """Status of a step of h: its length, its inputs, and what those with a given rate come to at its end."""
-    if not SMALLEST_STEP <= h <= LARGEST_STEP:
+def check_step(u: Inputs | ShaftInputs, h: float) -> int:
+    """Return the status of a communication step: its length, its inputs, and inputs with a rate at its end.
+
+    Args:
+        u: Inputs.
+        h: Length of the step, s.
+    """
+    if not MIN_STEP <= h <= MAX_STEP:
         return BAD_STEP
     status = check_inputs(u)
     if status != OK:
         return status
     count = len(u.numbers) // 3
     for n in range(count):
-        # behind all inputs stand their rates, and behind these whether they are given
-        if u.numbers[2 * count + n] != 0.0 and not abs(u.numbers[n] + u.numbers[count + n] * h) <= LARGEST[n]:
+        has_rate = u.numbers[2 * count + n] != 0.0
+        if has_rate and not abs(u.numbers[n] + u.numbers[count + n] * h) <= MAX_INPUTS[n]:
             return BAD_RATE + n
     return OK
 
 
-def check_hold(hold, x, speed, rate_given, h):
-    """Status of a speed that the coming step extrapolates linearly: it must stay within its limits.
+def check_hold(hold: float, x: ShaftState | State, speed: float, has_rate: float, h: float) -> int:
+    """Return BAD_HOLD if a linearly extrapolated speed exceeds its range in the step, otherwise OK.
 
     Args:
-        hold: input_hold.
-        x: state with held_input, and length of the last step.
-        speed: input, rad/s.
-        rate_given: whether its rate is given instead.
-        h: length of the coming step, s.
+        hold: Parameter input_hold; 0 keeps the input constant over the step.
+        x: State with held_input and the length of the last step.
+        speed: Input speed, rad/s.
+        has_rate: Not 0 if the rate of the speed is set, which then replaces the extrapolation.
+        h: Length of the step, s.
     """
-    if hold == 0.0 or rate_given != 0.0 or x.length == 0.0:
+    if hold == 0.0 or has_rate != 0.0 or x.length == 0.0:
         return OK
     # abs(speed + change / length * h) <= limit, without a division
-    reach = abs(speed * x.length + (speed - x.held_input) * h)
-    return OK if reach <= LARGEST_SPEED * x.length else BAD_HOLD
+    extrapolated = abs(speed * x.length + (speed - x.held_input) * h)
+    return OK if extrapolated <= MAX_SPEED * x.length else BAD_HOLD
 
 
-def input_speed(u):
-    """omega1, rad/s, or zero where it is too slow to be squared."""
-    omega1 = u.omega1
-    return omega1 if abs(omega1) >= SMALLEST_SPEED else 0.0
+def update_held_speed(
+    hold: float, x: ShaftState | State, speed: float, has_rate: float, rate: float
+) -> float:
+    """Store the input speed for the next extrapolation and return its slope over the step, rad/s^2.
 
-
-def take_speed(hold, x, speed, rate_given, rate):
-    """Slope of a given speed over the coming step: its rate if given, or that of the last step if so held.
+    The slope is the rate of the input if it is set, or the slope over the last step with linear hold, or 0.
 
     Args:
-        hold: input_hold. x: state with held_input, and length of the last step. speed: rad/s. rate: rad/s^2.
+        hold: Parameter input_hold; 0 keeps the input constant over the step.
+        x: State with held_input (written) and the length of the last step.
+        speed: Input speed at the beginning of the step, rad/s.
+        has_rate: Not 0 if the rate is set.
+        rate: Rate of the input speed, rad/s^2.
     """
     slope = 0.0
-    if rate_given != 0.0:
+    if has_rate != 0.0:
         slope = rate
     elif hold != 0.0 and x.length > 0.0:
         slope = (speed - x.held_input) / x.length
@@ -74,27 +90,47 @@ def take_speed(hold, x, speed, rate_given, rate):
     return slope
 
 
-def mean_torque(torque, rate_given, rate, h):
-    """Mean of a given torque over the coming step: with its rate given, that at the middle."""
-    return torque + 0.5 * h * rate if rate_given != 0.0 else torque
+def mean_torque(torque: float, has_rate: float, rate: float, h: float) -> float:
+    """Return the mean of an input torque over the step, N m.
+
+    Args:
+        torque: Torque at the beginning of the step, N m.
+        has_rate: Not 0 if the rate is set.
+        rate: Rate of the torque, N m/s.
+        h: Length of the step, s.
+    """
+    return torque + 0.5 * h * rate if has_rate != 0.0 else torque
 
 
-def begin(d, u, x, h):
-    """Take the inputs of the coming step and clear its sums. Returns the jump of omega1."""
+def read_inputs(d: Constants, u: Inputs, x: State, h: float) -> float:
+    """Copy the inputs of a communication step to the state and reset its sums.
+
+    Args:
+        d: Constants.
+        u: Inputs.
+        x: State, written.
+        h: Length of the step, s.
+
+    Returns:
+        Jump of omega1 at the beginning of the step, rad/s; 0 if the torque is prescribed.
+    """
     jump = 0.0
     if d.drive == DRIVE_SPEED:
-        omega1 = input_speed(u)
-        jump = omega1 - x.omega1
-        x.alpha1 = take_speed(d.input_hold, x, omega1, u.omega1_rate_given, u.omega1_rate)
+        jump = u.omega1 - x.omega1
+        x.alpha1 = update_held_speed(d.input_hold, x, u.omega1, u.omega1_rate_given, u.omega1_rate)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
     x.length = h
-    begin_sums(x)
+    reset_sums(x)
     return jump
 
 
-def begin_sums(x):
-    """Begin the sums over a communication step, or over a period of a steady motion."""
+def reset_sums(x: State) -> None:
+    """Store the motion at the beginning of a step (or period) and set the sums over it to 0.
+
+    Args:
+        x: State, written.
+    """
     x.begin_q = x.q
     x.begin_omega2 = x.omega2
     x.begin_theta1 = x.theta1

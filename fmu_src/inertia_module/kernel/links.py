@@ -1,4 +1,4 @@
-"""Inertia of links 1 and 2 as each end feels it, scales of torques and speeds; the elastic shaft.
+"""Effective inertia of links 1 and 2 at both ends, scales of torques and speeds, the elastic shaft.
 
 It is behind the output freewheel (docs/mechanics.md):
 
@@ -7,17 +7,18 @@ It is behind the output freewheel (docs/mechanics.md):
 
 import math
 
-from .equations.states import LOCKED, WOUND
+from .equations.states import ENGAGED_COMPLIANT, LOCKED
 from .inertia import reduced_inertia
+from .records import Constants, State
 
 
-def prescribed_at_input(d, x):
+def prescribed_at_input(d: Constants, x: State) -> float:
     """Prescribed quantity at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
-def torque_scale(d, omega1, alpha1, rate_q, prescribed):
-    """Upper bound of |F| at these speeds, N m: what a torque is to be called zero against."""
+def torque_scale(d: Constants, omega1: float, alpha1: float, rate_q: float, prescribed: float) -> float:
+    """Return an upper bound of |F| at these speeds, N m, the scale of torques."""
     reach = d.F_by_alpha1
     scale = 0.5 * (d.F_by_slip * rate_q * rate_q + d.F_by_speed * omega1 * omega1) + reach * abs(alpha1)
     scale += d.k * d.bq * abs(rate_q)
@@ -26,13 +27,13 @@ def torque_scale(d, omega1, alpha1, rate_q, prescribed):
     return scale
 
 
-def friction_power(d, omega1, omega2, friction):
-    """Power of viscous friction at links 1, 2 and drives, W; friction: of link 2 and what it carries."""
+def friction_power(d: Constants, omega1: float, omega2: float, friction: float) -> float:
+    """Return the power of viscous friction at links 1 and 2 and the pinion shafts, W."""
     rate_q = d.k * (omega1 - omega2)
     return d.b1 * omega1 * omega1 + d.bq * rate_q * rate_q + friction * omega2 * omega2
 
 
-def response(d, inertia):
+def response(d: Constants, inertia: float) -> float:
     """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
 
     The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
@@ -42,19 +43,27 @@ def response(d, inertia):
     return own / (own + inertia) if own > 0.0 else 1.0
 
 
-def inertia_of_link1(d, i, b, g):
-    """Phi = J1 + I + 2 k B + k^2 G: what the input shaft turns while link 2 is held, kg m^2."""
+def inertia_of_link1(d: Constants, i: float, b: float, g: float) -> float:
+    """Return Phi = J1 + I + 2 k B + k^2 G, the inertia at the input shaft while link 2 is held, kg m^2."""
     return d.J1 + i + d.k * (2.0 * b + d.k * g)
 
 
-def inertia_at_input(d, q):
-    """Phi at the drive angle q, kg m^2."""
+def inertia_at_input(d: Constants, q: float) -> float:
+    """Return the inertia at the input shaft while link 2 is held, at an angle of the pinion shaft.
+
+    Args:
+        d: constants
+        q: angle of the pinion shaft, rad
+
+    Returns:
+        Phi, kg m^2.
+    """
     i, _, b, _, g, _ = reduced_inertia(d, q)
     return inertia_of_link1(d, i, b, g)
 
 
-def inertia_of_link2(d, i, b, g):
-    """Inertia of link 2 with what moves behind it, link 1 as it is given, kg m^2.
+def inertia_of_link2(d: Constants, i: float, b: float, g: float) -> float:
+    """Return the effective inertia of link 2, kg m^2.
 
     J2 + k^2 G where the speed of link 1 is given, J2 + k^2 G - N^2 / Phi where it is free under its torque.
     """
@@ -64,56 +73,51 @@ def inertia_of_link2(d, i, b, g):
     return d.J2 + k * k * ((d.J1 + i) * g - b * b) / inertia_of_link1(d, i, b, g)
 
 
-def inertia_at_output(d, q):
-    """Effective inertia at the drive angle q, kg m^2."""
-    i, _, b, _, g, _ = reduced_inertia(d, q)
-    return inertia_of_link2(d, i, b, g)
-
-
-def momentum_of_links(d, i, b, omega1, omega2):
+def momentum_of_links(d: Constants, i: float, b: float, omega1: float, omega2: float) -> float:
     """Angular momentum of links 1 and 2 and the imbalances, N m s."""
     return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
 
 
-def energy_of_links(d, i, b, g, omega1, omega2):
+def energy_of_links(d: Constants, i: float, b: float, g: float, omega1: float, omega2: float) -> float:
     """Kinetic energy of links 1 and 2 and the imbalances, J."""
     rate_q = d.k * (omega1 - omega2)
     links = 0.5 * ((d.J1 + i) * omega1 * omega1 + d.J2 * omega2 * omega2)
     return links + (b * omega1 + 0.5 * g * rate_q) * rate_q
 
 
-def kinetic_energy(d, q, omega1, omega2, omega3):
+def kinetic_energy(d: Constants, q: float, omega1: float, omega2: float, omega3: float) -> float:
     """Kinetic energy T of links 1 and 2, the imbalances and J3, J."""
     i, _, b, _, g, _ = reduced_inertia(d, q)
     return energy_of_links(d, i, b, g, omega1, omega2) + 0.5 * d.J3 * omega3 * omega3
 
 
-def shaft_frequency(d, compliance):
-    """Angular frequency of the shaft between hub and driven mass, without damping, rad/s.
+def shaft_frequency(d: Constants, compliance: float) -> float:
+    """Return the angular frequency of the shaft between hub and driven mass without damping, rad/s.
 
     Args:
-        compliance: 1/J of what the shaft torque accelerates besides the driven mass.
+        d: constants.
+        compliance: 1/J of the parts that the shaft torque accelerates besides the driven mass.
     """
     return math.sqrt(d.shaft_stiffness * (compliance + 1.0 / d.J4))
 
 
-def fastest_own_rate(d, x):
-    """Bound of the rate at which shaft, springs and what friction brakes move by themselves, rad/s."""
+def fastest_own_rate(d: Constants, x: State) -> float:
+    """Return a bound of the natural frequencies of shaft and springs and of braked parts, rad/s."""
     link2 = max(d.J2, 1e-300)
     hub = 1.0 / (d.J3 + d.J2 if x.output_state == LOCKED else d.J3)
     if x.housing_state == LOCKED and x.output_state == LOCKED:
         hub = 0.0
     rate = max(shaft_frequency(d, hub), d.shaft_damping * (hub + 1.0 / d.J4))
     rate = max(rate, d.driven_friction / d.J4, d.b3 / d.J3, (d.b2 + d.k * d.k * d.bq) / link2)
-    if x.housing_state == WOUND:
+    if x.housing_state == ENGAGED_COMPLIANT:
         rate = max(rate, math.sqrt(d.housing_stiffness / link2), d.housing_damping / link2)
-    if x.output_state == WOUND:
+    if x.output_state == ENGAGED_COMPLIANT:
         mobility = 1.0 / link2 + 1.0 / d.J3
         rate = max(rate, math.sqrt(d.freewheel_stiffness * mobility), d.freewheel_damping * mobility)
     return rate
 
 
-def slowest_rate(d, compliance):
+def slowest_rate(d: Constants, compliance: float) -> float:
     """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
     mobility = compliance + 1.0 / d.J4
     half = 0.5 * d.shaft_damping * mobility
@@ -121,15 +125,3 @@ def slowest_rate(d, compliance):
     if half * half <= square:
         return math.sqrt(square)
     return square / (half + math.sqrt(half * half - square))
-
-
-def is_stiff(d, x, omega1):
-    """Tell whether the shaft is too stiff for its own motion to matter, omega1 jumping to this value.
-
-    An oscillation of the rate Omega that pulses excite holds about (pulse rate / Omega)^2 of the energy of a
-    pulse: one of less than the tolerance does not.
-    """
-    fastest = max(abs(x.omega1), abs(omega1), abs(x.omega3), abs(x.omega3 - x.relative))
-    pulse_rate = d.harmonic * d.k * fastest
-    rate = slowest_rate(d, 1.0 / (d.J3 + inertia_at_output(d, x.q)))
-    return d.tolerance * rate * rate > pulse_rate * pulse_rate

@@ -1,38 +1,74 @@
-"""Outputs and locals at the present instant, from the state and the inputs held in it.
+"""Outputs and local variables at the present time, from the state and the inputs that it holds.
 
-A shell may leave the late ones until they are read.
+Late outputs take longer to compute. The FMU computes them when they are read.
 """
 
 from .accumulate import TWO_PI, total
-from .averaged.run import averaged_energy, write_averaged
-from .codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
+from .averaged.mean_motion import averaged_energy, write_averaged
+from .codes import AVERAGED, KINEMATIC, RIGID
 from .engine import solve_now
-from .equations.motion import stored_besides
+from .equations.losses import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
+from .equations.motion import potential_energy
 from .links import kinetic_energy
 from .loads import write_loads
+from .records import Constants, Outputs, State
 
 
-def is_audited(d):
-    """Return True if the energies of a communication step are checked; averaged checks its own steps."""
+def has_energy_check(d: Constants) -> bool:
+    """Return True if the energy balance of each step is checked.
+
+    Averaged steps have a check of their own.
+
+    Args:
+        d: Constants.
+    """
     return d.fidelity >= RIGID
 
 
-def stored_energy(d, x):
-    """Kinetic energy of the mechanism and the energy of an elastic output, J."""
+def stored_energy(d: Constants, x: State) -> float:
+    """Return the stored energy, J: kinetic energy, weights and springs.
+
+    Args:
+        d: Constants.
+        x: State.
+    """
     if d.fidelity == AVERAGED:
         return averaged_energy(d, x)
-    besides = stored_besides(d, x) if d.losses != 0.0 else 0.0
-    # prescribed motion ends at the output, before J3
+    potential = potential_energy(d, x) if d.losses != 0.0 else 0.0
+    # Prescribed motion ends at the output, upstream of J3
     omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
-    stored = besides + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
-    if d.fidelity == ELASTIC:
+    stored = potential + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
+    if d.rigid_shaft != 0.0:
+        stored += 0.5 * d.balancer * d.J4 * omega3 * omega3
+    if d.elastic != 0.0:
         omega4 = x.omega3 - x.relative
         stored += 0.5 * d.J4 * omega4 * omega4 + 0.5 * d.shaft_stiffness * x.twist * x.twist
     return stored
 
 
-def write_torques(d, x, y):
-    """Instantaneous torques in the present mode. Returns the acceleration of link 2."""
+def shaft_twist(d: Constants, x: State) -> float:
+    """Return the twist of a shaft that is rigid: its torque over its stiffness, rad.
+
+    Args:
+        d: Constants; d.machine is written.
+        x: State.
+    """
+    solve_now(d, x)
+    torque = (1.0 - d.balancer) * d.J4 * d.machine.alpha3 + d.driven_friction * x.omega3 + x.load_torque
+    return torque / d.shaft_stiffness
+
+
+def write_torques(d: Constants, x: State, y: Outputs) -> float:
+    """Write the instantaneous torques and the acceleration of the output.
+
+    Args:
+        d: Constants; d.machine is written.
+        x: State.
+        y: Outputs, written.
+
+    Returns:
+        Acceleration of link 2, rad/s^2.
+    """
     if d.fidelity == AVERAGED:
         return write_averaged(d, x, y)
     solve_now(d, x)
@@ -45,19 +81,30 @@ def write_torques(d, x, y):
     return m.alpha2
 
 
-def write_means(d, x, y):
-    """Means over the step, all impulses included: the changes of momenta leave nothing to integrate."""
+def write_step_means(d: Constants, x: State, y: Outputs) -> None:
+    """Write the means over the last step, impulses included.
+
+    Args:
+        d: Constants.
+        x: State with the impulses of the step.
+        y: Outputs, written.
+    """
     length = x.length if x.length > 0.0 else 1.0
     housing = x.housing_impulse / length
     if d.losses == 0.0 and d.fidelity != AVERAGED:
-        housing = d.housing * max(housing, 0.0)  # it only pushes: below zero is rounding
+        housing = d.housing * max(housing, 0.0)  # The freewheel only pushes: a negative value is round-off
     y.mesh_torque_mean = x.mesh_impulse / length
     y.housing_torque_mean = housing
     y.loss_power_mean = x.step_lost / length
 
 
-def write_outputs(x, y):
-    """Outputs and locals that stand in the state as they are."""
+def write_outputs(x: State, y: Outputs) -> None:
+    """Write the outputs and local variables that are copies of fields of the state.
+
+    Args:
+        x: State.
+        y: Outputs, written.
+    """
     y.omega2 = x.omega2
     y.omega_out = x.omega3 - x.relative
     y.input_speed = x.omega1
@@ -81,22 +128,32 @@ def write_outputs(x, y):
     y.energy_in = x.energy_in
     y.energy_out = x.energy_out
     y.energy_lost = total(x.lost)
-    for cause in range(len(x.lost)):
-        y.numbers[cause] = x.lost[cause]  # energy_lost_viscous and so on: y begins with them
+    y.energy_lost_viscous = x.lost[VISCOUS]
+    y.energy_lost_shaft = x.lost[SHAFT]
+    y.energy_lost_mesh = x.lost[MESH]
+    y.energy_lost_journal = x.lost[JOURNAL]
+    y.energy_lost_freewheel = x.lost[FREEWHEEL]
+    y.energy_lost_windage = x.lost[WINDAGE]
 
 
-def write_late_outputs(d, x, y):
-    """Outputs and locals that take more work than some steps do: torques, audit, imbalance."""
+def write_late_outputs(d: Constants, x: State, y: Outputs) -> None:
+    """Write the late outputs and local variables: torques, energy balance, reaction forces.
+
+    Args:
+        d: Constants; d.machine is written.
+        x: State.
+        y: Outputs with the other ones already written; written.
+    """
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak
     y.housing_torque_peak = x.housing_torque_peak
     y.housing_slip_peak = d.housing * x.housing_slip_peak
     y.output_slip_peak = d.output * x.output_slip_peak
-    stored = x.energy_stored if is_audited(d) else stored_energy(d, x)
-    passed = x.energy_in - x.energy_out - y.energy_lost
+    stored = x.energy_stored if has_energy_check(d) else stored_energy(d, x)
+    net = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored
-    y.energy_residual = passed - (stored - x.energy_start)
+    y.energy_residual = net - (stored - x.energy_start)
     alpha2 = write_torques(d, x, y)
     y.input_acceleration = x.alpha1
-    write_means(d, x, y)
+    write_step_means(d, x, y)
     write_loads(d, x, y, alpha2)

@@ -1,8 +1,9 @@
-"""Sine and cosine together, faster than the library gives them: a good part of the cost of the mechanism.
+"""Sine and cosine of the same angle, faster than the C library: they are a large part of each evaluation.
 
-The argument is reduced to |r| <= pi/4 with pi/2 in three parts, the first two of 33 bits so that their
-multiples are exact; then the polynomials of fdlibm (k_sin.c, k_cos.c), summed in pairs (Estrin) so that a
-processor works on several terms at once. The error stays below one and a half units in the last place.
+The argument is reduced to |r| <= pi/4 with pi/2 in three parts (Cody and Waite). The first two parts have 33
+bits, so that their multiples are exact. The polynomials are taken from fdlibm (k_sin.c, k_cos.c). They are
+summed by Estrin's scheme, so that a processor computes several terms in parallel. The error is below 1.5
+units in the last place.
 """
 
 import math
@@ -11,16 +12,14 @@ import math
 HALF_PI_1 = 1.5707963267341256
 HALF_PI_2 = 6.077100506303966e-11
 HALF_PI_3 = 2.0222662487959506e-21
-QUADRANTS = 0.6366197723675814  # per rad
-# adding and subtracting it rounds to a whole number, on any processor without a detour through integers
-ROUNDER = 6755399441055744.0
-# beyond this the multiples of the parts are no longer exact: left to the library
-LARGEST_ANGLE = 1e6
+QUADRANTS_PER_RAD = 0.6366197723675814
+ROUND_TO_INTEGER = 6755399441055744.0  # Adding and subtracting it rounds to a whole number
+MAX_ANGLE = 1e6  # rad; beyond it the multiples of the parts are not exact, and the library is used
 
 
-def reduced(x):
-    """(sin x, cos x) where |x| < LARGEST_ANGLE."""
-    quadrant = (x * QUADRANTS + ROUNDER) - ROUNDER
+def fast_sine_cosine(x: float) -> tuple[float, float]:
+    """Return (sin x, cos x) for |x| < MAX_ANGLE, x in rad."""
+    quadrant = (x * QUADRANTS_PER_RAD + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
     r = ((x - quadrant * HALF_PI_1) - quadrant * HALF_PI_2) - quadrant * HALF_PI_3
     z = r * r
     z2 = z * z
@@ -37,24 +36,24 @@ def reduced(x):
     half = 0.5 * z
     whole = 1.0 - half
     cosine = whole + (((1.0 - whole) - half) + z2 * even)
-    # two choices of two, which is faster than one of four
+    # Two selections between two values are faster than one between four
     turn = int(quadrant)
     first = cosine if turn & 1 else sine
     second = sine if turn & 1 else cosine
     return -first if turn & 2 else first, -second if (turn + 1) & 2 else second
 
 
-def sine_cosine(x):
-    """(sin x, cos x), x in rad."""
-    if not abs(x) < LARGEST_ANGLE:
+def sine_cosine(x: float) -> tuple[float, float]:
+    """Return (sin x, cos x), x in rad."""
+    if not abs(x) < MAX_ANGLE:
         return math.sin(x), math.cos(x)
-    return reduced(x)
+    return fast_sine_cosine(x)
 
 
-def sines_cosines(x, y):
-    """(sin x, sin y, cos x, cos y): a processor works on both angles at once."""
-    if not (abs(x) < LARGEST_ANGLE and abs(y) < LARGEST_ANGLE):
+def sines_cosines(x: float, y: float) -> tuple[float, float, float, float]:
+    """Return (sin x, sin y, cos x, cos y), x and y in rad, which a processor computes in parallel."""
+    if not (abs(x) < MAX_ANGLE and abs(y) < MAX_ANGLE):
         return math.sin(x), math.sin(y), math.cos(x), math.cos(y)
-    sin_x, cos_x = reduced(x)
-    sin_y, cos_y = reduced(y)
+    sin_x, cos_x = fast_sine_cosine(x)
+    sin_y, cos_y = fast_sine_cosine(y)
     return sin_x, sin_y, cos_x, cos_y

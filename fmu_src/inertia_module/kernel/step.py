@@ -1,55 +1,64 @@
-"""Start, and advance by a communication step, whose energies are looked at before it is answered.
+"""Initialisation and communication steps, with a check of the energy balance of each step.
 
-What the input has put in goes out, is lost or is stored. Whatever has gone wrong in a step that nobody has
-thought of, energy from nowhere, a freewheel that let go too late, shows in their balance.
+The input work is equal to the output work, the losses and the change of the stored energy. Any error of a
+step, such as energy from nowhere or a freewheel that opens too late, violates this balance.
 """
 
 import math
 
 from . import codes
 from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angle
-from .averaged.run import end_step, jump_averaged, run_averaged, speed_at_start, takes_up_jump
+from .averaged.integrate import run_averaged
+from .averaged.mean_motion import end_step, jump_averaged, takes_up_jump
+from .averaged.periodic_orbit import find_orbit, hold_output, release_angle
 from .averaged.torque_map import build_map
-from .derive import derive
+from .checks import check_parameters
 from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
-from .equations.satellites import jams
-from .events.kinematic import keep_ratio
+from .events.kinematic import impose_ratio
 from .impulse import jump_input
-from .inputs import begin, check_hold, check_inputs, check_step, input_speed
-from .links import fastest_own_rate, is_stiff
-from .outputs import is_audited, stored_energy, write_late_outputs, write_outputs
+from .inputs import check_hold, check_inputs, check_step, read_inputs
+from .links import fastest_own_rate
+from .outputs import has_energy_check, shaft_twist, stored_energy, write_late_outputs, write_outputs
+from .parameters import derive_constants
+from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 
-# share of the tolerance that a step is tried again with whose energies do not balance
+# tolerance of the second attempt at a step whose energies do not balance, over the tolerance
 MORE_CARE = 1e-3
-# share of the energies of the step and of the speeds that may be missing: so many tolerances, but neither
-# rounding nor a tenth
+# allowed energy residual over the energies of the step and of the speeds: tolerances, within limits
 TOLERANCES = 1e3
 LEAST = 1e-6
 MOST = 0.1
-# J: less than that is rounding of any machine that moves
+# round-off of the sums since the start, relative
+ROUNDING = 1e-14
+# J, round-off of any machine that moves
 NOTHING = 1e-30
-# tolerance of a step whose results are to be differenced
+# tolerance of a step for differences of its results
 PRECISE = 1e-11
-# share of the speeds by which a given one that the last step should have come to misses it by rounding
-SAME_SPEED = 1e-14
-# phase, rad, in which torques change as rounding of momenta does their means
+# maximum tolerance of a periodic orbit: in free flight the error of a period does not decay
+STEADY_TOLERANCE = 1e-9
+# phase, rad, below which the means of the torques are round-off of momenta
 INSTANT = 1e-8
+# relative round-off of a prescribed speed at the end of the last step
+SAME_SPEED = 1e-14
 
 
-def check_parameters(p, d):
-    """Derive the constants and check the parameters together. Returns a status."""
-    status = derive(p, d)
-    return codes.JAMMED if status == codes.OK and d.losses + d.lossy != 0.0 and jams(d) else status
-
-
-def check(p, d, u):
-    """Derive the constants and check parameters and inputs. Returns a status."""
-    status = check_parameters(p, d)
+def check(p: Parameters, d: Constants, u: Inputs) -> int:
+    """Derive the constants, check parameters and inputs, and return the status."""
+    derive_constants(p, d)
+    status = check_parameters(d)
     return check_inputs(u) if status == codes.OK else status
 
 
-def start(p, d, u, x, y, w):
-    """Derive the constants and set state and outputs at the end of initialisation. Returns a status."""
+def restore(p: Parameters, d: Constants, u: Inputs, w: Workspace) -> int:
+    """Check as check does; a map that a rejected change of parameters has cost is built again."""
+    status = check(p, d, u)
+    if status == codes.OK and d.fidelity == codes.AVERAGED and d.map_ready < 0.0:
+        status = build_map(p, d, w)
+    return status
+
+
+def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace) -> int:
+    """Derive the constants, set state and outputs at the end of initialisation, and return the status."""
     status = check(p, d, u)
     if status != codes.OK:
         return status
@@ -58,7 +67,7 @@ def start(p, d, u, x, y, w):
         if status != codes.OK:
             return status
     clear(x.numbers)
-    x.omega1 = input_speed(u)
+    x.omega1 = u.omega1
     x.held_input = x.omega1
     x.load_torque = u.load_torque
     x.drive_torque = u.drive_torque
@@ -70,12 +79,12 @@ def start(p, d, u, x, y, w):
     x.play_housing = d.housing_engagement_angle if x.omega2 > 0.0 else 0.0
     x.play_output = d.output_engagement_angle if x.omega3 > x.omega2 else 0.0
     if d.fidelity == codes.AVERAGED:
-        x.omega1 = speed_at_start(d, x)
         end_step(d, x)
-        x.omega1 = x.held_input  # the map has it but for rounding
         x.switches = 0.0
     else:
         follow_parameters(d, x)
+    if d.rigid_shaft != 0.0:
+        x.twist = shaft_twist(d, x)
     x.energy_start = stored_energy(d, x)
     x.energy_stored = x.energy_start
     write_outputs(x, y)
@@ -83,12 +92,13 @@ def start(p, d, u, x, y, w):
     return codes.OK
 
 
-def tune(p, d, x, w):
-    """Derive the constants anew from parameters that have changed between steps. Returns a status.
+def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
+    """Derive the constants again after a change of tunable parameters between steps, and return the status.
 
-    What the state knows of the last step no longer holds; with a status other than OK it is left as it was.
+    Torques and rates of the last step no longer hold. If the status is not OK, the state is unchanged.
     """
-    status = check_parameters(p, d)
+    derive_constants(p, d)
+    status = check_parameters(d)
     if status == codes.OK and d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
     if status == codes.OK:
@@ -98,10 +108,48 @@ def tune(p, d, x, w):
     return status
 
 
-def is_instant(d, x, h):
-    """Tell whether impulses of the step are those of the torques at its end, but for rounding of momenta.
+def start_steady(
+    p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, length: float
+) -> int:
+    """Start the module in its periodic orbit with the output held at its starting speed.
 
-    These are then in d.machine.
+    Sums and means are of one period.
+
+    Args:
+        p: parameters
+        d: constants, derived here; the output is heavy from then on
+        u: inputs
+        x: state
+        y: outputs
+        w: workspace
+        length: angle of the pinion shaft that counts as a period, rad
+
+    Returns:
+        Status: OK, or NO_CYCLIC_STEADY_STATE if links 1 and 2 stick together.
+    """
+    status = check(p, d, u)
+    if status != codes.OK:
+        return status
+    hold_output(d)
+    w.tolerance = min(d.tolerance, STEADY_TOLERANCE)
+    d.map_evaluations = w.orbit_torque = 0.0
+    w.orbit_start = release_angle(d, 1.0 if u.omega1 > 0.0 else -1.0)
+    time = find_orbit(d, x, w, u.omega1, d.omega_out_start / abs(u.omega1), length)
+    if time < 0.0:
+        return codes.NO_CYCLIC_STEADY_STATE
+    x.length = time
+    end(d, x, time, 0.0, 0.0, 0.0)
+    x.energy_stored = stored_energy(d, x)
+    write_outputs(x, y)
+    write_late_outputs(d, x, y)
+    return codes.OK
+
+
+def is_instant(d: Constants, x: State, h: float) -> bool:
+    """Return True if the impulses of the step are the torques at its end times its length.
+
+    A host whose time is rounded leaves steps of 1e-17 s, in which changes of momenta are rounding. These
+    torques are then in d.machine.
     """
     m = d.machine
     fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
@@ -114,7 +162,7 @@ def is_instant(d, x, h):
     return missing <= SAME_SPEED * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
 
 
-def pass_mesh(d, x, output):
+def pass_mesh(d: Constants, x: State, output: float) -> None:
     """Impulse that the mesh has passed to link 2, by its momentum: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
     x.mesh_impulse = output - x.housing_impulse
     if d.fidelity != codes.AVERAGED:  # there what it gains is the pulses'
@@ -125,8 +173,8 @@ def pass_mesh(d, x, output):
         x.mesh_impulse += d.b2 * (turned1 - turned / d.k)
 
 
-def end(d, x, h, jump, input_jump, output_jump):
-    """Means over the step, all impulses included; where they cannot be told the torques of its end."""
+def end(d: Constants, x: State, h: float, jump: float, input_jump: float, output_jump: float) -> None:
+    """Write means over the step, all impulses included, or the torques at the end of a very short step."""
     pass_mesh(d, x, output_jump + x.output_impulse)
     if jump == 0.0 and is_instant(d, x, h):
         m = d.machine
@@ -142,8 +190,8 @@ def end(d, x, h, jump, input_jump, output_jump):
     x.evaluations += x.step_evaluations
 
 
-def is_finite(x):
-    """Tell whether the motion, its energies and its means are: all else follows from them."""
+def is_finite(x: State) -> bool:
+    """Return True if the motion, its energies and its means are finite; all else follows from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
     energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(total(x.lost))
@@ -151,14 +199,20 @@ def is_finite(x):
     return (motion + shaft) + (energies + means) < 1e300
 
 
-def advance(d, u, x, y, w, h, operation):
-    """Advance by the communication step h, s, or to the first switch in it (operation STEP_TO_SWITCH).
+def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: float, operation: int) -> int:
+    """Advance by a communication step, or up to its first event, and return the status.
 
-    A status other than OK leaves state and outputs as they were.
+    If the status is not OK, state and outputs are unchanged.
 
     Args:
-        operation: that asks for it; with STEP_ONLY and STEP_TO_SWITCH the late outputs stay as they were,
-            with STEP_PRECISELY differences of results are free of the noise of the tolerance.
+        d: constants.
+        u: inputs.
+        x: state.
+        y: outputs.
+        w: workspace.
+        h: communication step, s.
+        operation: STEP, or a variant: STEP_ONLY and STEP_UNTIL_EVENT leave the late outputs unchanged;
+            STEP_FOR_DIFFERENCING makes differences of results free of the noise of the tolerance.
     """
     status = check_step(u, h)
     if status == codes.OK and d.drive == codes.DRIVE_SPEED:
@@ -166,7 +220,7 @@ def advance(d, u, x, y, w, h, operation):
     if status != codes.OK:
         return status
     copy(w.before.numbers, x.numbers)
-    w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_PRECISELY else d.tolerance
+    w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_FOR_DIFFERENCING else d.tolerance
     status = run(d, u, x, w, h)
     if status == codes.NOT_BALANCED:
         copy(x.numbers, w.before.numbers)
@@ -176,24 +230,23 @@ def advance(d, u, x, y, w, h, operation):
         copy(x.numbers, w.before.numbers)
         return status
     write_outputs(x, y)
-    if operation != codes.STEP_ONLY and operation != codes.STEP_TO_SWITCH:
+    if operation != codes.STEP_ONLY and operation != codes.STEP_UNTIL_EVENT:
         write_late_outputs(d, x, y)
     return codes.OK
 
 
-def change(after, after_low, before, before_low):
-    """Change of a compensated sum."""
-    return (after - before) + (after_low - before_low)
-
-
-def audit(d, x, before, stored, tolerance):
-    """Tell whether the energies of the step balance: OK or NOT_BALANCED.
+def audit(d: Constants, x: State, before: State, stored: float, tolerance: float) -> int:
+    """Return OK if the energies of the step balance, otherwise NOT_BALANCED.
 
     Args:
-        before: state before the step. stored: energy after it, J, kept in x. tolerance: of the step.
+        d: constants.
+        x: state after the step; its stored energy is written.
+        before: state before the step.
+        stored: stored energy after the step, J.
+        tolerance: tolerance of the step.
     """
-    put_in = change(x.energy_in, x.energy_in_low, before.energy_in, before.energy_in_low)
-    put_out = change(x.energy_out, x.energy_out_low, before.energy_out, before.energy_out_low)
+    put_in = x.energy_in - before.energy_in
+    put_out = x.energy_out - before.energy_out
     lost = x.step_lost
     missing = put_in - put_out - lost - (stored - before.energy_stored)
     energies = abs(put_in) + abs(put_out) + abs(lost) + abs(stored) + abs(before.energy_stored)
@@ -202,24 +255,26 @@ def audit(d, x, before, stored, tolerance):
     share = max(LEAST, min(TOLERANCES * tolerance, MOST))
     slow = share * fastest  # speeds that may be missing: of a slow swing all that there is
     allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
+    # energies since the start are sums that round
+    allowed += ROUNDING * (abs(x.energy_in) + abs(x.energy_out) + abs(total(x.lost)))
     return codes.OK if abs(missing) <= allowed + NOTHING else codes.NOT_BALANCED
 
 
-def apply_jump(d, u, x, h, jump):
-    """Apply a jump of the speed of link 1, or of a prescribed ratio. Returns impulses of M1 and Tc, N m s."""
+def apply_jump(d: Constants, u: Inputs, x: State, h: float, jump: float) -> tuple[float, float]:
+    """Apply a jump of the input speed or of a prescribed ratio; return the impulses of M1 and Tc, N m s."""
     if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
-        return jump_input(d, x, jump, d.fidelity == codes.ELASTIC and is_stiff(d, x, u.omega1))
+        return jump_input(d, x, jump)
     if takes_up_jump(d, x, jump, h):
         x.alpha1 += jump / h
         return 0.0, 0.0
     return jump_averaged(d, x, jump), 0.0
 
 
-def run(d, u, x, w, h):
+def run(d: Constants, u: Inputs, x: State, w: Workspace, h: float) -> int:
     """Advance the state by h under the inputs, and look at its energies. Returns a status."""
     switch_now(d, x)
-    jump = begin(d, u, x, h)
+    jump = read_inputs(d, u, x, h)
     if abs(jump) <= SAME_SPEED * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
         x.omega1 += jump  # (as a jump it would let freewheels go)
         jump = 0.0
@@ -235,14 +290,18 @@ def run(d, u, x, w, h):
         return status
     if d.by_torque == 0.0:
         x.omega1 = start1 + x.alpha1 * x.length
-        x.omega1_low = 0.0
         if d.fidelity == codes.KINEMATIC:
-            keep_ratio(d, x)
+            impose_ratio(d, x)
     else:
         if d.fidelity != codes.AVERAGED:
             follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
     end(d, x, x.length, jump, input_jump, output_jump)
+    if d.rigid_shaft != 0.0:
+        x.twist = shaft_twist(d, x)
     if not is_finite(x):
         return codes.NOT_FINITE
-    return audit(d, x, w.before, stored_energy(d, x), w.tolerance) if is_audited(d) else codes.OK
+    if not has_energy_check(d):
+        return codes.OK
+    stored = stored_energy(d, x)
+    return audit(d, x, w.before, stored, w.tolerance)

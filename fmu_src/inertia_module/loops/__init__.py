@@ -1,7 +1,7 @@
-"""Surroundings of an FMU, stepped together with it.
+"""Environment of an FMU, simulated together with the FMU.
 
-Loads, controllers and sources are systems in discrete time, which closed_loop.py connects, with systems of
-python-control too. What an engine in front of the module needs is in engine.py.
+Loads, controllers and sources are discrete-time systems. closed_loop.py connects them, also with systems of
+python-control. engine.py contains the torque map and the governor of an engine upstream of the module.
 """
 
 from . import closed_loop, controllers, engine, loads, sources

@@ -1,4 +1,4 @@
-"""The loop: sources, controllers and loads, connected by the names of their signals, around an FMU."""
+"""Closed loop of an FMU with sources, controllers and loads, connected by the names of their signals."""
 
 from __future__ import annotations
 
@@ -19,45 +19,45 @@ __all__ = ["ClosedLoop", "connect", "initial_inputs"]
 
 PLANT_INPUTS = ("omega1", "load_torque", "drive_torque")
 
-# units of the signals that sources, controllers and loads bring along
+# units of the signals of loads and controllers
 SIGNAL_UNITS = {"vehicle_speed": "m/s", "distance": "m", "brake_force": "N", "load_speed": "rad/s"}
 SIGNAL_UNITS |= dict.fromkeys(("drag_torque", "slope_torque", "rolling_torque", "brake_torque"), "N.m")
 
 
 def connect(systems: Sequence[Any]) -> Any:
-    """Connect systems by the names of their signals to the one system around the FMU.
+    """Connect systems by the names of their signals to one system, the environment of the FMU.
 
-    An input of one is driven by the output of the same name of another; inputs that none drives are
-    outputs of the FMU. Systems of python-control go in as well; control.interconnect then connects all.
+    Each input is connected to the output with the same name. Inputs without such an output are outputs of the
+    FMU. If systems of python-control are among the systems, control.interconnect connects all.
 
     Args:
-        systems: loads, controllers, sources and discrete-time python-control systems of one step, each with a
-            name of its own.
+        systems: Loads, controllers, sources and discrete-time python-control systems with equal steps and
+            different names.
 
     Returns:
-        A system whose outputs are all outputs of the systems: Sampled, of sources alone Sources, with one of
-        python-control among them a control.InterconnectedSystem.
+        A system whose outputs are all outputs of the systems: Sources if all are sources, a
+        control.InterconnectedSystem with systems of python-control, else Sampled.
 
     Raises:
-        ValueError: two systems give the same signal, or their steps differ.
+        ValueError: Two systems have an output of the same name, or the steps differ.
     """
     origin: dict[str, str] = {}
     for system in systems:
         for label in system.output_labels:
             if label in origin:
-                both = f"{origin[label]} and {system.name}"
-                raise ValueError(must_be(label, "the output of one system only", both))
+                names = f"{origin[label]} and {system.name}"
+                raise ValueError(must_be(label, "the output of one system only", names))
             origin[label] = system.name
-    given, labels = list(origin), [label for system in systems for label in system.input_labels]
-    wanted = [label for label in dict.fromkeys(labels) if label not in origin]
+    outputs, labels = list(origin), [label for system in systems for label in system.input_labels]
+    inputs = [label for label in dict.fromkeys(labels) if label not in origin]
     if not all(isinstance(system, Sampled) for system in systems):
         import control as ct
 
         return ct.interconnect(
             [system.to_control() if isinstance(system, Sampled) else system for system in systems],
-            inputs=wanted,
+            inputs=inputs,
             outlist=[f"{name}.{label}" for label, name in origin.items()],
-            outputs=given,
+            outputs=outputs,
             name="surroundings",
         )
     if len({system.dt for system in systems}) > 1:
@@ -66,67 +66,80 @@ def connect(systems: Sequence[Any]) -> Any:
     if all(isinstance(system, Sources) for system in systems):
         signals = {name: signal for system in systems for name, signal in system.signals.items()}
         return Sources(signals, systems[0].dt)
-    return _surroundings(systems, wanted, given)
+    return _connect_sampled(systems, inputs, outputs)
 
 
-def _surroundings(systems: Sequence[Sampled], wanted: Sequence[str], given: Sequence[str]) -> Sampled:
-    """Connect systems, from signals wanted to those given, by laws evaluated until no input changes."""
-    places = {label: place for place, label in enumerate([*wanted, *given])}
-    parts, outputs_from, states_from = [], len(wanted), 0
+def _connect_sampled(
+    systems: Sequence[Sampled], free_inputs: Sequence[str], all_outputs: Sequence[str]
+) -> Sampled:
+    """Connect sampled systems; their laws are evaluated until no input changes (fixed-point iteration).
+
+    Args:
+        systems: The systems.
+        free_inputs: Names of the inputs without a connected output.
+        all_outputs: Names of all outputs, in the order of the systems.
+
+    Raises:
+        ValueError: At run time, if the systems have an algebraic loop.
+    """
+    places = {label: place for place, label in enumerate([*free_inputs, *all_outputs])}
+    parts, outputs_from, states_from = [], len(free_inputs), 0
     for system in systems:
         outputs_to, states_to = outputs_from + len(system.output_labels), states_from + system.nstates
         inputs = [places[label] for label in system.input_labels]
         parts.append((system.law, inputs, slice(outputs_from, outputs_to), slice(states_from, states_to)))
         outputs_from, states_from = outputs_to, states_to
-    # what nothing drives first: the others then have it at once
-    numbered = sorted(enumerate(parts), key=lambda part: bool(part[1][1]))
+    # Systems without inputs come first, so the others use their outputs in the first pass.
+    order = sorted(enumerate(parts), key=lambda part: bool(part[1][1]))
 
     def law(time: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
-        values, following = [*u, *[0.0] * len(given)], [0.0] * states_from
-        seen: list[list[float] | None] = [None] * len(parts)
+        values, next_states = [*u, *[0.0] * len(all_outputs)], [0.0] * states_from
+        last_inputs: list[list[float] | None] = [None] * len(parts)
         for _ in range(len(parts) + 1):
-            settled = True
-            for number, (part, inputs, outputs, states) in numbered:
-                now = [values[place] for place in inputs]
-                if now != seen[number]:
-                    seen[number], settled = now, False
-                    values[outputs], following[states] = part(time, x[states], now)
-            if settled:
-                return values[len(wanted) :], following
-        raise ValueError(f"algebraic loop among {', '.join(given)}")
+            is_converged = True
+            for number, (part, inputs, outputs, states) in order:
+                part_inputs = [values[place] for place in inputs]
+                if part_inputs != last_inputs[number]:
+                    last_inputs[number], is_converged = part_inputs, False
+                    values[outputs], next_states[states] = part(time, x[states], part_inputs)
+            if is_converged:
+                return values[len(free_inputs) :], next_states
+        raise ValueError(f"algebraic loop among {', '.join(all_outputs)}")
 
     names = [f"{system.name}_{label}" for system in systems for label in system.state_labels]
-    return Sampled("surroundings", systems[0].dt, wanted, given, law, names)
+    return Sampled("surroundings", systems[0].dt, free_inputs, all_outputs, law, names)
 
 
 def initial_inputs(surroundings: Any, measured: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Inputs that the surroundings give the FMU at time 0: to be set before the end of its initialisation.
+    """Return the inputs of the FMU at time 0, to set before the end of its initialisation.
 
     Args:
-        surroundings: of connect. measured: outputs of the FMU at the start that are not 0.
+        surroundings: Environment of the FMU, from connect.
+        measured: Initial outputs of the FMU that are not 0, by name.
     """
-    known = measured or {}
-    given = np.array([known.get(label, 0.0) for label in surroundings.input_labels])
-    values = surroundings.output(0.0, np.zeros(surroundings.nstates), given)
+    outputs = measured or {}
+    inputs = np.array([outputs.get(label, 0.0) for label in surroundings.input_labels])
+    values = surroundings.output(0.0, np.zeros(surroundings.nstates), inputs)
     signals = dict(zip(surroundings.output_labels, values, strict=True))
     return {name: float(signals[name]) for name in PLANT_INPUTS if name in signals}
 
 
 class ClosedLoop:
-    """An FMU and the systems around it, stepped together at the step of these systems.
+    """Simulation of an FMU and its environment, with the step of the environment.
 
-    Order in a step (Gauss-Seidel): read the FMU, let the systems follow to this time with what was
-    read, take their outputs, set the inputs of the FMU, advance it. So the FMU goes first and its
-    surroundings follow over the same step, which keeps an undamped elastic coupling stable up to a
-    natural frequency of 2 / step (see Load.check_step).
+    Each step is a Gauss-Seidel iteration: read the FMU, advance the environment to this time, evaluate the
+    outputs of the environment, set the inputs of the FMU, advance the FMU. The environment advances after the
+    FMU over the same step. An undamped elastic coupling is therefore stable up to a natural frequency of 2 /
+    step (see Load.check_step).
 
     Args:
-        plant: a started FMU. surroundings: of connect.
-        outputs: variables of the FMU to record besides the signals of the surroundings.
-        units: of signals with names of your own.
+        plant: An initialised FMU.
+        surroundings: Environment of the FMU, from connect.
+        outputs: Variables of the FMU to record in addition to the signals of the environment.
+        units: Units of signals, by name, in addition to SIGNAL_UNITS.
 
     Raises:
-        ValueError: the surroundings give no input of the FMU.
+        ValueError: No signal of the environment is an input of the FMU.
     """
 
     def __init__(
@@ -140,7 +153,7 @@ class ClosedLoop:
         self.surroundings = surroundings
         self.step = float(surroundings.dt)
         signals: list[str] = surroundings.output_labels
-        self._measured = len(surroundings.input_labels)
+        self._n_measured = len(surroundings.input_labels)
         self._outputs = [name for name in dict.fromkeys(as_names(outputs)) if name not in signals]
         self._driven = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
         if not self._driven:
@@ -152,17 +165,17 @@ class ClosedLoop:
         self._units = {**SIGNAL_UNITS, **(units or {})}
 
     def run(self, stop_time: float, progress: Progress | None = None, substeps: int = 1) -> Result:
-        """Step to the stop time and return a row a communication point as a named table.
+        """Simulate to the stop time and return a table with one row per communication point.
 
         Args:
-            stop_time: s.
-            progress: called with the share of the run that is done, 0 to 1.
-            substeps: steps of the FMU, and rows, in a step of the surroundings, which are evaluated at its
-                begin. Sources alone are evaluated in each row.
+            stop_time: Stop time, s.
+            progress: Function called with the completed fraction of the run, 0 to 1.
+            substeps: Steps of the FMU, and rows, per step of the environment. The environment is evaluated
+                at the start of its step; an environment of sources alone is evaluated in each row.
 
         Raises:
-            ValueError: the stop time is not a whole number of steps.
-            FmuError: the FMU rejects a value or a step.
+            ValueError: The stop time is not a multiple of the step.
+            FmuError: The FMU rejects a value or a step.
         """
         number, first = whole_steps(stop_time, self.step), 1 + len(self._outputs)
         if not number:
@@ -177,30 +190,39 @@ class ClosedLoop:
             lengths = np.full(len(rows) - 1, length)
             run(self.plant, lengths, inputs, self._outputs, rows[:, 1:first], progress)
         else:
-            self._close(rows, first, substeps, progress)
-        known = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
-        return Result.from_rows(self.names, rows, {name: known.get(name, "") for name in self.names[1:]})
+            self._run_loop(rows, first, substeps, progress)
+        units = self._units | {name: BY_NAME[name].unit for name in self.names if name in BY_NAME}
+        return Result.from_rows(self.names, rows, {name: units.get(name, "") for name in self.names[1:]})
 
-    def _close(self, rows: NDArray[np.float64], first: int, substeps: int, progress: Progress | None) -> None:
-        """Fill rows whose times are given; columns from first on are the signals of the surroundings."""
+    def _run_loop(
+        self, rows: NDArray[np.float64], first: int, substeps: int, progress: Progress | None
+    ) -> None:
+        """Simulate with an environment that depends on the FMU, and fill rows.
+
+        Args:
+            rows: Rows, shape (n, columns), with times in column 0.
+            first: First column of the signals of the environment.
+            substeps: Steps of the FMU per step of the environment.
+            progress: Function called with the completed fraction of the run, 0 to 1.
+        """
         number, systems = (len(rows) - 1) // substeps, self.surroundings
         report_every = max(number // 200, 1)
         names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)
         lengths = np.full(substeps, self.step / substeps)
-        given, ends = np.empty((substeps, len(driven))), np.empty((substeps + 1, len(names)))
+        inputs, ends = np.empty((substeps, len(driven))), np.empty((substeps + 1, len(names)))
         ends[-1] = self.plant.read(names)
         state: Any = [0.0] * systems.nstates
         for n, time in enumerate(rows[::substeps, 0].tolist()):
-            measured = ends[-1, : self._measured].tolist()
+            measured = ends[-1, : self._n_measured].tolist()
             if n > 0 and systems.nstates:
                 state = systems.dynamics(time, state, measured)
             signals = systems.output(time, state, measured)
             begin = n * substeps
-            rows[begin, 1:first] = ends[-1, self._measured :]
+            rows[begin, 1:first] = ends[-1, self._n_measured :]
             rows[begin : begin + substeps, first:] = signals
             if progress is not None and (n % report_every == 0 or n == number):
                 progress(n / number)
             if n < number:
-                given[:] = [signals[index] for _, index in self._driven]
-                self.plant.take_steps(lengths, driven, given, names, ends)
-                rows[begin + 1 : begin + substeps, 1:first] = ends[1:-1, self._measured :]
+                inputs[:] = [signals[index] for _, index in self._driven]
+                self.plant.take_steps(lengths, driven, inputs, names, ends)
+                rows[begin + 1 : begin + substeps, 1:first] = ends[1:-1, self._n_measured :]

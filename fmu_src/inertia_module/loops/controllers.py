@@ -1,4 +1,4 @@
-"""Controllers in discrete time: PI with limits and anti-windup, and the driver's brake."""
+"""Discrete-time controllers: PI with limits and anti-windup, and the brake of a driver."""
 
 from __future__ import annotations
 
@@ -21,22 +21,25 @@ def pi_speed_controller(
     measured: str = "omega_out",
     command: str = "omega1",
 ) -> Any:
-    """PI controller with output limits, feedforward of the reference and anti-windup by back-calculation.
+    """Make a PI controller with output limits, feedforward and anti-windup by back-calculation.
 
-    Its law is that of Governor, for any speed and any command.
+    The control law is Governor.sample, for any measured speed and any command.
 
     Args:
-        step: communication step, s. limits: least and greatest command.
-        proportional_gain: command per unit of the measured speed; integral_gain: and second.
-        feedforward: command per unit of the reference.
-        measured: name of the measured speed. command: name of the output.
+        step: Communication step, s.
+        proportional_gain: Command per unit of the measured speed.
+        integral_gain: Rate of the command, 1/s, per unit of the measured speed.
+        limits: Minimum and maximum command.
+        feedforward: Command per unit of the reference.
+        measured: Name of the measured speed.
+        command: Name of the output.
 
     Returns:
-        A system with inputs reference and measured, output command, and the integral, in units of the
-        command, as its state.
+        A system with the inputs "reference" and ``measured`` and the output ``command``. Its state is the
+        integral, in units of the command.
 
     Raises:
-        ValueError: a gain is negative or not finite, or the limits are not in order.
+        ValueError: A gain is negative or not finite, or the limits are not in order.
     """
     governor = Governor(proportional_gain, integral_gain, step)
     low, high = limits
@@ -44,21 +47,24 @@ def pi_speed_controller(
         raise ValueError(must_be("limits", "a minimum below a maximum", f"{low:g} and {high:g}"))
 
     def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
-        commanded, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
-        return [commanded], [integral]
+        output, integral = governor.sample(x[0], u[0], u[1], limits, feedforward * u[0])
+        return [output], [integral]
 
     return Sampled("pi_speed_controller", step, ["reference", measured], [command], law, ["integral"])
 
 
 def driver_brake(step: float, gain: float, greatest: float, margin: float = 0.0) -> Any:
-    """The driver's brake: a force in proportion to the excess of the vehicle's speed.
+    """Make the brake of a driver: a force proportional to the excess of the vehicle speed.
 
     Args:
-        step: communication step, s. gain: N per m/s. greatest: force the brakes can have, N.
-        margin: excess of speed without braking, m/s.
+        step: Communication step, s.
+        gain: Force per excess speed, N.s/m.
+        greatest: Maximum force of the brake, N.
+        margin: Excess speed at which the brake begins to act, m/s.
 
     Returns:
-        A system without states, with inputs reference and vehicle_speed, m/s, and output brake_force, N.
+        A system without states, with the inputs reference and vehicle_speed, m/s, and the output
+        brake_force, N.
     """
 
     def law(_: float, __: Any, u: Any) -> tuple[list[float], tuple[()]]:

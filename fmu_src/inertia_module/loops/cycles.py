@@ -1,4 +1,4 @@
-"""Driving cycles: vehicle speed over time as regulations prescribe it, and the tolerance of the driver."""
+"""Driving cycles of regulations: vehicle speed over time, and the tolerance of the driver."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ..harness.results import read_columns
 KILOMETRE_PER_HOUR = 1.0 / 3.6
 MILE_PER_HOUR = 0.44704
 
-# UN Regulation No. 83 (Annex 4a), UN GTR No. 15 (Annex 6) and 40 CFR 86.115 have the same rule: the speed may
-# differ by two units of the schedule from the speeds that it prescribes within a second
+# UN Regulation No. 83 (Annex 4a), UN GTR No. 15 (Annex 6) and 40 CFR 86.115 have the same rule. The speed may
+# differ by two units of the schedule from its speeds within one second before and after.
 TOLERANCE_UNITS = 2.0
 TIME_TOLERANCE = 1.0  # s
 
@@ -23,14 +23,14 @@ SCHEDULES = Path(__file__).with_name("schedules")
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """A driving cycle: vehicle speed, linear between breakpoints and constant beyond them.
+    """Driving cycle: vehicle speed over time, linear between breakpoints and constant beyond them.
 
     Attributes:
-        name: name for people.
-        time: breakpoints, s, shape (n,), in ascending order; two equal breakpoints are a step.
-        speed: speed at the breakpoints, m/s, shape (n,).
-        speed_tolerance: allowed deviation of the speed, m/s.
-        source: regulation that publishes the values.
+        name: Name in messages and figures.
+        time: Breakpoints, s, shape (n,), in ascending order; two equal breakpoints are a step.
+        speed: Speed at the breakpoints, m/s, shape (n,).
+        speed_tolerance: Allowed deviation of the speed, m/s.
+        source: Regulation that publishes the values.
     """
 
     name: str
@@ -41,14 +41,14 @@ class Cycle:
 
     @property
     def duration(self) -> float:
-        """End of the cycle, s."""
+        """Return the end of the cycle, s."""
         return float(self.time[-1])
 
     def speed_at(self, time: ArrayLike) -> NDArray[np.float64]:
         """Return the speed at times.
 
         Args:
-            time: s, any shape.
+            time: Times, s, any shape.
 
         Returns:
             Speed, m/s, of the same shape.
@@ -56,26 +56,26 @@ class Cycle:
         return np.interp(np.asarray(time, dtype=np.float64), self.time, self.speed)
 
     def tolerance_band(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the lowest and the highest speed that the tolerance allows.
+        """Return the minimum and maximum speed within the tolerance.
 
-        The extremes of a function that is linear in pieces are at the ends of the time window or at the
-        breakpoints in it.
+        The extremes of a piecewise linear function are at the ends of the time window or at breakpoints
+        within it.
 
         Args:
-            time: s, shape (n,).
+            time: Times, s, shape (n,).
 
         Returns:
-            (lower, upper), m/s, each of shape (n,).
+            Minimum and maximum, m/s, shape (n,) each.
         """
         times = np.asarray(time, dtype=np.float64)
         begin, end = times - TIME_TOLERANCE, times + TIME_TOLERANCE
         ends = self.speed_at(begin), self.speed_at(end)
         first, last = self.time.searchsorted(begin, "left"), self.time.searchsorted(end, "right")
-        # reduceat takes pairs (first, last) of half-open ranges; every second result is between two windows
-        pairs, padded = np.column_stack([first, last]).ravel(), np.append(self.speed, self.speed[-1])
-        empty = first == last
+        # reduceat evaluates half-open ranges [first, last). Every second result is between two windows.
+        pairs, values = np.column_stack([first, last]).ravel(), np.append(self.speed, self.speed[-1])
+        is_empty = first == last
         lowest, highest = (
-            extreme(extreme(*ends), np.where(empty, ends[0], extreme.reduceat(padded, pairs)[::2]))
+            extreme(extreme(*ends), np.where(is_empty, ends[0], extreme.reduceat(values, pairs)[::2]))
             for extreme in (np.minimum, np.maximum)
         )
         return np.maximum(lowest - self.speed_tolerance, 0.0), highest + self.speed_tolerance
@@ -85,9 +85,9 @@ def read_schedule(name: str, file: str, source: str) -> Cycle:
     """Read a published cycle.
 
     Args:
-        name: name of the cycle in scenes.
-        file: CSV file in SCHEDULES with the columns time [s] and speed [km/h] or [mph], as published.
-        source: regulation that publishes the values.
+        name: Name of the cycle in scenes.
+        file: CSV file in SCHEDULES with the published columns time [s] and speed [km/h] or [mph].
+        source: Regulation that publishes the values.
     """
     columns, units = read_columns(SCHEDULES / file)
     unit = {"km/h": KILOMETRE_PER_HOUR, "mph": MILE_PER_HOUR}[units["speed"]]
@@ -95,9 +95,9 @@ def read_schedule(name: str, file: str, source: str) -> Cycle:
     return Cycle(name, np.array(columns["time"]), speed, TOLERANCE_UNITS * unit, source)
 
 
-# An inertia module has no gears. It drives the gear changes of ECE R15 and NEDC at constant speed, as the
-# tables prescribe for cars with a manual gearbox. The output freewheel opens where the clutch is to be
-# disengaged. ECE R15 then is 1.018 km long; the regulation gives 1.013 km and a mean speed of 19 km/h.
+# ECE R15 and NEDC contain the gear changes at constant speed that their tables prescribe for manual
+# gearboxes. An inertia module has no gears, and its output freewheel opens when the tables disengage the
+# clutch. ECE R15 is therefore 1.018 km long; the regulation states 1.013 km and a mean speed of 19 km/h.
 ELEMENTARY_URBAN_CYCLE = read_schedule(
     "ECE R15", "ece_r15.csv", "UN Regulation No. 83, Annex 4a, Table 1 (elementary urban cycle)"
 )

@@ -1,7 +1,8 @@
-"""An engine or motor in front of a module: limits of its torque, its governor, and what the module carries.
+"""Engine or motor upstream of a module: limits of its torque, its governor, and the interface inertia.
 
-Driven by torque the module carries the rotor, and what is left of the engine is its map and its sampled
-governor, which sees the speed of link 1 at communication points. docs/coupling.md compares other ways.
+In a torque-driven module the inertia of the rotor belongs to link 1. The model of the engine is then its
+torque map and its governor, which samples the speed of link 1 at communication points. docs/coupling.md
+compares other couplings.
 """
 
 from __future__ import annotations
@@ -24,14 +25,14 @@ __all__ = ["EngineMap", "Governor", "InterfaceInertia", "interface_inertia", "to
 
 
 def check_drag(name: str, torques: Sequence[float]) -> None:
-    """Reject torques with the sign of another convention.
+    """Reject drag torques with the opposite sign convention.
 
     Args:
-        name: name of the torques in the message.
-        torques: size of the torque against the motion, N.m.
+        name: Name of the torques in the message.
+        torques: Magnitudes of the torque against the motion, N.m.
 
     Raises:
-        ValueError: a torque is negative.
+        ValueError: A torque is negative.
     """
     if min(torques) < 0.0:
         raise ValueError(
@@ -41,7 +42,14 @@ def check_drag(name: str, torques: Sequence[float]) -> None:
 
 
 def check_rising(speed: Sequence[float]) -> None:
-    """Raise a ValueError if speeds, rad/s, do not increase: a torque over the speed has no steps."""
+    """Reject breakpoints that do not strictly increase, because a torque over speed has no steps.
+
+    Args:
+        speed: Breakpoints, rad/s.
+
+    Raises:
+        ValueError: The breakpoints do not increase.
+    """
     for before, after in pairwise(speed):
         if not before < after:
             raise ValueError(must_be("speed", "strictly increasing", f"{after:g} after {before:g}"))
@@ -49,14 +57,15 @@ def check_rising(speed: Sequence[float]) -> None:
 
 @dataclass(frozen=True)
 class EngineMap:
-    """Limits of the torque over the speed, linear between breakpoints, constant beyond them.
+    """Limits of the engine torque over the speed, linear between breakpoints, constant beyond them.
 
     Attributes:
-        speed: breakpoints, rad/s, rising. greatest: torque at full load, N.m, at each of them, from 0.
-        drag: torque against the motion without fuel, N.m, from 0.
+        speed: Breakpoints, rad/s, strictly increasing, length n.
+        greatest: Torque at full load, N.m, non-negative, length n.
+        drag: Torque against the motion without fuel, N.m, non-negative, length n.
 
     Raises:
-        ValueError: breakpoints that do not rise, or torques negative or not one for each.
+        ValueError: The breakpoints do not increase, a torque is negative, or lengths differ.
     """
 
     speed: tuple[float, ...]
@@ -75,24 +84,30 @@ class EngineMap:
         check_drag("drag", self.drag)
 
     def limits(self, speed: float) -> tuple[float, float]:
-        """Least and greatest torque at a speed, N.m. The drag acts on a turning engine only."""
+        """Return minimum and maximum torque at a speed, N.m; drag acts only on a rotating engine.
+
+        Args:
+            speed: Speed of the engine, rad/s.
+        """
         drag = between(self.speed, self.drag, speed) if speed > 0.0 else 0.0
         return -drag, between(self.speed, self.greatest, speed)
 
 
 @dataclass(frozen=True)
 class Governor:
-    """PI speed governor, sampled, with anti-windup by back-calculation against the limits of the moment.
+    """Sampled PI speed governor with anti-windup by back-calculation.
 
-    Where the torque is cut off, the integral is led back with the time constant of the governor,
-    proportional_gain / integral_gain, but not faster than the sample time.
+    If the torque saturates, the integral tracks the limit with the time constant of the governor,
+    proportional_gain / integral_gain, or with the sample time if this is longer.
     Source: Åström and Murray, Feedback Systems (2nd edition 2021), section 11.4.
 
     Attributes:
-        proportional_gain: N.m per rad/s. integral_gain: N.m per rad. sample_time: s.
+        proportional_gain: Proportional gain, N.m.s/rad.
+        integral_gain: Integral gain, N.m/rad.
+        sample_time: Sample time, s.
 
     Raises:
-        ValueError: a gain is negative or not finite, or the sample time is not positive.
+        ValueError: A gain is negative or not finite, or the sample time is not positive.
     """
 
     proportional_gain: float
@@ -118,34 +133,44 @@ class Governor:
         """Compute one sample of the governor.
 
         Args:
-            integral: N.m. reference, speed: rad/s. limits: least and greatest torque, N.m.
-            feedforward: torque besides that of the error, N.m.
+            integral: Integral of the previous sample, N.m.
+            reference: Reference speed, rad/s.
+            speed: Measured speed, rad/s.
+            limits: Minimum and maximum torque, N.m.
+            feedforward: Torque added to the PI terms, N.m.
 
         Returns:
-            (torque, integral for the next sample), N.m.
+            Torque, and integral for the next sample, N.m.
         """
         error = reference - speed
-        wanted = feedforward + self.proportional_gain * error + integral
-        torque = min(max(wanted, limits[0]), limits[1])
-        grown = integral + self.sample_time * self.integral_gain * error
+        unlimited = feedforward + self.proportional_gain * error + integral
+        torque = min(max(unlimited, limits[0]), limits[1])
+        next_integral = integral + self.sample_time * self.integral_gain * error
         if self.integral_gain > 0.0:
-            tracking = max(self.sample_time, self.proportional_gain / self.integral_gain)
-            grown -= self.sample_time / tracking * (wanted - torque)
-        return torque, grown
+            tracking_time = max(self.sample_time, self.proportional_gain / self.integral_gain)
+            next_integral -= self.sample_time / tracking_time * (unlimited - torque)
+        return torque, next_integral
 
 
 def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, float]:
-    """Parameters of a module that is driven by torque and carries the rotor of its engine.
+    """Return the parameters of a torque-driven module with the rotor of its engine on link 1.
 
     Args:
-        parameters: of the module, those that differ from the defaults. inertia: of the engine, kg.m2.
+        parameters: Parameters of the module that differ from the defaults, SI, by name.
+        inertia: Inertia of the rotor, kg.m2.
     """
     own = parameters.get("input_inertia", 0.0)
     return {**parameters, "drive": float(DRIVE_TORQUE), "input_inertia": own + inertia}
 
 
 class InterfaceInertia(NamedTuple):
-    """Interface inertia over the angle of the drive, kg.m2."""
+    """Interface inertia over the angle of the planet shaft.
+
+    Attributes:
+        least: Minimum, kg.m2.
+        mean: Mean, kg.m2.
+        greatest: Maximum, kg.m2.
+    """
 
     least: float
     mean: float
@@ -153,26 +178,29 @@ class InterfaceInertia(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """Mean of the least and the greatest, kg.m2."""
+        """Return the mean of minimum and maximum, kg.m2."""
         return 0.5 * (self.least + self.greatest)
 
 
 def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
-    """The interface inertia of a module: what its input shaft feels when its speed changes suddenly.
+    """Compute the interface inertia of a module: the inertia that a jump of the input speed accelerates.
 
-    With link 2 held, omega1 turns everything: Phi = J1 + I + 2 k B + k^2 G. Where link 2 is free to follow,
-    or drives the shaft, less of it answers a jump: Phi - k^2 (B + k G)^2 / (J + k^2 G), with J = J2 or
-    J2 + J3. So Phi is the most an engine can meet.
+    With link 2 locked, the interface inertia is Phi = J1 + I + 2 k B + k^2 G. If link 2 is free or drives the
+    output shaft, it is smaller: Phi - k^2 (B + k G)^2 / (J + k^2 G), where J is J2 or J2 + J3. Phi is
+    therefore the maximum for an engine.
 
     Args:
-        parameters: those that differ from the defaults.
+        parameters: Parameters of the module that differ from the defaults, SI, by name.
+
+    Returns:
+        Minimum, mean and maximum of Phi over a period of the planet-shaft angle.
 
     Raises:
-        Refused: the module refuses the parameters.
+        Refused: The module rejects the parameters.
     """
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})
-    turns = int(module.derived.period_turns)
-    angles = np.linspace(0.0, 2.0 * math.pi * turns, 180 * turns, endpoint=False)
-    values = [float(inertia_at_input(module.derived, float(q))) for q in angles]  # type: ignore[no-untyped-call]
+    revolutions = int(module.derived.period_turns)
+    angles = np.linspace(0.0, 2.0 * math.pi * revolutions, 180 * revolutions, endpoint=False)
+    values = [inertia_at_input(module.derived, float(q)) for q in angles]
     return InterfaceInertia(min(values), sum(values) / len(values), max(values))

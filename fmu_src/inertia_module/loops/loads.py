@@ -1,8 +1,8 @@
-"""Loads on the output shaft in discrete time: given torque, shaft with friction, vehicle on a road.
+"""Discrete-time loads on the output shaft: torque, shaft with friction, vehicle on a road.
 
-A load is coupled to the shaft either rigidly, then its inertia belongs to the FMU (output_inertia) and
-it only returns the torque of its resistances, or elastically, then it turns by itself behind a spring
-and damper and returns their torque. What is linear is sampled exactly (zero-order hold).
+A load is connected to the output shaft rigidly or elastically. The inertia of a rigid load belongs to the FMU
+(output_inertia), and the load returns the torque of its resistances. An elastic load moves downstream of a
+spring and a damper and returns their torque. Its linear equations are sampled exactly (zero-order hold).
 """
 
 from __future__ import annotations
@@ -20,56 +20,69 @@ __all__ = ["Coupling", "Load", "shaft_load", "vehicle_load"]
 Array = NDArray[np.float64]
 
 STANDARD_GRAVITY = 9.80665
-# states of a load behind a coupling, referred to the output shaft
+# states of an elastically coupled load, referred to the output shaft
 COUPLED = ("twist", "speed", "angle")
 
 
 class Coupling(NamedTuple):
     """Elastic coupling between the output shaft and the load.
 
-    The load follows a shaft of given speed exactly; its torque on the shaft is held over a step, so
-    the two together are right to first order in the step.
+    The motion of the load is exact for a piecewise constant speed of the shaft. The torque on the shaft is
+    constant in each step, so shaft and load together are accurate to first order in the step.
 
     Attributes:
-        stiffness: N.m/rad. damping: N.m.s/rad.
+        stiffness: Stiffness, N.m/rad.
+        damping: Damping, N.m.s/rad.
     """
 
     stiffness: float
     damping: float
 
     def torque(self, twist: float, speed_difference: float) -> float:
-        """Torque on both sides, N.m."""
+        """Return the torque on both sides, N.m.
+
+        Args:
+            twist: Angle of the shaft minus angle of the load, rad.
+            speed_difference: Speed of the shaft minus speed of the load, rad/s.
+        """
         return self.stiffness * twist + self.damping * speed_difference
 
 
 def sample_coupled(inertia: float, coupling: Coupling, friction: float, step: float) -> tuple[Array, Array]:
-    """Exact step of twist, speed and angle of an inertia behind a coupling.
+    """Discretise an inertia downstream of a coupling exactly (zero-order hold).
+
+    Args:
+        inertia: Inertia of the load, kg.m2.
+        coupling: Coupling to the shaft.
+        friction: Viscous friction of the load, N.m.s/rad.
+        step: Step, s.
 
     Returns:
-        (A, B) for the state (twist, speed, angle) and the input (speed of the shaft, torque against), held.
+        Matrices A, shape (3, 3), and B, shape (3, 2), for the state (twist, speed, angle) and the input
+        (speed of the shaft, torque against the load).
     """
     from scipy.linalg import expm
 
     stiffness, damping = coupling
-    # the inputs are states that stay
+    # The inputs are constant states.
     rates = np.zeros((5, 5))
     rates[:3] = [
         [0.0, -1.0, 0.0, 1.0, 0.0],
         [stiffness / inertia, -(damping + friction) / inertia, 0.0, damping / inertia, -1.0 / inertia],
         [0.0, 1.0, 0.0, 0.0, 0.0],
     ]
-    whole = expm(step * rates)
-    return whole[:3, :3], whole[:3, 3:]
+    transition = expm(step * rates)
+    return transition[:3, :3], transition[:3, 3:]
 
 
 class Load(NamedTuple):
-    """A load on the output shaft.
+    """Load on the output shaft.
 
     Attributes:
-        system: to connect: a Sampled system, or one of python-control, from omega_out, rad/s, to
-            load_torque, N.m.
-        inertia: at the output shaft, kg.m2. coupling: to the output shaft, or None if rigid.
-        friction: viscous, N.m.s/rad.
+        system: Sampled or python-control system from omega_out, rad/s, to load_torque, N.m.
+        inertia: Inertia referred to the output shaft, kg.m2.
+        coupling: Coupling to the output shaft, or None for a rigid connection.
+        friction: Viscous friction, N.m.s/rad.
     """
 
     system: Any
@@ -79,20 +92,21 @@ class Load(NamedTuple):
 
     @property
     def rigid_inertia(self) -> float:
-        """Inertia to add to output_inertia of the FMU, kg.m2 (0 where coupled elastically)."""
+        """Return the inertia to add to output_inertia of the FMU, kg.m2 (0 with a coupling)."""
         return self.inertia if self.coupling is None else 0.0
 
     def check_step(self, shaft_inertia: float) -> None:
-        """Reject a step that is too long: the load torque is constant while the shaft moves.
+        """Reject a step that is too long for a load torque that is constant in each step.
 
-        Behind an elastic coupling, in the order of ClosedLoop, no swing of shaft and load may grow, and the
-        damping may not turn the shaft round within a step.
+        For a rigid load, friction must not reverse the shaft within a step. For an elastic load, the
+        oscillation of shaft and load in the order of ClosedLoop must not grow, and the damping must not
+        reverse the shaft within a step.
 
         Args:
-            shaft_inertia: of the output shaft without the load, kg.m2.
+            shaft_inertia: Inertia of the output shaft without the load, kg.m2.
 
         Raises:
-            ValueError: the step is too long, or friction held over it would turn the shaft round.
+            ValueError: The step is too long.
         """
         step = float(self.system.dt)
         if self.coupling is None:
@@ -104,14 +118,14 @@ class Load(NamedTuple):
                 )
             return
         a, b = sample_coupled(self.inertia, self.coupling, 0.0, step)
-        # state (twist, speed of the load, speed of the shaft): first the shaft, then the load
+        # State: twist, speed of the load, speed of the shaft. The shaft moves first, then the load.
         shaft = np.eye(3)
         stiffness, damping = self.coupling
         shaft[2] -= step / shaft_inertia * np.array([stiffness, -damping, damping])
-        behind = np.eye(3)
-        behind[:2, :2] = a[:2, :2]
-        behind[:2, 2] = b[:2, 0]
-        growth = np.abs(np.linalg.eigvals(behind @ shaft)).max()
+        load = np.eye(3)
+        load[:2, :2] = a[:2, :2]
+        load[:2, 2] = b[:2, 0]
+        growth = np.abs(np.linalg.eigvals(load @ shaft)).max()
         if growth > 1.0 + 1e-6 or step * damping > shaft_inertia:
             raise ValueError(
                 f"the step must be shorter with stiffness = {stiffness:g} N.m/rad, damping = {damping:g}"
@@ -127,15 +141,17 @@ def shaft_load(
     torque: Signal = 0.0,
     coupling: Coupling | None = None,
 ) -> Load:
-    """A shaft with inertia, viscous friction and a torque against it.
+    """Make a shaft with inertia, viscous friction and a torque.
 
-    Coupled rigidly, the friction torque is held over a step: the speed is exact to first order in
-    step viscous_friction / inertia.
+    Without a coupling the friction torque is constant in each step, so the speed is accurate to first order
+    in step * viscous_friction / inertia.
 
     Args:
-        step: communication step, s. inertia: kg.m2. viscous_friction: N.m.s/rad.
-        torque: N.m, positive against the motion: constant, or table over time.
-        coupling: to the output shaft, or None if rigid.
+        step: Communication step, s.
+        inertia: Inertia, kg.m2.
+        viscous_friction: Viscous friction, N.m.s/rad.
+        torque: Torque against forward motion, N.m: constant, or table over time, s.
+        coupling: Coupling to the output shaft, or None for a rigid connection.
 
     Returns:
         Load with output load_torque, and with a coupling also load_speed, rad/s.
@@ -150,24 +166,29 @@ def shaft_load(
     a, b = sample_coupled(inertia, coupling, viscous_friction, step)
 
     def law(time: float, x: Any, u: Any) -> tuple[list[float], Any]:
-        following = a @ x + b @ [u[0], evaluate(torque, time)]
-        return [coupling.torque(x[0], u[0] - x[1]), x[1]], following.tolist()
+        next_state = a @ x + b @ [u[0], evaluate(torque, time)]
+        return [coupling.torque(x[0], u[0] - x[1]), x[1]], next_state.tolist()
 
     system = Sampled("shaft_load", step, ["omega_out"], ["load_torque", "load_speed"], law, COUPLED)
     return Load(system, inertia, coupling, viscous_friction)
 
 
 def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
-    """Friction torque, N.m, that brings a shaft to rest within the step, limited to its capacity.
+    """Return the friction torque that stops a shaft within the step, limited to its capacity, N.m.
 
-    The complementarity condition of dry friction in discrete time: it never turns the motion round, and holds
-    at standstill. Without it the step ends at free_speed, rad/s; 1 N.m of it reduces that by effect, rad/s.
+    This is the complementarity condition of dry friction in discrete time. Friction never reverses the
+    motion, and it sticks at standstill.
+
+    Args:
+        free_speed: Speed at the end of the step without friction, rad/s.
+        effect: Decrease of this speed per friction torque, rad/s per N.m.
+        capacity: Maximum friction torque, N.m.
     """
     return min(max(free_speed / effect, -capacity), capacity)
 
 
-def _shared(friction: float, rolling: float, brake: float) -> tuple[float, float]:
-    """Dry friction as shared by rolling resistance and brake, N.m each."""
+def _divide_friction(friction: float, rolling: float, brake: float) -> tuple[float, float]:
+    """Divide dry friction between rolling resistance and brake in proportion to their capacities, N.m."""
     capacity = rolling + brake
     return (friction * rolling / capacity, friction * brake / capacity) if capacity > 0.0 else (0.0, 0.0)
 
@@ -192,40 +213,39 @@ def vehicle_load(
     coupling: Coupling | None = None,
     start_speed: float = 0.0,
 ) -> Load:
-    """A vehicle driven by the output shaft through a final drive.
+    """Make a vehicle that the output shaft drives through a final drive.
 
-    Rolling resistance and brake are dry friction. Where the freewheels keep the shaft from turning
-    backwards (one_way), they act with their full capacity against forward motion, at standstill too: the
-    housing freewheel carries what is not needed. Elsewhere they bring the vehicle to rest within a step
-    at most and hold it there.
+    Rolling resistance and brake are dry friction. If the output shaft cannot rotate backward (one_way), they
+    act with full capacity against forward motion, also at standstill; the housing freewheel supports the
+    excess. Otherwise they decelerate the vehicle without reversing it, and hold it at standstill.
 
-    Coupled rigidly, the distance is the integral of the speed by the trapezoidal rule.
+    Without a coupling the distance is the integral of the speed by the trapezoidal rule.
 
     Args:
-        step: communication step, s.
-        mass: mass of the vehicle, kg.
-        wheel_radius: radius of the wheels, m.
-        final_drive: turns of the output shaft per turn of the wheels.
-        rolling_resistance: rolling friction over weight.
-        drag_area: drag coefficient times area, m2.
-        air_density: density of the air, kg/m3.
-        slope: rise over run, constant, or table over distance, m.
-        one_way: True if the output shaft cannot turn backwards.
-        coupling: coupling of output shaft and vehicle, or None if rigid.
-        start_speed: speed of the output shaft at the start, rad/s; used for the distance.
+        step: Communication step, s.
+        mass: Mass of the vehicle, kg.
+        wheel_radius: Radius of the wheels, m.
+        final_drive: Speed of the output shaft over the speed of the wheels.
+        rolling_resistance: Rolling resistance over normal force.
+        drag_area: Drag coefficient times frontal area, m2.
+        air_density: Density of the air, kg/m3.
+        slope: Slope (rise over run): constant, or table over distance, m.
+        one_way: True if the output shaft cannot rotate backward.
+        coupling: Coupling of output shaft and vehicle, or None for a rigid connection.
+        start_speed: Initial speed of the output shaft, rad/s, for the distance.
 
     Returns:
-        Load with inputs omega_out, rad/s, and brake_force, N (at the wheels), and outputs load_torque;
-        load_speed, rad/s (of the vehicle, at the output shaft); vehicle_speed, m/s; distance, m; and the
-        torques drag_torque, slope_torque, rolling_torque, brake_torque that act on the vehicle, N.m at
-        the output shaft.
+        Load with the inputs omega_out, rad/s, and brake_force, N (at the wheels). Its outputs are
+        load_torque, N.m; load_speed (speed of the vehicle referred to the output shaft), rad/s;
+        vehicle_speed, m/s; distance, m; and drag_torque, slope_torque, rolling_torque and brake_torque on the
+        vehicle, referred to the output shaft, N.m.
     """
-    radius = wheel_radius / final_drive  # m of way per rad of the output shaft
+    radius = wheel_radius / final_drive  # distance per angle of the output shaft, m/rad
     inertia = mass * radius * radius
     weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
 
     def road(speed: float, distance: float, brake_force: float) -> tuple[float, float, float, float]:
-        """Drag, climb, capacities of rolling friction and of the brake: torques at the output shaft, N.m."""
+        """Return torques of drag and slope, and capacities of rolling resistance and brake, N.m."""
         angle = math.atan(evaluate(slope, distance))
         return (
             radius * drag * speed * abs(speed),
@@ -239,25 +259,26 @@ def vehicle_load(
 
     def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
         if coupling is None:
-            # the state is the sum of step times speed at the end of each step
+            # The state is the sum of step times speed, with the speed at the end of each step.
             speed, distance = u[0], x[0] + 0.5 * step * radius * (start_speed - u[0])
         else:
             speed, distance = x[1], radius * x[2]
-        drag, climb, rolling, brake = road(radius * speed, distance, u[1])
+        drag, slope_torque, rolling, brake = road(radius * speed, distance, u[1])
         friction = rolling + brake
         if coupling is not None:
-            free = a @ x + b @ [u[0], drag + climb]
-            friction = dry_friction(free[1], -b[1, 1], friction)
+            free_state = a @ x + b @ [u[0], drag + slope_torque]
+            friction = dry_friction(free_state[1], -b[1, 1], friction)
         elif not one_way:
-            # the drive's part of the free speed is not known here: it shows in the next step
+            # The free speed excludes the torque of the drive, which is unknown here. It changes the next
+            # step.
             effect = step / inertia
-            friction = dry_friction(u[0] - effect * (drag + climb), effect, friction)
-        parts = drag, climb, *_shared(friction, rolling, brake)
-        torque, following = drag + climb + friction, [x[0] + step * radius * speed]
+            friction = dry_friction(u[0] - effect * (drag + slope_torque), effect, friction)
+        parts = drag, slope_torque, *_divide_friction(friction, rolling, brake)
+        torque, next_state = drag + slope_torque + friction, [x[0] + step * radius * speed]
         if coupling is not None:
             torque = coupling.torque(x[0], u[0] - speed)
-            following = (a @ x + b @ [u[0], sum(parts)]).tolist()
-        return (torque, speed, radius * speed, distance, *parts), following
+            next_state = (a @ x + b @ [u[0], sum(parts)]).tolist()
+        return (torque, speed, radius * speed, distance, *parts), next_state
 
     states = ("distance",) if coupling is None else COUPLED
     inputs = ["omega_out", "brake_force"]

@@ -1,4 +1,4 @@
-"""Systems in discrete time by their laws; signals given over time: constants and tables, without input."""
+"""Discrete-time systems (Sampled), and signals over time: constants and tables."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ __all__ = ["Sampled", "Table", "source"]
 
 
 class Table:
-    """A quantity at points, linear in between, constant before the first and after the last point.
+    """Piecewise linear quantity, constant before the first and after the last point.
 
-    Two equal points are a step: from there on the later value holds.
+    Two equal points are a step; at the step the second value holds.
 
     Args:
-        points: at least one, not falling: time, s, or distance, m.
-        values: as many.
+        points: Points in ascending order: times, s, or distances, m; shape (n,), n >= 1.
+        values: Values at the points, shape (n,).
 
     Raises:
-        ValueError: the points fall, or points and values differ in number.
+        ValueError: The points decrease, the shapes differ, or a number is not finite.
     """
 
     def __init__(self, points: ArrayLike, values: ArrayLike) -> None:
@@ -44,7 +44,7 @@ class Table:
         self.lists: tuple[list[float], list[float]] = self.points.tolist(), self.values.tolist()
 
     def __call__(self, points: float | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at points, or the value at one."""
+        """Return the values at points, any shape."""
         return np.asarray(np.interp(points, self.points, self.values))
 
 
@@ -52,12 +52,23 @@ Signal = float | Table
 
 
 def evaluate(signal: Signal, point: float) -> float:
-    """Value of a constant or a table at a point (time, s, or distance, m)."""
+    """Return the value of a constant or table at a point.
+
+    Args:
+        signal: Constant or table.
+        point: Time, s, or distance, m.
+    """
     return between(*signal.lists, point) if isinstance(signal, Table) else signal
 
 
 def between(points: Sequence[float], values: Sequence[float], point: float) -> float:
-    """Value at one point, linear in between, end values held: as numpy.interp, ten times faster."""
+    """Interpolate linearly at one point, constant beyond the ends; ten times faster than numpy.interp.
+
+    Args:
+        points: Points in ascending order, length n.
+        values: Values at the points, length n.
+        point: The point.
+    """
     n = bisect_right(points, point)
     if n == 0 or n == len(points):
         return values[max(n - 1, 0)]
@@ -66,14 +77,24 @@ def between(points: Sequence[float], values: Sequence[float], point: float) -> f
 
 
 class Sampled:
-    """A system in discrete time by its law: a part of the surroundings of an FMU, or all of them.
+    """Discrete-time system: one part of the environment of an FMU, or the whole environment.
 
     Args:
-        name: of it. step: s. inputs, outputs, states: their names.
-        law: gives outputs and next states for a time, s, the states and the inputs.
+        name: Name of the system.
+        step: Step, s.
+        inputs: Names of the inputs.
+        outputs: Names of the outputs.
+        law: Function of time, s, states and inputs that returns outputs and next states.
+        states: Names of the states.
 
     Attributes:
-        name, dt, nstates, input_labels, output_labels: as of a system of python-control.
+        name: Name, as in python-control.
+        dt: Step, s, as in python-control.
+        nstates: Number of states, as in python-control.
+        input_labels: Names of the inputs, as in python-control.
+        output_labels: Names of the outputs, as in python-control.
+        state_labels: Names of the states, as in python-control.
+        law: Function of time, s, states and inputs that returns outputs and next states.
     """
 
     def __init__(
@@ -90,16 +111,28 @@ class Sampled:
         self.state_labels, self.nstates = list(states), len(states)
 
     def output(self, time: float, x: Any, u: Any) -> Sequence[float]:
-        """The outputs at a time, s, for states and inputs."""
+        """Return the outputs.
+
+        Args:
+            time: Time, s.
+            x: States.
+            u: Inputs.
+        """
         return self.law(time, x, u)[0]
 
     def dynamics(self, time: float, x: Any, u: Any) -> Sequence[float]:
-        """The states a step after a time, s, for states and inputs."""
+        """Return the states after a step.
+
+        Args:
+            time: Time of the inputs, s.
+            x: States.
+            u: Inputs.
+        """
         return self.law(time, x, u)[1]
 
     def to_control(self) -> Any:
-        """Convert it to a discrete-time control.NonlinearIOSystem."""
-        import control as ct  # takes as long as a run
+        """Return the system as a discrete-time control.NonlinearIOSystem."""
+        import control as ct  # the import takes as long as a run
 
         return ct.nlsys(
             (lambda time, x, u, _: self.dynamics(time, x, u)) if self.nstates else None,
@@ -113,36 +146,48 @@ class Sampled:
 
 
 class Sources(Sampled):
-    """Signals over time: a system without inputs.
+    """Signals over time as a system without inputs.
 
     Args:
-        signals: by name: constant, or table over time, s. step: communication step, s.
+        signals: Constants, or tables over time, s, by name.
+        step: Communication step, s.
     """
 
     def __init__(self, signals: Mapping[str, Signal], step: float) -> None:
         self.signals = dict(signals)
-        given = self.signals.values()
+        values = self.signals.values()
         super().__init__(
             "_".join([*signals, "source"]),
             step,
             (),
             list(signals),
-            lambda time, *_: ([evaluate(signal, time) for signal in given], ()),
+            lambda time, *_: ([evaluate(signal, time) for signal in values], ()),
         )
 
     def table(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The signals at times, s, shape (times, signals)."""
-        given = self.signals.values()
+        """Return the signals at times.
+
+        Args:
+            times: Times, s, shape (n,).
+
+        Returns:
+            Values, shape (n, signals).
+        """
+        signals = self.signals.values()
         return np.column_stack(
-            [one(times) if isinstance(one, Table) else np.full(times.size, one) for one in given]
+            [
+                signal(times) if isinstance(signal, Table) else np.full(times.size, signal)
+                for signal in signals
+            ]
         )
 
 
 def source(name: str, signal: Signal, step: float) -> Sources:
-    """One signal over time, to connect.
+    """Make a system whose only output is a signal over time.
 
     Args:
-        name: of its output. signal: constant, or table over time, s.
-        step: communication step, s.
+        name: Name of the output.
+        signal: Constant, or table over time, s.
+        step: Communication step, s.
     """
     return Sources({name: signal}, step)

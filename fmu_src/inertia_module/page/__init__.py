@@ -1,1 +1,1 @@
-"""The module in a browser: one HTML file with the machine, its kernel and a run."""
+"""Interactive viewer: one HTML file with the mechanism, the kernel and a recorded run."""

@@ -1,4 +1,4 @@
-"""The HTML file: the template that `make page` leaves, with kernel, tables, scene and maybe a run in it."""
+"""HTML file of the viewer: the template of `make page` with kernel, tables, scene and an optional run."""
 
 from __future__ import annotations
 
@@ -26,21 +26,25 @@ from ..scene import Scene, SceneResult
 from ..scene.run import start_of
 
 TEMPLATE = Path(__file__).parent / "template.html"
-# where it takes the presets, which `make page` fills in, and the rest
+# places in the template for the presets, which `make page` inserts, and for the data
 PRESETS, DATA = "<!-- PRESETS -->", "<!-- DATA -->"
 TITLE = "<title>Inertia module</title>"
 OPERATIONS = ("START", "STEP", "WARN")
-# of the table of variables that the page has as they are
+# fields of variables that the viewer contains under the same name
 SAME = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed", "nominal")
 COLUMNS = {**{name: name for name in SAME}, "tunable": "is_tunable", "min": "minimum", "max": "maximum"}
-# numbers of a run in a page at most: not compressed at all they take 1.5 MB of it
+# maximum count of numbers of a run in a file; uncompressed they need 1.5 MB
 MOST = 280_000
-# what a row stands for that has those before it in it, by the ending of the name
+# function that combines the skipped rows with the next kept row, by the ending of the name
 OVER_ROWS: dict[str, Callable[..., Any]] = {"_mean": np.mean, "_peak": np.max}
 
 
 def template() -> str:
-    """Return the viewer without data; raise Refused if it has not been built."""
+    """Return the viewer without data.
+
+    Raises:
+        Refused: The viewer has not been built.
+    """
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -49,29 +53,40 @@ def template() -> str:
         ) from None
 
 
-def checked_path(path: Path, what: str) -> Path:
-    """Return the path of an HTML file; raise Refused if it cannot be written."""
+def checked_path(path: Path, name: str) -> Path:
+    """Check that an HTML file can be written, and return its path.
+
+    Args:
+        path: Path of the file.
+        name: Name of the path in messages.
+
+    Raises:
+        Refused: The ending is not .html, the path is a folder, or the folder is not writable.
+    """
     if path.suffix.lower() != ".html":
-        raise Refused(must_be(what, "a file with the ending .html", str(path)))
+        raise Refused(must_be(name, "a file with the ending .html", str(path)))
     if path.is_dir():
-        raise Refused(must_be(what, "a file", f"the folder {path}"))
+        raise Refused(must_be(name, "a file", f"the folder {path}"))
     writable_folder(path.parent)
     return path
 
 
 def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
-    """The HTML file of a scene.
+    """Return the HTML file of a scene.
 
     Args:
-        scene: whose fidelity is chosen.
-        outcome: its run with all of variables.COMPUTED, or None where the page is to integrate.
+        scene: Scene with a named fidelity.
+        outcome: Result of its run with all variables in variables.COMPUTED; None if the viewer integrates.
+
+    Raises:
+        Refused: The viewer has not been built.
     """
     record, run = None, None
     if outcome is not None:
         record, run = outcome.record, page_run(outcome.record, outcome.warnings)
     start = {"scene": page_scene(scene, record), "run": run}
     data = [
-        f'<script id="kernel" type="text/plain">{_packed(content_of(WEB_KERNEL))}</script>',
+        f'<script id="kernel" type="text/plain">{_pack(content_of(WEB_KERNEL))}</script>',
         script("tables", page_tables(INERTIA_MODULE)),
         script("start", start),
     ]
@@ -80,13 +95,18 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
 
 
 def script(name: str, content: Any) -> str:
-    """Data for the page to parse; nothing in it ends the element."""
+    """Return an HTML element with JSON data; escapes keep the data from ending the element.
+
+    Args:
+        name: Identifier of the element.
+        content: Data, ready for JSON.
+    """
     text = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
     return f'<script id="{name}" type="application/json">{text}</script>'
 
 
-def _packed(content: bytes) -> str:
-    """Bytes as text: compressed (raw deflate), base64."""
+def _pack(content: bytes) -> str:
+    """Return bytes as text: compressed (raw deflate), base64."""
     return base64.b64encode(zlib.compress(content, 9, -zlib.MAX_WBITS)).decode()
 
 
@@ -94,7 +114,11 @@ def _packed(content: bytes) -> str:
 
 
 def page_tables(model: Model) -> dict[str, Any]:
-    """Tables of a model for the page (the interface Tables of page/src/kernel/tables.ts), ready for JSON."""
+    """Return the tables of a model for the viewer, ready for JSON (type Tables in page/src/kernel/tables.ts).
+
+    Args:
+        model: The model.
+    """
     return {
         "symbol": model.symbol,
         "sizes": list(model.sizes),
@@ -120,15 +144,18 @@ def _variable(variable: Variable, model: Model) -> dict[str, Any]:
     }
 
 
-# --- a scene as a page starts with it ---
+# --- initial scene of the viewer ---
 
 
 def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
-    """A scene for the page (the interface Scene of page/src/run/start.ts), ready for JSON.
+    """Return a scene for the viewer, ready for JSON (type Scene in page/src/run/start.ts).
+
+    An input that depends on the module becomes constant: its mean over the run with four digits, or its
+    initial value without a run.
 
     Args:
-        scene: whose fidelity is chosen. record: a run of it. An input that follows from what the module does
-            becomes constant: its mean over the run to four digits, without a run its value at the start.
+        scene: Scene with a named fidelity.
+        record: Record of a run, or None.
     """
     parameters, inputs = start_of(scene)
     if record is not None:
@@ -139,7 +166,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         "title": scene.title,
         "description": scene.description.strip(),
         "parameters": parameters,
-        # numbers, or points of straight lines (the type Input of page/src/run/signals.ts)
+        # Inputs are constants or points of a piecewise linear signal (type Input in page/src/run/signals.ts).
         "inputs": {
             name: {"times": signal.points.tolist(), "values": signal.values.tolist()}
             if isinstance(signal, Table)
@@ -154,7 +181,11 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
 
 
 def is_exact(scene: Scene) -> bool:
-    """Tell whether the inputs follow from nothing that the module does: the page can run the scene itself."""
+    """Return True if no input depends on the module, so that the viewer itself can run the scene.
+
+    Args:
+        scene: The scene.
+    """
     return not scene.surroundings.input_labels
 
 
@@ -162,30 +193,31 @@ def is_exact(scene: Scene) -> bool:
 
 
 def page_run(record: Result, warnings: tuple[str, ...] = ()) -> dict[str, Any]:
-    """A run for the page (the interface Recorded of page/src/run/recorded.ts), ready for JSON.
+    """Return a run for the viewer, ready for JSON (type Recorded in page/src/run/recorded.ts).
 
-    Packed: single precision, compressed, every so many rows if it is long.
+    Numbers have single precision and are compressed. A long run is reduced to every n-th row.
 
     Args:
-        record: with all of variables.COMPUTED, at equal steps of time. warnings: of the FMU.
+        record: Record with all variables in variables.COMPUTED, at equal time steps.
+        warnings: Warnings of the FMU.
     """
     names = [name for name in record.names if name != "time"]
     stride = -(-len(record) * len(names) // MOST)
     columns = []
     for name in names:
-        # one row of so many: of means over a step the mean, of peaks the greatest since the row before
+        # Step means are averaged since the previous kept row; of peaks the maximum is kept.
         values = record[name]
         columns.append(values[::stride].copy())
-        over = next((over for ending, over in OVER_ROWS.items() if name.endswith(ending)), None)
-        if over is not None:
+        combine = next((function for ending, function in OVER_ROWS.items() if name.endswith(ending)), None)
+        if combine is not None:
             last = 1 + stride * (columns[-1].size - 1)
-            columns[-1][1:] = over(values[1:last].reshape(-1, stride), axis=1)
+            columns[-1][1:] = combine(values[1:last].reshape(-1, stride), axis=1)
     return {
         "names": names,
         "units": record.units,
         "step": float(record.time[1] - record.time[0]) * stride,
         "rows": columns[0].size,
         "every": stride,
-        "numbers": _packed(np.stack(columns).astype("<f4").tobytes()),
+        "numbers": _pack(np.stack(columns).astype("<f4").tobytes()),
         "warnings": list(warnings),
     }

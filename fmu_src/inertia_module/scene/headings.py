@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from ..contract.variables import LOSSES, LOST_TO
 
-# by name; other metrics are printed by their name without underscores
+# heading of a metric by its name; other metrics are printed by their name with spaces instead of underscores
 HEADINGS: Mapping[str, str] = {
     "omega1_maximum": "maximum input speed",
     "omega_out_maximum": "maximum output speed",
@@ -35,6 +35,10 @@ HEADINGS: Mapping[str, str] = {
 
 
 def heading(name: str) -> str:
-    """Return the printed heading of a metric, such as "final output speed" for omega_out_final."""
+    """Return the printed heading of a metric.
+
+    Args:
+        name: Name of the metric, such as omega_out_final for "final output speed".
+    """
     speed = re.fullmatch(r"time_to_(.+)_kmh", name)
     return f"time to {speed[1]} km/h" if speed else HEADINGS.get(name, name.replace("_", " "))

@@ -1,4 +1,4 @@
-"""Keys of a scene: quantities in SI within a range, columns, tables; errors are one line."""
+"""Types and checks of the keys of a scene: quantities in SI within a range, columns and tables."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from ..loops.sources import Signal, Table
 
 # --- quantities, alone, in lists and in columns ---
 
-# remedy for a path of Windows in TOML
+# remedy in messages about Windows paths in TOML
 SLASHES = "Write / instead of \\, or put the path in single quotes."
-# the fidelity is to be chosen from measurements
+# value of fidelity that measurements replace by a level
 AUTO = "auto"
 
 
 def _must_be(allowed: str, value: Any) -> str:
-    """Return the message for a bad value without its name."""
+    """Return the message for an invalid value, without the name of its key."""
     return must_be("", allowed, repr(value)).lstrip()
 
 
@@ -42,34 +42,55 @@ def checked(
     maximum: float | None = None,
     above: float | None = None,
 ) -> float:
-    """Convert a quantity to SI and check its range; the message of the ValueError lacks its name."""
-    sentence = _must_be(allowed_number(unit, minimum, maximum, above), value)
+    """Convert a quantity to SI and check its range.
+
+    Args:
+        value: Number in the unit, or text with a unit of the same dimension.
+        unit: SI unit, "1" for none.
+        minimum: Minimum, in the unit.
+        maximum: Maximum, in the unit.
+        above: Exclusive lower limit, in the unit.
+
+    Raises:
+        ValueError: The value is not allowed; the message lacks the name of the key.
+    """
+    message = _must_be(allowed_number(unit, minimum, maximum, above), value)
     try:
         number = number_of(value, unit)
     except ValueError as error:
-        raise ValueError(f"{sentence}: {error}") from None
+        raise ValueError(f"{message}: {error}") from None
     low, high = -math.inf if minimum is None else minimum, math.inf if maximum is None else maximum
     if not low <= number <= high or (above is not None and number <= above):
-        raise ValueError(sentence)
+        raise ValueError(message)
     return number
 
 
 @dataclass(frozen=True)
 class InUnit:
-    """Pydantic validator of a quantity, maybe of a variable, that JSON has as text with its unit."""
+    """Pydantic validator of a quantity, which JSON contains as text with its unit.
+
+    Attributes:
+        check: Function that converts a value to SI or raises ValueError.
+        unit: SI unit, "1" for none.
+        variable: Variable of the FMU that the quantity is a value of, or None.
+    """
 
     check: Callable[[Any], Any]
     unit: str
     variable: Variable | None = None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        written = core_schema.plain_serializer_function_ser_schema(self.written, when_used="json")
+        serializer = core_schema.plain_serializer_function_ser_schema(self.written, when_used="json")
         return core_schema.no_info_before_validator_function(
-            self.check, handler(source), serialization=written
+            self.check, handler(source), serialization=serializer
         )
 
     def written(self, value: Any) -> Any:
-        """A value as in a scene file, digit for digit: an item by its name, a whole number as one."""
+        """Return a value as in a scene file: items by name, integers without a decimal point.
+
+        Args:
+            value: Value in SI.
+        """
         if self.variable is not None:
             items = {number: item for item, number in (self.variable.items or {}).items()}
             value = items.get(value, int(value) if self.variable.kind == INTEGER else value)
@@ -78,20 +99,31 @@ class InUnit:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Unit of the quantity that a field of a table holds, "" for none."""
-    waiting = [*field.metadata, field.annotation]
-    while waiting:
-        one = waiting.pop()
-        if isinstance(one, InUnit):
-            return "" if one.unit == "1" else one.unit
-        waiting += get_args(one)
+    """Return the unit of the quantity in a field of a table, "" for none.
+
+    Args:
+        field: Field of a pydantic model.
+    """
+    parts = [*field.metadata, field.annotation]
+    while parts:
+        part = parts.pop()
+        if isinstance(part, InUnit):
+            return "" if part.unit == "1" else part.unit
+        parts += get_args(part)
     return ""
 
 
 def quantity(
     unit: str, minimum: float | None = None, maximum: float | None = None, above: float | None = None
 ) -> InUnit:
-    """Pydantic validator of a quantity in a unit within a range."""
+    """Make a pydantic validator of a quantity within a range.
+
+    Args:
+        unit: SI unit, "1" for none.
+        minimum: Minimum, in the unit.
+        maximum: Maximum, in the unit.
+        above: Exclusive lower limit, in the unit.
+    """
     return InUnit(lambda value: checked(value, unit, minimum, maximum, above), unit)
 
 
@@ -102,31 +134,41 @@ Torque = Annotated[float, quantity("N.m", -LARGEST_TORQUE, LARGEST_TORQUE)]
 
 
 def in_range(variable: Variable) -> InUnit:
-    """Pydantic validator of a value of a variable: a number in SI, one with a unit, the name of an item."""
+    """Make a pydantic validator of a value of a variable.
+
+    It accepts a number in SI, text with a unit, and the name of an item of an enumeration.
+
+    Args:
+        variable: Variable of the FMU.
+    """
 
     def check(value: Any) -> float | str:
         if variable.name == "fidelity" and value == AUTO:
             return AUTO
-        also = f", or {AUTO}" if variable.name == "fidelity" else ""
-        sentence = _must_be(f"{variable.allowed}{also}", value)
+        alternative = f", or {AUTO}" if variable.name == "fidelity" else ""
+        message = _must_be(f"{variable.allowed}{alternative}", value)
         try:
             number = number_of(value, variable.unit or "1", variable.items)
         except ValueError as error:
-            raise ValueError(with_reason(sentence, error, value, variable.items)) from None
+            raise ValueError(with_reason(message, error, value, variable.items)) from None
         if not variable.accepts(number):
-            raise ValueError(sentence)
+            raise ValueError(message)
         return number
 
     return InUnit(check, variable.unit, variable)
 
 
 def fields_of(variables: Sequence[Variable]) -> Any:
-    """Optional fields of a table for variables, for pydantic.create_model."""
+    """Return optional fields for variables, as arguments of pydantic.create_model.
+
+    Args:
+        variables: Variables of the FMU.
+    """
     number: Any = float | None
     types = {variable.name: number for variable in variables}
     if "fidelity" in types:
         types["fidelity"] = number | Literal["auto"]
-    return {one.name: (Annotated[types[one.name], in_range(one)], None) for one in variables}
+    return {row.name: (Annotated[types[row.name], in_range(row)], None) for row in variables}
 
 
 class Strict(BaseModel):
@@ -139,14 +181,25 @@ class Strict(BaseModel):
 
 
 class Cell(str):
-    """Quantity of a CSV file: text with its unit, and the row that it is from."""
+    """Quantity from a CSV file: text with its unit.
+
+    Attributes:
+        table: Table of the file.
+        row: Row of the quantity in the table, from 0.
+    """
 
     table: CsvTable
     row: int
 
     @classmethod
     def cells(cls, table: CsvTable, name: str, numbers: Sequence[float]) -> list[Self]:
-        """Return the numbers of a column in the unit of its heading, or in SI."""
+        """Return the numbers of a column as texts, in the unit of its heading or else in SI.
+
+        Args:
+            table: Table of the file.
+            name: Name of the column.
+            numbers: Numbers of the column, one per row.
+        """
         unit, cells = table.units.get(name, ""), []
         for row, number in enumerate(numbers):
             cell = cls(f"{number!r} {unit}")
@@ -155,12 +208,12 @@ class Cell(str):
         return cells
 
 
-# characters that Python and TOML write with a backslash: they are in no path
+# Control characters, which Python and TOML write with a backslash. No path contains them.
 _ESCAPED = re.compile(r"[\x00-\x1f]")
 
 
 def _path_of(file: str, folder: Path) -> Path:
-    """Return the path of a file of a scene, whose backslashes have not become other characters."""
+    """Return the path of a file of a scene; raise ValueError if backslashes became control characters."""
     if _ESCAPED.search(file):
         demand = must_be("file", "a path", repr(file))
         raise ValueError(f"{demand}. In double quotes a backslash starts an escape sequence. {SLASHES}")
@@ -168,20 +221,20 @@ def _path_of(file: str, folder: Path) -> Path:
 
 
 class Tabulated(Strict):
-    """A quantity in columns, in the scene itself or in a CSV file with a heading row.
+    """Base of a quantity in two columns, in the scene itself or in a CSV file with a heading row.
 
-    The two fields of a table that are lists are the columns: first the points, then the values.
+    The two list fields of a subclass are the columns: first the points, then the values.
 
     Attributes:
-        file: path from the folder of the scene.
+        file: Path of the CSV file, relative to the folder of the scene; None for columns in the scene.
     """
 
     file: str | None = Field(default=None, exclude=True)
 
     @classmethod
     def columns(cls) -> list[str]:
-        """Names of points and values."""
-        return [name for name, one in cls.model_fields.items() if get_origin(one.annotation) is list]
+        """Return the names of the columns: points, values."""
+        return [name for name, field in cls.model_fields.items() if get_origin(field.annotation) is list]
 
     @model_validator(mode="before")
     @classmethod
@@ -209,22 +262,30 @@ class Tabulated(Strict):
         return self
 
     def signal(self) -> Table:
-        """The quantity over time, s, or distance, m; linear in between, held at the ends."""
+        """Return the quantity over its points: linear between them, constant beyond the ends."""
         return Table(*(getattr(self, name) for name in self.columns()))
 
 
 class ConstantOrTable(Strict):
-    """Quantity given as a constant, by the key SIGNAL, or as a table, by that with _over_time."""
+    """Base of a quantity that is a constant (key SIGNAL) or a table (key SIGNAL with _over_time).
+
+    Attributes:
+        SIGNAL: Name of the quantity.
+    """
 
     SIGNAL: ClassVar[str]
 
     @model_validator(mode="after")
-    def _one_of_both(self) -> Self:
+    def _check_signal(self) -> Self:
         self.one_signal()
         return self
 
     def one_signal(self) -> Signal:
-        """The quantity, constant or over time, in SI."""
+        """Return the quantity in SI, constant or over time, s.
+
+        Raises:
+            ValueError: Both keys are present, or none.
+        """
         constant, over_time = getattr(self, self.SIGNAL), getattr(self, f"{self.SIGNAL}_over_time")
         if (constant is None) == (over_time is None):
             number = "none" if constant is None else "both"
@@ -234,7 +295,12 @@ class ConstantOrTable(Strict):
 
 
 def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated]]:
-    """Yield the columns over time of a table and of all tables in it, by dotted key."""
+    """Yield the dotted keys and columns over time of a table and of all tables within it.
+
+    Args:
+        table: Table of a scene.
+        name: Dotted key of the table; "" for the scene.
+    """
     if isinstance(table, Tabulated) and table.columns()[0] == "time":
         yield name, table
     for key in table.model_fields_set:
@@ -244,14 +310,14 @@ def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated
 
 
 def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
-    """Return warnings of tables whose times are probably not those of the run.
+    """Return warnings about tables whose times probably do not match the run.
 
     Args:
-        scene: tables, checked.
-        stop_time: end of the run, s.
+        scene: The scene.
+        stop_time: End of the run, s.
 
     Raises:
-        TableError: a table has no time within the run.
+        TableError: A table has no time within the run.
     """
     return [
         text
@@ -269,7 +335,7 @@ def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
 
 Model = TypeVar("Model", bound=BaseModel)
 MECHANISM = "mechanism."
-# what must be, where pydantic says it in another way
+# allowed values by error type of pydantic, if its own message differs in style
 _ALLOWED = {
     "model_type": "a table",
     "model_attributes_type": "a table",
@@ -280,11 +346,11 @@ _ALLOWED = {
 
 
 class SceneError(Refused):
-    """Invalid scene: one line with the key, the value and the allowed range.
+    """Invalid scene; the message is one line with the key, the value and the allowed range.
 
     Args:
-        message: the line.
-        key: dotted key that is invalid with any values of the other keys, else "".
+        message: The message.
+        key: Dotted key whose value is invalid alone; "" if the error is a contradiction between keys.
     """
 
     def __init__(self, message: str, key: str = "") -> None:
@@ -293,7 +359,7 @@ class SceneError(Refused):
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
-    """Models within a type: the members of a union, the type itself."""
+    """Return the models within a type: the type itself, or the members of a union."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for part in get_args(annotation) for model in _models(part)]
@@ -305,13 +371,13 @@ def _kind(model: type[BaseModel]) -> str:
 
 
 def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str], list[type[BaseModel]]]:
-    """Keys of a location, without the kinds pydantic puts between them, and the models it leads to."""
+    """Return the keys of a location, without the kinds that pydantic inserts, and the models there."""
     keys: list[str] = []
     models = [scene]
     for part in location:
-        chosen = [model for model in models if len(models) > 1 and _kind(model) == part]
-        if chosen:
-            models = chosen
+        members = [model for model in models if len(models) > 1 and _kind(model) == part]
+        if members:
+            models = members
             continue
         keys.append(str(part))
         fields = [model.model_fields[part] for model in models if part in model.model_fields]
@@ -319,33 +385,33 @@ def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str],
     return keys, models
 
 
-def _no_such_key(scene: type[BaseModel], location: tuple[Any, ...], value: Any) -> str:
-    """Line for a key that no model has."""
+def _unknown_key_message(scene: type[BaseModel], location: tuple[Any, ...], value: Any) -> str:
+    """Return the message for a key that no model contains."""
     parents, models = _walk(scene, location[:-1])
-    known = list(dict.fromkeys(name for model in models for name in model.model_fields))
+    names = list(dict.fromkeys(name for model in models for name in model.model_fields))
     key = ".".join([*parents, str(location[-1])])
     others = [model for model in _walk(scene, location[:-2])[1] if location[-1] in model.model_fields]
     if len(models) == 1 and others and location[-2] == _kind(models[0]):
         table, kinds = ".".join(parents), " or ".join(repr(_kind(model)) for model in others)
         return (
             f"{key} = {value!r} is not allowed with {table}.kind = {location[-2]!r}, only with kind"
-            f" {kinds}{hint(location[-1], known)}"
+            f" {kinds}{hint(location[-1], names)}"
         )
-    return f"unknown key {key!r}{suggestion(location[-1], known)}"
+    return f"unknown key {key!r}{suggestion(location[-1], names)}"
 
 
 def _is_combination(error: Any) -> bool:
-    """Return True if an error of pydantic is of keys that contradict each other."""
+    """Return True if an error of pydantic is a contradiction between keys."""
     return error["type"] == "value_error" and isinstance(error["ctx"]["error"], Refused)
 
 
-def _line(scene: type[BaseModel], error: Any) -> str:
-    """Line for one error of pydantic."""
+def _message(scene: type[BaseModel], error: Any) -> str:
+    """Return the message for one error of pydantic."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
     keys, models = _walk(scene, error["loc"])
     key = ".".join(keys) or "scene"
     if kind == "extra_forbidden":
-        return _no_such_key(scene, error["loc"], value)
+        return _unknown_key_message(scene, error["loc"], value)
     if kind == "missing":
         return f"missing key {key!r}"
     if kind == "union_tag_not_found":
@@ -365,7 +431,11 @@ def _line(scene: type[BaseModel], error: Any) -> str:
 
 
 def full_name(name: str) -> str:
-    """Full dotted key; the prefix mechanism. may be left out."""
+    """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot.
+
+    Args:
+        name: Dotted key, or name of a parameter of the mechanism.
+    """
     return name if "." in name else f"{MECHANISM}{name}"
 
 
@@ -373,46 +443,63 @@ def full_name(name: str) -> str:
 Keys = Mapping[str, Any] | Iterable[str] | None
 
 
-def keys_of(given: Keys) -> dict[str, Any]:
-    """Values by dotted key, of these or of texts KEY=VALUE as in a scene file; strings need no quotes."""
-    if isinstance(given, Mapping):
-        return dict(given)
-    found = {}
-    for text in given or ():
+def keys_of(keys: Keys) -> dict[str, Any]:
+    """Return values by dotted key.
+
+    Args:
+        keys: Mapping, or texts KEY=VALUE with values as in a scene file; strings need no quotes.
+
+    Raises:
+        SceneError: A text is not of the form KEY=VALUE.
+    """
+    if isinstance(keys, Mapping):
+        return dict(keys)
+    values = {}
+    for text in keys or ():
         name, _, value = (part.strip() for part in text.partition("="))
         if not (name and value):
             raise SceneError(f"expected KEY=VALUE (got {text!r})")
         try:
-            found[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
+            values[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            found[full_name(name)] = value
-    return found
+            values[full_name(name)] = value
+    return values
 
 
 def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
-    """Tables with one key changed, in copies; None takes it away."""
+    """Return a copy of nested tables with one value changed.
+
+    Args:
+        tables: The nested tables.
+        path: Parts of the dotted key.
+        value: New value; None removes the key.
+    """
     head, *rest = path
     if rest:
         table = tables.get(head)
         value = changed(table if isinstance(table, dict) else {}, rest, value)
-    others = {name: kept for name, kept in tables.items() if name != head}
+    others = {name: part for name, part in tables.items() if name != head}
     return others if value is None else {**others, head: value}
 
 
 def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path()) -> Model:
-    """Check tables as a scene of a kind; an error has the key, the value and the allowed range in one line.
+    """Check nested tables and return them as a scene.
 
     Args:
-        tables: as read from TOML, or Scene.tables; some may be checked ones.
-        folder: where paths of CSV files in them start.
+        model: Model of the scene.
+        tables: Tables as read from TOML, or Scene.tables; valid models may replace tables.
+        folder: Folder of the scene file; paths of CSV files are relative to it.
+
+    Raises:
+        SceneError: A value is invalid; the message is one line with key, value and allowed range.
     """
     load = tables.get("load")
     kind = load.get("kind") if isinstance(load, dict) else getattr(load, "kind", None)
     try:
         return model.model_validate(tables, context={"folder": folder, "vehicle": kind == "vehicle"})
     except ValidationError as failure:
-        # an unknown key before others: what is missing may only be misspelt
+        # Unknown keys come first, because a missing key may only be misspelt.
         first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
         more = f" (and {len(others)} more)" if others else ""
         key = "" if _is_combination(first) else ".".join(_walk(model, first["loc"])[0])
-        raise SceneError(" ".join(_line(model, first).split()) + more, key) from None
+        raise SceneError(" ".join(_message(model, first).split()) + more, key) from None

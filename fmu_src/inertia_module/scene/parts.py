@@ -1,7 +1,7 @@
-"""The parts of a scene around its mechanism: [drive], [load], [controller].
+"""Tables of a scene for the environment of its mechanism: [drive], [load], [controller].
 
-With a vehicle as load a controller controls the vehicle speed (m/s), with any other load omega_out (rad/s);
-bare numbers are in that unit.
+With a vehicle as load a controller controls the vehicle speed (m/s), with any other load omega_out (rad/s).
+Numbers without a unit are in the unit of this speed.
 """
 
 from __future__ import annotations
@@ -25,51 +25,82 @@ from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Ti
 
 # --- drives ---
 
-Turning = Annotated[float, quantity("rad/s", 0.0, LARGEST_SPEED)]
+ForwardSpeed = Annotated[float, quantity("rad/s", 0.0, LARGEST_SPEED)]
 
 
 class AnyDrive(Strict):
-    """A drive of link 1, which gives the input INPUT of the module."""
+    """Base of the drives of link 1.
+
+    Attributes:
+        INPUT: Input of the module that the drive prescribes.
+    """
 
     INPUT: ClassVar[str] = "omega1"
 
     @property
     def mode(self) -> int:
-        """Value of the module's parameter drive."""
+        """Return the value of the parameter ``drive`` of the module."""
         return DRIVE_SPEED if self.INPUT == "omega1" else DRIVE_TORQUE
 
     @property
     def start_speed(self) -> float | None:
-        """Speed of link 1 at the start, rad/s, of a drive that gives a torque."""
+        """Return the initial speed of link 1, rad/s; None for a drive that prescribes the speed."""
         return None
 
     def signal(self) -> Signal | None:
-        """The input, rad/s or N.m, constant or over time, if independent of the state of the module."""
-        given: Signal | None = getattr(self, self.INPUT, None)
-        return given
+        """Return the input, rad/s or N.m, constant or over time; None if it depends on the state."""
+        signal: Signal | None = getattr(self, self.INPUT, None)
+        return signal
 
     def systems(self, step: float) -> list[Any]:
-        """Make the systems that give the inputs, of this step, s."""
+        """Make the systems that produce the input.
+
+        Args:
+            step: Communication step, s.
+        """
         signal = self.signal()
         return [] if signal is None else [loops.source(self.INPUT, signal, step)]
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Parameters of the module with what its drive adds to them."""
+        """Return the parameters of the module, including the contribution of the drive.
+
+        Args:
+            parameters: Parameters of the mechanism, SI, by name.
+        """
         return {**parameters} if self.mode == DRIVE_SPEED else {**parameters, "drive": float(DRIVE_TORQUE)}
 
     def check_step(self, step: float, inertia: float) -> None:
-        """Refuse a step, s, that is too long; inertia: of all that turns with link 1, kg.m2."""
+        """Reject a communication step that is too long for the drive.
+
+        Args:
+            step: Communication step, s.
+            inertia: Inertia of all parts that rotate with link 1, kg.m2.
+
+        Raises:
+            ValueError: The step is too long.
+        """
 
 
 class ConstantDrive(AnyDrive):
-    """Link 1 turns at constant speed."""
+    """Constant speed of link 1.
+
+    Attributes:
+        omega1: Speed, rad/s.
+    """
 
     kind: Literal["constant"]
     omega1: AngularSpeed
 
 
 class RampDrive(AnyDrive):
-    """The speed of link 1 changes linearly between two values and is held before and after."""
+    """Speed of link 1 that changes linearly between two values and is constant before and after.
+
+    Attributes:
+        initial: Speed before the ramp, rad/s.
+        final: Speed after the ramp, rad/s.
+        start: Start of the ramp, s.
+        duration: Duration of the ramp, s.
+    """
 
     kind: Literal["ramp"]
     initial: AngularSpeed
@@ -78,12 +109,17 @@ class RampDrive(AnyDrive):
     duration: Duration
 
     def signal(self) -> Signal:
-        """Speed of link 1 over time, rad/s."""
+        """Return the speed of link 1, rad/s, over time, s."""
         return Table([self.start, self.start + self.duration], [self.initial, self.final])
 
 
 class TableDrive(Tabulated, AnyDrive):
-    """The speed of link 1 over time."""
+    """Speed of link 1 over time.
+
+    Attributes:
+        time: Points, s.
+        omega1: Speed at each point, rad/s.
+    """
 
     kind: Literal["table"]
     time: Times
@@ -91,13 +127,17 @@ class TableDrive(Tabulated, AnyDrive):
 
 
 class ControlledDrive(AnyDrive):
-    """The speed of link 1 is what [controller] commands."""
+    """Speed of link 1 that the controller commands."""
 
     kind: Literal["controlled"]
 
 
 class TorqueDrive(AnyDrive):
-    """A torque on link 1, whose speed follows from it and is omega1, rad/s, at the start."""
+    """Base of the drives that prescribe a torque on link 1; its speed follows from the torque.
+
+    Attributes:
+        omega1: Initial speed of link 1, rad/s.
+    """
 
     INPUT: ClassVar[str] = "drive_torque"
 
@@ -105,25 +145,34 @@ class TorqueDrive(AnyDrive):
 
     @property
     def start_speed(self) -> float | None:
-        """Speed of link 1 at the start, rad/s."""
+        """Return the initial speed of link 1, rad/s."""
         return self.omega1
 
 
 class ControlledTorque(TorqueDrive):
-    """The torque on link 1 is what [controller] commands."""
+    """Torque on link 1 that the controller commands."""
 
     kind: Literal["controlled_torque"]
 
 
 class ConstantTorque(TorqueDrive):
-    """A constant torque on link 1, N.m."""
+    """Constant torque on link 1.
+
+    Attributes:
+        drive_torque: Torque, N.m.
+    """
 
     kind: Literal["torque"]
     drive_torque: Torque
 
 
 class TorqueTable(Tabulated, TorqueDrive):
-    """A torque on link 1 over time, s, N.m."""
+    """Torque on link 1 over time.
+
+    Attributes:
+        time: Points, s.
+        drive_torque: Torque at each point, N.m.
+    """
 
     kind: Literal["torque_table"]
     time: Times
@@ -131,7 +180,12 @@ class TorqueTable(Tabulated, TorqueDrive):
 
 
 class TorqueOverSpeed(Tabulated):
-    """A torque over the speed of the engine, constant beyond the ends."""
+    """Torque over the speed of the engine, constant beyond the ends.
+
+    Attributes:
+        speed: Points, rad/s, increasing.
+        torque: Torque at each point, N.m.
+    """
 
     speed: list[Annotated[float, quantity("rad/s")]]
     torque: list[Annotated[float, quantity("N.m", 0.0)]]
@@ -143,14 +197,23 @@ class TorqueOverSpeed(Tabulated):
 
 
 class ThrottleOverTime(Tabulated):
-    """The throttle over time, from 0, closed, to 1, full load."""
+    """Throttle over time.
+
+    Attributes:
+        time: Points, s.
+        throttle: Throttle at each point, 0 (closed) to 1 (full load).
+    """
 
     time: Times
     throttle: list[Annotated[float, quantity("1", 0.0, 1.0)]]
 
 
 class DragOverSpeed(TorqueOverSpeed):
-    """The size of a torque against the motion over the speed of the engine."""
+    """Magnitude of a torque against the motion, over the speed of the engine.
+
+    Attributes:
+        torque: Torque at each point, N.m.
+    """
 
     torque: list[Annotated[float, quantity("N.m")]]
 
@@ -161,10 +224,17 @@ class DragOverSpeed(TorqueOverSpeed):
 
 
 class EngineGovernor(Strict):
-    """PI governors of the idle and of the top speed, with the same gains."""
+    """PI governors of the idle speed and of the top speed, with the same gains.
 
-    idle: Turning
-    top_speed: Turning
+    Attributes:
+        idle: Idle speed, rad/s.
+        top_speed: Top speed, rad/s.
+        proportional_gain: Proportional gain of both governors, N.m.s/rad.
+        integral_gain: Integral gain of both governors, N.m/rad.
+    """
+
+    idle: ForwardSpeed
+    top_speed: ForwardSpeed
     proportional_gain: Annotated[float, quantity("N.m.s/rad", above=0.0)]
     integral_gain: Annotated[float, quantity("N.m/rad", 0.0)] = 0.0
 
@@ -176,16 +246,21 @@ class EngineGovernor(Strict):
 
 
 class EngineDrive(ConstantOrTable, AnyDrive):
-    """An engine on link 1, whose speed follows from its torque.
+    """Engine on link 1, whose speed follows from its torque.
 
     The throttle interpolates between -drag (closed) and full load. One governor raises the torque below the
-    idle speed, another one cuts it above the top speed. The control unit samples the speed once a
-    communication step and holds the torque over it.
+    idle speed, another one cuts it above the top speed. The control unit samples the speed once per
+    communication step and holds the torque over the step.
 
     Attributes:
-        inertia: of the rotor and all that turns with it, besides mechanism.input_inertia, kg.m2.
-        full_load, drag: torque at full load, and against the motion with the throttle closed, N.m.
-        throttle, throttle_over_time: one of both, 0 to 1. omega1: at the start, rad/s, else the idle speed.
+        inertia: Inertia of the rotor and all parts that rotate with it, added to mechanism.input_inertia,
+            kg.m2.
+        full_load: Torque at full load over speed.
+        drag: Torque against the motion with the throttle closed, over speed; None for no drag.
+        throttle: Constant throttle, 0 to 1; None with throttle_over_time.
+        throttle_over_time: Throttle over time; None with throttle.
+        governor: Governors of idle speed and top speed.
+        omega1: Initial speed of link 1, rad/s; None for the idle speed.
     """
 
     INPUT: ClassVar[str] = "drive_torque"
@@ -198,26 +273,38 @@ class EngineDrive(ConstantOrTable, AnyDrive):
     throttle: Annotated[float, quantity("1", 0.0, 1.0)] | None = None
     throttle_over_time: ThrottleOverTime | None = None
     governor: EngineGovernor
-    omega1: Turning | None = None
+    omega1: ForwardSpeed | None = None
 
     @property
     def start_speed(self) -> float | None:
-        """Speed of link 1 at the start, rad/s."""
+        """Return the initial speed of link 1, rad/s."""
         return self.governor.idle if self.omega1 is None else self.omega1
 
     def torque_map(self) -> loops.EngineMap:
-        """Limits of the torque over the speed."""
+        """Return the limits of the torque over the speed."""
         full, drag = self.full_load, self.drag or DragOverSpeed(speed=[0.0], torque=[0.0])
         speeds = np.union1d(full.speed, drag.speed)
-        both = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
-        return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, both))
+        torques = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
+        return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, torques))
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Parameters of the module, which carries the rotor of the engine."""
+        """Return the parameters of the module with the inertia of the rotor added to link 1.
+
+        Args:
+            parameters: Parameters of the mechanism, SI, by name.
+        """
         return loops.torque_driven(parameters, self.inertia)
 
     def check_step(self, step: float, inertia: float) -> None:
-        """Reject a step over which the constant governor torque would reverse the sign of the speed error."""
+        """Reject a step in which the constant governor torque would reverse the sign of the speed error.
+
+        Args:
+            step: Communication step, s.
+            inertia: Inertia of all parts that rotate with link 1, kg.m2.
+
+        Raises:
+            ValueError: The step is too long.
+        """
         gain = self.governor.proportional_gain
         if step * gain > inertia:
             raise ValueError(
@@ -226,20 +313,24 @@ class EngineDrive(ConstantOrTable, AnyDrive):
             )
 
     def systems(self, step: float) -> list[Any]:
-        """Make the source of the throttle, and the engine.
+        """Make the source of the throttle and the engine.
 
-        From throttle and input_speed, rad/s, to drive_torque, N.m; state: integrals of the governors.
+        Inputs of the engine are throttle and input_speed, rad/s; its output is drive_torque, N.m. Its states
+        are the integrals of the governors.
+
+        Args:
+            step: Communication step, s.
         """
-        limits, given = self.torque_map(), self.governor
-        governor = loops.Governor(given.proportional_gain, given.integral_gain, step)
+        limits, settings = self.torque_map(), self.governor
+        governor = loops.Governor(settings.proportional_gain, settings.integral_gain, step)
 
         def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
-            """Compute torque and integrals: throttle torque, raised at idle speed, cut at top speed."""
+            """Return torque and integrals: the throttle torque, raised at idle speed, cut at top speed."""
             throttle, speed = u
             closed, full = limits.limits(speed)
-            asked = closed + throttle * (full - closed)
-            kept, idle = governor.sample(x[0], given.idle, speed, (asked, full))
-            torque, top = governor.sample(x[1], given.top_speed, speed, (closed, kept))
+            throttle_torque = closed + throttle * (full - closed)
+            raised_torque, idle = governor.sample(x[0], settings.idle, speed, (throttle_torque, full))
+            torque, top = governor.sample(x[1], settings.top_speed, speed, (closed, raised_torque))
             return [torque], [idle, top]
 
         signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
@@ -264,7 +355,12 @@ Drive = Annotated[
 
 
 class Coupling(Strict):
-    """Elastic coupling between output shaft and load (without it they are rigid)."""
+    """Elastic coupling between output shaft and load, which are rigidly connected without it.
+
+    Attributes:
+        stiffness: Stiffness, N.m/rad.
+        damping: Damping, N.m.s/rad.
+    """
 
     stiffness: Annotated[float, quantity("N.m/rad", above=0.0)]
     damping: Annotated[float, quantity("N.m.s/rad", 0.0)] = 0.0
@@ -275,21 +371,36 @@ def _coupling(table: Coupling | None) -> loops.Coupling | None:
 
 
 class TorqueOverTime(Tabulated):
-    """Torque over time."""
+    """Torque over time.
+
+    Attributes:
+        time: Points, s.
+        torque: Torque at each point, N.m.
+    """
 
     time: Times
     torque: list[Annotated[float, quantity("N.m")]]
 
 
 class SlopeOverDistance(Tabulated):
-    """Slope of the road (rise over run) over distance."""
+    """Slope of the road over distance.
+
+    Attributes:
+        distance: Points, m.
+        slope: Slope (rise over run) at each point.
+    """
 
     distance: list[Annotated[float, quantity("m")]]
     slope: list[Annotated[float, quantity("1")]]
 
 
 class TorqueLoad(ConstantOrTable):
-    """A torque on the output shaft that does not depend on the motion."""
+    """Torque against the output shaft that does not depend on the motion.
+
+    Attributes:
+        torque: Constant torque, N.m; None with torque_over_time.
+        torque_over_time: Torque over time; None with torque.
+    """
 
     SIGNAL: ClassVar[str] = "torque"
 
@@ -297,19 +408,26 @@ class TorqueLoad(ConstantOrTable):
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
 
-    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
         """Make the load as a system.
 
         Args:
-            step: communication step, s.
-            one_way: True if the shaft cannot turn backwards.
-            start_speed: speed of the shaft at the start, rad/s.
+            step: Communication step, s.
+            prevents_reverse: True if the shaft cannot rotate backward.
+            start_speed: Initial speed of the shaft, rad/s.
         """
         return loops.Load(loops.source("load_torque", self.one_signal(), step))
 
 
 class ShaftLoad(Strict):
-    """A shaft with inertia, viscous friction and a torque against it."""
+    """Shaft with inertia, viscous friction and a constant torque.
+
+    Attributes:
+        inertia: Inertia, kg.m2.
+        viscous_friction: Viscous friction, N.m.s/rad.
+        torque: Torque against forward motion, N.m.
+        coupling: Elastic coupling to the output shaft; None for a rigid connection.
+    """
 
     kind: Literal["shaft"]
     inertia: Annotated[float, quantity("kg.m2", above=0.0)]
@@ -317,20 +435,35 @@ class ShaftLoad(Strict):
     torque: Torque = 0.0
     coupling: Coupling | None = None
 
-    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
-        """Make the shaft as a system."""
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
+        """Make the shaft as a load as a system.
+
+        Args:
+            step: Communication step, s.
+            prevents_reverse: True if the shaft cannot rotate backward.
+            start_speed: Initial speed of the shaft, rad/s.
+        """
         return loops.shaft_load(
             step, self.inertia, self.viscous_friction, self.torque, _coupling(self.coupling)
         )
 
 
 class VehicleLoad(Strict):
-    """A vehicle on a road, behind a final drive.
+    """Vehicle on a road, behind a final drive.
 
     Attributes:
-        times_to: speeds that the summary has times to, m/s.
-        friction_coefficient: largest tractive force over the load of the driven axles.
-        driven_axle_load: load of the driven axles, N; without it the weight of the vehicle.
+        mass: Mass of the vehicle, kg.
+        wheel_radius: Radius of the wheels, m.
+        final_drive: Speed of the output shaft over the speed of the wheels.
+        rolling_resistance: Rolling resistance over normal force.
+        drag_area: Drag coefficient times frontal area, m2.
+        air_density: Density of the air, kg/m3.
+        slope: Constant slope of the road (rise over run).
+        slope_over_distance: Slope over distance, which replaces slope.
+        coupling: Elastic coupling to the output shaft; None for a rigid connection.
+        times_to: Target speeds of the acceleration times in the summary, m/s.
+        friction_coefficient: Maximum tractive force over the load of the driven axles; None for no check.
+        driven_axle_load: Load of the driven axles, N; None for the weight of the vehicle.
     """
 
     kind: Literal["vehicle"]
@@ -364,19 +497,25 @@ class VehicleLoad(Strict):
 
     @property
     def grip(self) -> float | None:
-        """Largest tractive force, N (Coulomb friction); None if the scene gives no friction coefficient."""
+        """Return the maximum tractive force, N (Coulomb friction); None without a friction coefficient."""
         if self.friction_coefficient is None:
             return None
         return self.friction_coefficient * (self.driven_axle_load or self.mass * STANDARD_GRAVITY)
 
-    def build(self, step: float, one_way: bool, start_speed: float) -> loops.Load:
-        """Make the vehicle as a system."""
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
+        """Make the vehicle as a load as a system.
+
+        Args:
+            step: Communication step, s.
+            prevents_reverse: True if the shaft cannot rotate backward.
+            start_speed: Initial speed of the shaft, rad/s.
+        """
         table, coupling = self.slope_over_distance, _coupling(self.coupling)
         others = {"kind", "slope", "slope_over_distance", "coupling", "times_to"}
         own = self.model_dump(exclude=others | {"friction_coefficient", "driven_axle_load"})
         slope = self.slope if table is None else table.signal()
         return loops.vehicle_load(
-            step, **own, slope=slope, one_way=one_way, coupling=coupling, start_speed=start_speed
+            step, **own, slope=slope, one_way=prevents_reverse, coupling=coupling, start_speed=start_speed
         )
 
 
@@ -387,7 +526,7 @@ Load = Annotated[TorqueLoad | ShaftLoad | VehicleLoad, Field(discriminator="kind
 
 
 def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
-    """Validator of a quantity whose unit depends on the speed that is controlled."""
+    """Make a validator of a quantity whose unit depends on the controlled speed."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
         vehicle = (info.context or {}).get("vehicle")
@@ -397,22 +536,31 @@ def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = Non
 
 
 class ConstantReference(Strict):
-    """Constant reference speed."""
+    """Constant reference speed.
+
+    Attributes:
+        speed: Speed, m/s or rad/s.
+    """
 
     kind: Literal["constant"]
     speed: Annotated[float, _by_measured("m/s", "rad/s")]
 
     def signal(self) -> Signal:
-        """Reference speed, m/s or rad/s by the load."""
+        """Return the reference speed: m/s for a vehicle, else rad/s."""
         return self.speed
 
     def driving_cycle(self) -> Cycle | None:
-        """Return None: a constant speed is no driving cycle."""
+        """Return None, because a constant speed is not a driving cycle."""
         return None
 
 
 class TableReference(Tabulated):
-    """A speed over time."""
+    """Reference speed over time.
+
+    Attributes:
+        time: Points, s.
+        speed: Speed at each point, m/s or rad/s.
+    """
 
     kind: Literal["table"]
     time: Times
@@ -428,13 +576,17 @@ CycleName: Any = Literal[tuple(CYCLES)]
 
 
 class CycleReference(Strict):
-    """A driving cycle."""
+    """Published driving cycle as reference.
+
+    Attributes:
+        cycle: Name of the cycle.
+    """
 
     kind: Literal["cycle"]
     cycle: CycleName
 
     def signal(self) -> Signal:
-        """The speed over time, m/s."""
+        """Return the speed of the vehicle, m/s, over time, s."""
         return loops.Table(CYCLES[self.cycle].time, CYCLES[self.cycle].speed)
 
     def driving_cycle(self) -> Cycle | None:
@@ -443,7 +595,13 @@ class CycleReference(Strict):
 
 
 class Brake(Strict):
-    """The driver's brake: a force in proportion to the excess of the vehicle's speed."""
+    """Brake of the driver: a force proportional to the excess of the vehicle speed.
+
+    Attributes:
+        gain: Force per excess speed, N.s/m.
+        maximum: Maximum force, N.
+        margin: Speed above the reference at which the brake begins to act, m/s.
+    """
 
     gain: Annotated[float, quantity("N.s/m", 0.0)]
     maximum: Annotated[float, quantity("N", 0.0)]
@@ -451,7 +609,21 @@ class Brake(Strict):
 
 
 class PiController(Strict):
-    """PI controller of the speed with limits and anti-windup: gives COMMAND, by a drive of kind DRIVE."""
+    """PI speed controller with limits and anti-windup that commands the speed of link 1.
+
+    Units depend on the controlled speed: m/s for a vehicle, else rad/s.
+
+    Attributes:
+        COMMAND: Input of the module that the controller commands.
+        DRIVE: Kind of drive that the controller requires.
+        proportional_gain: Command per speed error.
+        integral_gain: Rate of the command per speed error.
+        feedforward: Command per reference speed.
+        minimum: Minimum command.
+        maximum: Maximum command.
+        reference: Reference speed.
+        brake: Brake of the driver of a vehicle, or None.
+    """
 
     COMMAND: ClassVar[str] = "omega1"
     DRIVE: ClassVar[str] = "controlled"
@@ -472,7 +644,12 @@ class PiController(Strict):
         return self
 
     def build(self, step: float, measured: str) -> list[Any]:
-        """Make the systems of reference, controller and brake, of this step, s."""
+        """Make the systems of reference, controller and brake.
+
+        Args:
+            step: Communication step, s.
+            measured: Name of the controlled speed.
+        """
         systems = [
             loops.source("reference", self.reference.signal(), step),
             loops.pi_speed_controller(
@@ -491,7 +668,7 @@ class PiController(Strict):
 
 
 class PiTorqueController(PiController):
-    """PI controller of the speed that commands drive_torque, within the limits of an engine or motor."""
+    """PI speed controller that commands drive_torque within the limits of an engine or motor."""
 
     COMMAND: ClassVar[str] = "drive_torque"
     DRIVE: ClassVar[str] = "controlled_torque"

@@ -1,4 +1,7 @@
-"""Scene files: TOML, checked, and written; of a module or, with a table [shaft], of a driven shaft alone."""
+"""Read, check and write scene files (TOML).
+
+A file with a table [shaft] describes a driven shaft alone, any other file an inertia module.
+"""
 
 from __future__ import annotations
 
@@ -17,35 +20,45 @@ from .shaft import ShaftScene
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """Return the tables of a scene file, not checked; raise SceneError if the text is not TOML."""
+    """Return the unchecked tables of a scene file; raise SceneError if the text is not valid TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        said = " ".join(str(error).split())
-        place = re.search(r"line (\d+)", said)
+        message = " ".join(str(error).split())
+        place = re.search(r"line (\d+)", message)
         line = text.split("\n")[int(place[1]) - 1] if place else ""
         comma = re.search(r"=\s*[-+]?\d+,\d", line)
         cause = ". Use a decimal point and no commas in numbers." if comma else ""
-        if "\\" in line and re.search("Unescaped|hex", said):
+        if "\\" in line and re.search("Unescaped|hex", message):
             cause = f". In double quotes a backslash starts an escape sequence. {SLASHES}"
-        raise SceneError(f"invalid TOML: {said}{cause}") from None
+        raise SceneError(f"invalid TOML: {message}{cause}") from None
 
 
 def load_scene(path: Path | str, keys: Keys = None) -> Scene:
     """Read and check a scene file.
 
     Args:
-        path: of the TOML file. keys: values instead of the file's, by dotted key, such as
+        path: Path of the TOML file.
+        keys: Values that replace values of the file: a mapping from dotted keys, such as
             {"mechanism.imbalance_mass": "2 kg"}, or texts such as "imbalance_mass=2 kg".
 
     Raises:
-        SceneError: in one line, the file, the key, the value and what is allowed.
+        SceneError: The file or a value is invalid; the message names file, key, value and allowed range.
     """
     return load_tables(path, keys, lambda tables: Scene)
 
 
 def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
-    """Read and check a scene file of a kind that its tables tell; all else as of load_scene."""
+    """Read and check a scene file whose model depends on its tables.
+
+    Args:
+        path: Path of the TOML file.
+        keys: Values that replace values of the file, as in load_scene.
+        kind: Function that returns the model to check the tables with.
+
+    Raises:
+        SceneError: As in load_scene.
+    """
     path = Path(path)
     try:
         text = read_text(path)
@@ -64,11 +77,11 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
 
 
 def speed_unit(path: Path | str, keys: Keys = None) -> str:
-    """Return the unit of speeds of link 1 for people: rpm if the scene file gives a speed in it, else rad/s.
+    """Return the display unit of the speed of link 1: rpm if the scene contains a speed in rpm, else rad/s.
 
     Args:
-        path: of a scene file that load_scene accepts.
-        keys: as of load_scene.
+        path: Path of a scene file that load_scene accepts.
+        keys: Values that replace values of the file, as in load_scene.
     """
     values = [*_strings(_tables(Path(path).read_text(encoding="utf-8"))), *map(str, keys_of(keys).values())]
     return "rpm" if any(re.search(r"[\d\s](rpm|1/min)$", value.strip()) for value in values) else "rad/s"
@@ -84,7 +97,18 @@ def _strings(tables: Any) -> Iterator[str]:
 
 
 def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
-    """Read and check a scene file, of a module or of a driven shaft alone; all else as of load_scene."""
+    """Read and check a scene file of a module or of a driven shaft alone.
+
+    Args:
+        path: Path of the TOML file.
+        keys: Values that replace values of the file, as in load_scene.
+
+    Returns:
+        A ShaftScene if the file has a table [shaft], else a Scene.
+
+    Raises:
+        SceneError: As in load_scene.
+    """
 
     def kind(tables: dict[str, Any]) -> type[Scene | ShaftScene]:
         return ShaftScene if "shaft" in tables else Scene
@@ -93,10 +117,13 @@ def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
 
 
 def scene_text(scene: Scene) -> str:
-    """Write a scene as TOML: keys that differ from their defaults, quantities in SI with their units.
+    """Return a scene as TOML: the keys that differ from their defaults, in SI with their units.
 
-    load_scene reads it back as the same scene. It takes the extra jobs.
+    load_scene reads the text as the same scene. The function requires the extra ``jobs``.
+
+    Args:
+        scene: The scene.
     """
     tables = scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
-    written: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
-    return written
+    text: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
+    return text

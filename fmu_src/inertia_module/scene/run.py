@@ -1,4 +1,4 @@
-"""Simulation of a scene: FMU in closed loop with drive, load and controller; result table and summary."""
+"""Simulation of a scene (an FMU in closed loop with drive, load and controller) and its summary."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from ..export.systems import Plan
 
 
-# --- the summary: speeds, torques, energy, cost, and how well a cycle was followed ---
+# --- summary: speeds, torques, energies, forces ---
 
-# variables of the FMU that the summary and the figure need, whatever outputs the scene wants
+# variables of the FMU that the summary and the figure require in addition to the outputs of the scene
 SUMMARISED = (
     *("omega2", "omega_out", "input_speed", "input_torque_mean", "output_torque_mean"),
     *("energy_in", "energy_out", "energy_stored", "energy_lost", *LOSSES, "energy_residual"),
@@ -47,42 +47,56 @@ SUMMARISED = (
 )
 
 
-# a time to a speed is called so and the speed; there is one only where the speed is reached
+# prefix of the names of acceleration times; the speed follows
 TIME_TO = "time_to_"
 
 
 class Quantity(NamedTuple):
-    """One number of a summary in its unit, which is "" for counts and ratios."""
+    """Number with its unit.
+
+    Attributes:
+        value: The number.
+        unit: Unit; "" for counts and ratios.
+    """
 
     value: float
     unit: str
 
 
 def _time_mean(table: Result, name: str) -> float:
-    """Mean of a step mean over the run: the value at a row is the mean over the step before it."""
+    """Return the mean over the run of an output whose value in a row is the mean over the step before."""
     steps = np.diff(table.time)
     return float(table[name][1:] @ steps / steps.sum())
 
 
 def input_speed(table: Result) -> NDArray[np.float64]:
-    """Speed of link 1, rad/s: prescribed by the drive, or computed where the drive gives a torque."""
+    """Return the speed of link 1, rad/s, shape (n,), either prescribed or computed.
+
+    Args:
+        table: Record of the run, n rows.
+    """
     return table["omega1"] if "omega1" in table else table["input_speed"]
 
 
 def energy(table: Result) -> dict[str, Quantity]:
-    """Energies since the start, losses by cause where there are any, efficiency, and the residual."""
+    """Return energies of the run, losses by cause (unless 0), efficiency and the energy residual.
+
+    Args:
+        table: Record of the run.
+    """
     last = table.last()
-    stored = last["energy_stored"] - float(table["energy_stored"][0])
-    scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored))
-    # the share of all energy put in, by the drive, by a load that drives, by motion used up, that is not
-    # lost: what is still stored counts as kept; with a balancer that gives more than is lost there is none
-    put_in = max(last["energy_in"], 0.0) + max(-last["energy_out"], 0.0) + max(-stored, 0.0)
-    known = last["energy_lost"] >= 0.0 and put_in > 0.0
-    efficiency = {"efficiency": Quantity(1.0 - last["energy_lost"] / put_in, "")} if known else {}
+    stored_gain = last["energy_stored"] - float(table["energy_stored"][0])
+    scale = max(abs(last["energy_in"]), abs(last["energy_out"]), abs(stored_gain))
+    # Efficiency is 1 - losses / supply. The supply is energy from the drive, from a driving load and from
+    # storage. Energy that is stored at the end is no loss. A balancer can supply more than the losses; then
+    # there is no efficiency.
+    supply = max(last["energy_in"], 0.0) + max(-last["energy_out"], 0.0) + max(-stored_gain, 0.0)
+    has_efficiency = last["energy_lost"] >= 0.0 and supply > 0.0
+    efficiency = {"efficiency": Quantity(1.0 - last["energy_lost"] / supply, "")} if has_efficiency else {}
     return {
         "energy_in": Quantity(last["energy_in"], "J"),
         "energy_out": Quantity(last["energy_out"], "J"),
-        "energy_stored_gain": Quantity(stored, "J"),
+        "energy_stored_gain": Quantity(stored_gain, "J"),
         "energy_lost": Quantity(last["energy_lost"], "J"),
         **{name: Quantity(last[name], "J") for name in LOSSES if last.get(name)},
         **efficiency,
@@ -92,21 +106,24 @@ def energy(table: Result) -> dict[str, Quantity]:
 
 
 def forces(table: Result) -> dict[str, NDArray[np.float64]]:
-    """Magnitudes of the forces, N, and moments, N m, that are recorded and known: on bearing and mount.
+    """Return the recorded magnitudes of forces, N, and moments, N m, on bearing and mount, by name.
 
-    Those that balance are left out: rounding leaves 1e-15 of what they are made of.
+    Balanced forces are omitted. Round-off leaves 1e-15 of their terms.
+
+    Args:
+        table: Record of the run.
     """
-    found = {"satellite_force": table["satellite_force"]} if "satellite_force" in table else {}
+    magnitudes = {"satellite_force": table["satellite_force"]} if "satellite_force" in table else {}
     for name in ("shaking_force", "shaking_moment"):
         parts = [f"{name}_{axis}" for axis in "xyz"]
         if all(part in table for part in parts):
-            found[name] = np.sqrt(sum(table[part] ** 2 for part in parts))
-    largest = max((float(values.max()) for values in found.values()), default=0.0)
-    return {name: values for name, values in found.items() if values.max() > 1e-12 * largest}
+            magnitudes[name] = np.sqrt(sum(table[part] ** 2 for part in parts))
+    maximum = max((float(values.max()) for values in magnitudes.values()), default=0.0)
+    return {name: values for name, values in magnitudes.items() if values.max() > 1e-12 * maximum}
 
 
 def _forces(table: Result) -> dict[str, Quantity]:
-    """Peak and RMS at the communication points; of the bearing the peak in between, where recorded."""
+    """Return peak and RMS of forces at communication points, and the recorded peak force of the bearing."""
     numbers: dict[str, Quantity] = {}
     for name, values in forces(table).items():
         unit = "N.m" if name == "shaking_moment" else "N"
@@ -117,67 +134,84 @@ def _forces(table: Result) -> dict[str, Quantity]:
     return numbers
 
 
-# --- the duty of the freewheels ---
+# --- operating loads (duty) of the freewheels ---
 
 FREEWHEELS = ("housing", "output")
-# engagements in a row that tell the largest frequency: a few pulses, for those of a bevel module are uneven
-IN_A_ROW = 10
-# rad: through a shorter overrun sprags, which wind up by 1 to 3 degrees, stay engaged; a speed of link 1 that
-# is held over each step makes one at each of its jumps
-LEAST_OVERRUN = math.radians(0.1)
-# name of the remark on a run that does not tell the duty
+# consecutive engagements for the maximum frequency: several, because pulses of a bevel module are irregular
+CONSECUTIVE = 10
+# Minimum overrun between engagements, rad. During shorter overruns the sprags stay engaged, because they wind
+# up by 1 to 3 degrees. Jumps of a piecewise constant speed of link 1 cause such overruns.
+MIN_OVERRUN = math.radians(0.1)
+# name of the note on a run without freewheel duty
 DUTY = "freewheel_duty"
 
 
 def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
-    """Count engagements up to each row, shape (n,), but those after overruns of less than LEAST_OVERRUN.
+    """Count engagements up to each row, except after overruns shorter than MIN_OVERRUN.
 
-    An overrun is as long as its largest speed in each step says.
+    The angle of an overrun is an upper bound: the sum of maximum slip times step.
+
+    Args:
+        table: Record of the run, n rows.
+        freewheel: Name in FREEWHEELS.
+
+    Returns:
+        Number of engagements, shape (n,).
     """
-    more = np.diff(table[f"{freewheel}_engagements"])
-    rows = np.flatnonzero(more)
-    turned = np.cumsum(table[f"{freewheel}_slip_peak"][1:] * np.diff(table.time))[rows]
-    more[rows[np.diff(turned, prepend=0.0) < LEAST_OVERRUN * more[rows]]] = 0.0
-    return np.append(0.0, np.cumsum(more))
+    increments = np.diff(table[f"{freewheel}_engagements"])
+    rows = np.flatnonzero(increments)
+    angles = np.cumsum(table[f"{freewheel}_slip_peak"][1:] * np.diff(table.time))[rows]
+    increments[rows[np.diff(angles, prepend=0.0) < MIN_OVERRUN * increments[rows]]] = 0.0
+    return np.append(0.0, np.cumsum(increments))
 
 
 def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
-    """Find the largest frequency, Hz, of IN_A_ROW events in a row, by their count up to each time, s."""
+    """Return the maximum frequency of CONSECUTIVE consecutive events, Hz.
+
+    Args:
+        time: Times, s, shape (n,).
+        count: Number of events up to each time, shape (n,).
+    """
     rows, number = np.flatnonzero(np.diff(count)), int(count[-1])
-    together = min(IN_A_ROW, number - 1)
-    if together < 1:
+    group = min(CONSECUTIVE, number - 1)
+    if group < 1:
         return number / float(np.ptp(time))
-    known = np.append(rows[0], rows + 1)
-    times = np.interp(np.arange(1, number + 1), count[known], time[known])
-    return together / float((times[together:] - times[:-together]).min())
+    points = np.append(rows[0], rows + 1)
+    times = np.interp(np.arange(1, number + 1), count[points], time[points])
+    return group / float((times[group:] - times[:-group]).min())
 
 
-# parameters of the stiffness of both freewheels
+# parameter of the stiffness by freewheel
 STIFFNESS = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
 
 
 def has_impacts(parameters: Mapping[str, float], freewheel: str) -> bool:
-    """Return True if a freewheel closes by impacts: it is rigid and has an engagement angle."""
+    """Return True if a freewheel locks by impacts, because it is rigid and has an engagement angle.
+
+    Args:
+        parameters: Parameters of the module, SI, by name.
+        freewheel: Name in FREEWHEELS.
+    """
     is_rigid = parameters.get("fidelity", RIGID) != ELASTIC or not parameters.get(STIFFNESS[freewheel], 0.0)
     return is_rigid and parameters.get(f"{freewheel}_engagement_angle", 0.0) > 0.0
 
 
 def impacts(table: Result, freewheel: str, stiffness: float | None) -> dict[str, Quantity]:
-    """Return the largest energy of an impact of a freewheel, and the torque that it causes.
+    """Return the maximum impact energy of a freewheel and an estimate of the impact torque.
 
-    A rigid impact has an impulse and no finite torque. The energy E of the relative motion, half the reduced
-    inertia times the square of the slip, is what the module loses in it. A freewheel of stiffness c takes up
-    the same energy in half a sine of the torque, whose largest value is slip sqrt(c J) = sqrt(2 c E).
-    All losses of freewheels in the communication step count, so that E is an upper bound.
+    A rigid impact has an impulse and no finite torque. It dissipates the energy E = J slip^2 / 2 of the
+    relative motion, where J is the reduced inertia. A freewheel of stiffness c absorbs the same energy in a
+    half sine of the torque, whose maximum is slip sqrt(c J) = sqrt(2 c E).
+    E includes all freewheel losses in the communication step, so it is an upper bound.
 
     Args:
-        table: of the run.
-        freewheel: one of FREEWHEELS.
-        stiffness: of the closed freewheel, N.m/rad; None if it is unknown.
+        table: Record of the run.
+        freewheel: Name in FREEWHEELS.
+        stiffness: Stiffness of the locked freewheel, N.m/rad; None if it is unknown.
     """
-    engaged = np.diff(table[f"{freewheel}_engagements"]) > 0.0
+    has_engagement = np.diff(table[f"{freewheel}_engagements"]) > 0.0
     lost = np.diff(table["energy_lost_freewheel"])
-    energy = float(np.max(lost[engaged], initial=0.0))
+    energy = float(np.max(lost[has_engagement], initial=0.0))
     numbers = {f"{freewheel}_impact_energy": Quantity(energy, "J")}
     if stiffness is not None:
         torque = math.sqrt(2.0 * stiffness * max(energy, 0.0))
@@ -186,11 +220,11 @@ def impacts(table: Result, freewheel: str, stiffness: float | None) -> dict[str,
 
 
 def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
-    """Return warnings on freewheels whose torque limit the run cannot judge, or whose impacts exceed it.
+    """Return warnings about impacts that exceed the torque limit of a freewheel or cannot be checked.
 
     Args:
-        scene: the scene.
-        duty: numbers of freewheel_duty.
+        scene: The scene.
+        duty: Metrics of freewheel_duty.
     """
     texts, stiffness = [], scene.freewheels.of("stiffness")
     for name, limit in scene.freewheels.of("torque").items():
@@ -213,14 +247,17 @@ def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
 def freewheel_duty(
     table: Result, parameters: Mapping[str, float], stiffness: Mapping[str, float] = MappingProxyType({})
 ) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find how often each freewheel engages, and the most that it carries and overruns with; else why not.
+    """Return engagement frequencies, maximum torque, maximum slip and impacts of each freewheel.
 
     Args:
-        table: of the run.
-        parameters: of the module.
-        stiffness: of closed freewheels that are rigid in the run, N.m/rad, by name.
+        table: Record of the run.
+        parameters: Parameters of the module, SI, by name.
+        stiffness: Stiffness of freewheels that are rigid in the run, N.m/rad, by name.
+
+    Returns:
+        Metrics, and notes on missing metrics, by name.
     """
-    fidelity, found = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
+    fidelity, metrics = int(parameters.get("fidelity", RIGID)), dict[str, Quantity]()
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
             level = ENUMERATIONS["Fidelity"][fidelity][0]
@@ -229,91 +266,100 @@ def freewheel_duty(
         if parameters.get(f"{name}_freewheel", 1.0):
             count = engagements(table, name)
             mean = float(count[-1]) / float(np.ptp(table.time))
-            found[f"{name}_engagement_frequency_mean"] = Quantity(mean, "Hz")
-            found[f"{name}_engagement_frequency_maximum"] = Quantity(fastest(table.time, count), "Hz")
-            found[f"{name}_torque_peak"] = Quantity(float(table[torque].max()), "N.m")
-            found[f"{name}_slip_peak"] = Quantity(float(table[f"{name}_slip_peak"].max()), "rad/s")
+            metrics[f"{name}_engagement_frequency_mean"] = Quantity(mean, "Hz")
+            metrics[f"{name}_engagement_frequency_maximum"] = Quantity(fastest(table.time, count), "Hz")
+            metrics[f"{name}_torque_peak"] = Quantity(float(table[torque].max()), "N.m")
+            metrics[f"{name}_slip_peak"] = Quantity(float(table[f"{name}_slip_peak"].max()), "rad/s")
             if has_impacts(parameters, name):
-                found |= impacts(table, name, stiffness.get(name))
-    return found, {}
+                metrics |= impacts(table, name, stiffness.get(name))
+    return metrics, {}
 
 
-# --- a vehicle, and the whole summary ---
+# --- summary of a vehicle, complete summary ---
 
 
 def work(table: Result, torque: str) -> NDArray[np.float64]:
-    """Work of a torque on the load, held over each step, up to each row, J."""
+    """Return the work of a torque on the load up to each row, J, shape (n,).
+
+    Args:
+        table: Record of the run, n rows.
+        torque: Name of the column of the torque, which is constant in each step.
+    """
     mean_speed = 0.5 * (table["load_speed"][1:] + table["load_speed"][:-1])
-    done = table[torque][:-1] * mean_speed * np.diff(table.time)
-    return np.concatenate([[0.0], np.cumsum(done)])
+    increments = table[torque][:-1] * mean_speed * np.diff(table.time)
+    return np.concatenate([[0.0], np.cumsum(increments)])
 
 
 def time_to(speed: float) -> str:
-    """Name of the time to a speed, m/s."""
+    """Return the name of the acceleration time to a speed.
+
+    Args:
+        speed: Target speed, m/s.
+    """
     return f"{TIME_TO}{speed / KILOMETRE_PER_HOUR:.6g}_kmh"
 
 
-# s: a car that stands for at least so long is launched again; shorter stops are between pulses of one launch
+# Minimum standstill between two launches, s. Shorter stops are between the pulses of one launch.
 STANDSTILL = 0.5
 
 
 def launch_time(time: NDArray[np.float64], speed: NDArray[np.float64]) -> float:
-    """Return the time, s, of the first motion that is not undone, in the last launch.
+    """Return the time from which the vehicle moves forward in the last launch, s.
 
-    A launch begins with the run or with the last standstill of at least STANDSTILL. Motion is undone if the
-    car rolls back to where it began.
+    A launch begins with the run or with the last standstill of at least STANDSTILL. The time is the last one
+    at the rearmost position, so that motion undone by rolling back does not count.
 
     Args:
-        time: s, shape (n,).
-        speed: of the vehicle, m/s, shape (n,), up to the row at which it is fast enough.
+        time: Times, s, shape (n,), up to the row in which the vehicle reaches the target speed.
+        speed: Speed of the vehicle, m/s, shape (n,).
     """
     edges = np.flatnonzero(np.diff(speed == 0.0, prepend=False, append=False))
     begins, ends = edges[::2], edges[1::2] - 1
     stops = begins[time[ends] - time[begins] >= STANDSTILL * (1.0 - 1e-9)]
     first = int(stops[-1]) if stops.size else 0
-    moved = np.cumsum(0.5 * (speed[first + 1 :] + speed[first:-1]) * np.diff(time[first:]))
-    distance = np.append(0.0, moved)
+    positions = np.cumsum(0.5 * (speed[first + 1 :] + speed[first:-1]) * np.diff(time[first:]))
+    distance = np.append(0.0, positions)
     return float(time[first + distance.size - 1 - int(np.argmin(distance[::-1]))])
 
 
 def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Find the time to each speed since launch_time, or the reason why there is none.
+    """Return the acceleration time to each speed since launch_time.
 
     Args:
-        table: with the column vehicle_speed.
-        speeds: m/s.
+        table: Record of the run, with the column vehicle_speed.
+        speeds: Target speeds, m/s.
 
     Returns:
-        Times, s, and remarks, by name.
+        Times, s, and notes on speeds that are not reached, by name.
     """
-    found, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
-    shown = vehicle_speed / KILOMETRE_PER_HOUR
+    times, remarks, vehicle_speed = {}, {}, table["vehicle_speed"]
+    in_kmh = vehicle_speed / KILOMETRE_PER_HOUR
     for speed in speeds:
-        reached = int(np.argmax(vehicle_speed >= speed))
-        if reached:  # 0 where it never is, or is from the start
-            around = slice(reached - 1, reached + 1)
-            begin = launch_time(table.time[: reached + 1], vehicle_speed[: reached + 1])
-            time = float(np.interp(speed, vehicle_speed[around], table.time[around]) - begin)
-            found[time_to(speed)] = Quantity(time, "s")
+        row = int(np.argmax(vehicle_speed >= speed))
+        if row:  # 0 if the speed is never reached, or reached from the start
+            pair = slice(row - 1, row + 1)
+            begin = launch_time(table.time[: row + 1], vehicle_speed[: row + 1])
+            time = float(np.interp(speed, vehicle_speed[pair], table.time[pair]) - begin)
+            times[time_to(speed)] = Quantity(time, "s")
         elif vehicle_speed[0] >= speed:
-            remarks[time_to(speed)] = f"not available (the run starts at {shown[0]:.4g} km/h)"
+            remarks[time_to(speed)] = f"not available (the run starts at {in_kmh[0]:.4g} km/h)"
         else:
-            remarks[time_to(speed)] = f"not reached (maximum {shown.max():.4g} km/h)"
-    return found, remarks
+            remarks[time_to(speed)] = f"not reached (maximum {in_kmh.max():.4g} km/h)"
+    return times, remarks
 
 
-# name of the number of the summary that the grip limits
+# metric of the summary that the grip limits
 TRACTIVE_FORCE = "tractive_force_maximum"
 
 
 def tractive_force(table: Result, load: VehicleLoad) -> NDArray[np.float64]:
-    """Return the mean force of the driven wheels on the vehicle in each step, N, shape (rows - 1,).
+    """Return the mean tractive force in each step, N, shape (n - 1,).
 
-    It accelerates the vehicle and overcomes all resistances. It is 0 in steps that begin and end at rest.
+    The force accelerates the vehicle and overcomes all resistances. In steps at rest it is 0.
 
     Args:
-        table: of a run of the vehicle.
-        load: the vehicle.
+        table: Record of the run, n rows.
+        load: The vehicle.
     """
     parts = ("rolling_torque", "drag_torque", "slope_torque", "brake_torque")
     ratio = load.final_drive / load.wheel_radius
@@ -327,22 +373,22 @@ def grip(table: Result, load: VehicleLoad) -> tuple[dict[str, Quantity], dict[st
     """Compare the tractive force with the grip of the driven wheels, which the run does not limit.
 
     Args:
-        table: of a run of the vehicle.
-        load: the vehicle.
+        table: Record of the run.
+        load: The vehicle.
 
     Returns:
-        The largest tractive force, N, and a remark if it exceeds the grip; both empty if the scene gives no
-        friction coefficient.
+        Maximum tractive force, N, and a note if it exceeds the grip, by name; both empty without a friction
+        coefficient.
     """
     if load.grip is None:
         return {}, {}
     force = tractive_force(table, load)
     numbers = {TRACTIVE_FORCE: Quantity(float(force.max()), "N")}
-    beyond = np.flatnonzero(force > load.grip)
-    if not beyond.size:
+    excess = np.flatnonzero(force > load.grip)
+    if not excess.size:
         return numbers, {}
-    share = float(np.diff(table.time)[beyond].sum())
-    first = f"first at {table.time[beyond[0]]:.4g} s"
+    share = float(np.diff(table.time)[excess].sum())
+    first = f"first at {table.time[excess[0]]:.4g} s"
     text = f"is exceeded for {share:.4g} s, {first}: the wheels would slip, the run assumes that they roll"
     return numbers, {"grip": text}
 
@@ -359,14 +405,14 @@ def _vehicle(table: Result) -> dict[str, Quantity]:
 
 
 def out_of_tolerance(table: Result, cycle: Cycle) -> NDArray[np.float64]:
-    """Return the speed above (positive) or below (negative) the tolerance of a cycle.
+    """Return the deviation of the speed from the tolerance band of a cycle.
 
     Args:
-        table: with the column vehicle_speed, n rows.
-        cycle: driving cycle of the vehicle.
+        table: Record of the run, with the column vehicle_speed, n rows.
+        cycle: Driving cycle of the vehicle.
 
     Returns:
-        Excess of the speed, m/s, shape (n,); 0 within the tolerance.
+        Deviation, m/s, shape (n,): positive above the band, negative below, 0 within.
     """
     speed = table["vehicle_speed"]
     excess: NDArray[np.float64] = speed - np.clip(speed, *cycle.tolerance_band(table.time))
@@ -374,13 +420,13 @@ def out_of_tolerance(table: Result, cycle: Cycle) -> NDArray[np.float64]:
 
 
 def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
-    """Return remarks on a cycle that is longer than the run or that the vehicle does not follow.
+    """Return notes on a cycle that is longer than the run or that the vehicle does not follow, by name.
 
     The vehicle does not follow a cycle if it is out of tolerance for longer than TIME_TOLERANCE at a time.
 
     Args:
-        table: with the column vehicle_speed.
-        cycle: driving cycle of the vehicle.
+        table: Record of the run, with the column vehicle_speed.
+        cycle: Driving cycle of the vehicle.
     """
     remarks, time, excess = {}, table.time, out_of_tolerance(table, cycle)
     if time[-1] < cycle.duration * (1.0 - 1e-9):
@@ -392,12 +438,12 @@ def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
         return remarks
     rows = np.concatenate([np.arange(*pair) for pair in zip(begins[long], ends[long], strict=True)])
     worst = rows[np.argmax(np.abs(excess[rows]))]
-    far = float(table["vehicle_speed"][worst] - cycle.speed_at(time[worst])) / KILOMETRE_PER_HOUR
+    deviation = float(table["vehicle_speed"][worst] - cycle.speed_at(time[worst])) / KILOMETRE_PER_HOUR
     occasions = "once, at" if long.sum() == 1 else f"{long.sum()} times, first at"
     remarks["vehicle_speed"] = (
         f"does not follow {cycle.name}: out of tolerance for more than {TIME_TOLERANCE:g} s at a time"
-        f" ({occasions} {time[begins[long][0]]:.6g} s); largest deviation {abs(far):.3g} km/h too"
-        f" {'fast' if far > 0.0 else 'slow'} at {time[worst]:.6g} s"
+        f" ({occasions} {time[begins[long][0]]:.6g} s); largest deviation {abs(deviation):.3g} km/h too"
+        f" {'fast' if deviation > 0.0 else 'slow'} at {time[worst]:.6g} s"
     )
     return remarks
 
@@ -405,24 +451,24 @@ def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
 def summarise(
     table: Result, cycle: Cycle | None, wall_time: float, also: Mapping[str, Quantity]
 ) -> dict[str, Quantity]:
-    """Numbers of a run.
+    """Return the metrics of a run by name.
 
     Args:
-        table: all of SUMMARISED, and the signals of the loop.
-        cycle: driving cycle of the vehicle, or None.
-        wall_time: duration of the computation, s.
-        also: more numbers, such as those of times_to and freewheel_duty.
+        table: Record of the run, with all variables in SUMMARISED and the signals of the loop.
+        cycle: Driving cycle of the vehicle, or None.
+        wall_time: Duration of the computation, s.
+        also: More metrics, such as the results of times_to and freewheel_duty.
     """
-    simulated = float(table.time[-1] - table.time[0])
+    duration = float(table.time[-1] - table.time[0])
     summary = {
-        "simulated_time": Quantity(simulated, "s"),
+        "simulated_time": Quantity(duration, "s"),
         "omega1_maximum": Quantity(float(input_speed(table).max()), "rad/s"),
         "omega_out_maximum": Quantity(float(table["omega_out"].max()), "rad/s"),
         "omega_out_final": Quantity(float(table["omega_out"][-1]), "rad/s"),
         "input_torque_mean": Quantity(_time_mean(table, "input_torque_mean"), "N.m"),
         "output_torque_mean": Quantity(_time_mean(table, "output_torque_mean"), "N.m"),
         "output_torque_mean_maximum": Quantity(float(table["output_torque_mean"].max()), "N.m"),
-        # a pulse of the freewheels is some of these
+        # Each pulse has several switches.
         "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
         **energy(table),
         **_forces(table),
@@ -431,23 +477,23 @@ def summarise(
     if "vehicle_speed" in table:
         summary |= _vehicle(table)
     if "reference" in table:
-        measured, factor, shown = "omega_out", 1.0, "rad/s"
+        measured, factor, unit = "omega_out", 1.0, "rad/s"
         if "vehicle_speed" in table:
-            measured, factor, shown = "vehicle_speed", KILOMETRE_PER_HOUR, "km/h"
+            measured, factor, unit = "vehicle_speed", KILOMETRE_PER_HOUR, "km/h"
         error = (table[measured] - table["reference"]) / factor
-        summary["tracking_error_rms"] = Quantity(float(np.sqrt(np.mean(error**2))), shown)
-        summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), shown)
+        summary["tracking_error_rms"] = Quantity(float(np.sqrt(np.mean(error**2))), unit)
+        summary["tracking_error_maximum"] = Quantity(float(np.abs(error).max()), unit)
     if cycle is not None:
-        # each row counts for the step that it begins
+        # Each row counts for the step after it.
         outside = out_of_tolerance(table, cycle)[:-1] != 0.0
         seconds = float(np.sum(np.diff(table.time)[outside]))
         summary["time_out_of_tolerance"] = Quantity(seconds, "s")
-        summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / simulated, "%")
+        summary["share_out_of_tolerance"] = Quantity(100.0 * seconds / duration, "%")
     return {
         **summary,
         "rhs_evaluations": Quantity(float(table["rhs_evaluations"][-1]), ""),
         "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(simulated / wall_time, ""),
+        "real_time_factor": Quantity(duration / wall_time, ""),
     }
 
 
@@ -459,11 +505,14 @@ class SceneResult(ByContent):
     """Result of a scene, of a module or of a driven shaft alone.
 
     Attributes:
-        scene: as it was run. record: everything recorded: outputs wanted, outputs summarised, signals of the
-            loop. quantities, summary, units: numbers by name; units are "" for counts and ratios.
-        remarks: on numbers missing or doubtful, by name: a speed not reached, a load above stall.
-        limits: that the scene gives, by the name of the number, in its unit.
-        warnings: that the FMU logged, of limits that are passed, and of tables beside the times of the run.
+        scene: The scene.
+        record: All recorded columns: outputs of the scene, variables in SUMMARISED, signals of the loop.
+        quantities: Metrics with units, by name.
+        summary: Values of the metrics, by name.
+        units: Units of the metrics, by name; "" for counts and ratios.
+        remarks: Notes on missing or doubtful metrics, by name, such as a speed that is not reached.
+        limits: Limits in the scene, by metric, in the unit of the metric.
+        warnings: Warnings of the FMU, of exceeded limits, and of tables that do not match the run time.
     """
 
     scene: Any
@@ -475,23 +524,24 @@ class SceneResult(ByContent):
 
     @property
     def table(self) -> Result:
-        """Wanted outputs and the signals of the loop, at each communication point."""
-        computed = {one.name for one in self.scene.VARIABLES.values() if one.causality in (OUTPUT, LOCAL)}
-        return self.record.without(computed - set(self.scene.run.outputs))
+        """Return the outputs of the scene and the signals of the loop, at each communication point."""
+        variables = self.scene.VARIABLES.values()
+        outputs = {row.name for row in variables if row.causality in (OUTPUT, LOCAL)}
+        return self.record.without(outputs - set(self.scene.run.outputs))
 
     @property
     def summary(self) -> dict[str, float]:
-        """Numbers of the run by name."""
+        """Return the values of the metrics by name."""
         values = {name: quantity.value for name, quantity in self.quantities.items()}
         return Named(values, "metric of the summary", self.remarks)
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of the numbers of the summary, "" for counts and ratios."""
+        """Return the units of the metrics by name; "" for counts and ratios."""
         return {name: quantity.unit for name, quantity in self.quantities.items()}
 
     def as_dict(self) -> dict[str, Any]:
-        """Version, title of the scene, its parameters, summary, limits and warnings, units, for JSON."""
+        """Return version, title, parameters, summary, units, limits, notes and warnings, for JSON."""
         parameters = self.scene.parameters()
         of_parameters = {name: self.scene.VARIABLES[name].unit for name in parameters}
         return {
@@ -506,7 +556,7 @@ class SceneResult(ByContent):
         }
 
     def lines(self) -> dict[str, str]:
-        """The summary and the remarks, as text by name."""
+        """Return the metrics with units and limits, and the notes, as texts by heading."""
         numbers = {name: f"{value:.6g} {unit}".rstrip() for name, (value, unit) in self.quantities.items()}
         for name, limit in self.limits.items():
             numbers[name] += f", limit {limit:.6g}"
@@ -519,22 +569,33 @@ class SceneResult(ByContent):
         return name in self.record
 
     def to_csv(self, path: Path | str) -> Path:
-        """Write the table to a path: see Result.to_csv."""
+        """Write the table to a CSV file, as Result.to_csv.
+
+        Args:
+            path: Path of the file.
+        """
         return self.table.to_csv(path)
 
     def to_pandas(self) -> Any:
-        """The table as a pandas DataFrame: see Result.to_pandas."""
+        """Return the table as a pandas DataFrame, as Result.to_pandas."""
         return self.table.to_pandas()
 
     def plot(self, *names: str) -> Any:
-        """A matplotlib Figure of the table, or columns of it by names, over time: see Result.plot."""
+        """Plot columns of the table over time, as Result.plot.
+
+        Args:
+            names: Names of columns; all columns without names.
+
+        Returns:
+            A matplotlib Figure.
+        """
         return self.table.plot(*names)
 
     def _repr_png_(self) -> bytes:
         return self.table._repr_png_()
 
     def _repr_html_(self) -> str:
-        """Show the plot and the summary in a notebook."""
+        """Return the plot and the summary as HTML, for notebooks."""
         picture = base64.b64encode(self._repr_png_()).decode()
         return f'<img src="data:image/png;base64,{picture}">' + html_table(
             (self.scene.title, ""), self.lines().items()
@@ -542,7 +603,14 @@ class SceneResult(ByContent):
 
 
 def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
-    """Start of a scene, whose fidelity is chosen: parameters, with the tolerance, and inputs of the FMU."""
+    """Return parameters (with tolerance) and initial inputs of the FMU for a scene, SI, by name.
+
+    Args:
+        scene: The scene.
+
+    Raises:
+        SceneError: The fidelity of the scene is 'auto'.
+    """
     if scene.chooses_fidelity:
         raise SceneError(
             "mechanism.fidelity must be a named level (got 'auto'). Choose one with fidelity.trials.choose."
@@ -557,7 +625,14 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def scene_plan(scene: Scene) -> Plan:
-    """Plan the export of a scene: the FMUs of its mechanism with the values at its start."""
+    """Plan the export of a scene: the FMUs of its mechanism with their initial values.
+
+    Args:
+        scene: The scene.
+
+    Raises:
+        SceneError: The scene has elastic freewheels, or its fidelity is 'auto'.
+    """
     from ..export.systems import make_plan  # imports the builder of FMUs
 
     values, inputs = start_of(scene)
@@ -579,52 +654,73 @@ def run_scene(
     """Run a scene with an FMU of the module.
 
     Args:
-        scene: of load_scene.
-        fmu_path: InertiaModule.fmu, or another with its contract; None for that of the package (current_fmu).
-        progress: called with the share of the run that is done, 0 to 1.
-        also: outputs and locals of the FMU to record besides those that the scene wants.
+        scene: The scene, from load_scene.
+        fmu_path: InertiaModule.fmu, or another FMU with the same variables; None for current_fmu().
+        progress: Function called with the completed fraction of the run, 0 to 1.
+        also: Names of more outputs and local variables of the FMU to record.
 
     Raises:
-        FmuError: the FMU cannot be loaded, or refuses a value or a step.
-        SceneError: its fidelity is still to be chosen.
+        FmuError: The FMU cannot be loaded, or rejects a value or a step.
+        SceneError: The fidelity of the scene is 'auto'.
     """
     values, inputs = start_of(scene)
     with Fmu(fmu_path, values, inputs, stop_time=scene.run.stop_time) as fmu:
-        found = _run_on(fmu, scene, progress, also)
-    return replace(found, remarks={**found.remarks, **above_stall(found.record, scene.parameters())})
+        result = _run_on(fmu, scene, progress, also)
+    return replace(result, remarks={**result.remarks, **above_stall(result.record, scene.parameters())})
 
 
 def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
-    """Remark on a load above the stall torque: the shaft is at rest in the last tenth of the run."""
+    """Return a note if the load is above the stall torque and the shaft rests in the last tenth of the run.
+
+    Args:
+        record: Record of the run.
+        parameters: Parameters of the module, SI, by name.
+    """
     end = slice(-max(len(record) // 10, 1), None)
     speed, load = (float(np.mean(values[end])) for values in (input_speed(record), record["load_torque"]))
-    braked = "brake_torque" in record and record["brake_torque"][end].any()
-    turns = abs(speed) * float(np.ptp(record.time)) / math.tau
-    if braked or turns < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
+    has_brake = "brake_torque" in record and record["brake_torque"][end].any()
+    revolutions = abs(speed) * float(np.ptp(record.time)) / math.tau
+    if has_brake or revolutions < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
         return {}
     from ..harness.chart import SteadyMachine  # imports scipy
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
-    except Refused:  # without both freewheels there is no stall
+    except Refused:  # stall requires both freewheels
         return {}
     above = f"exceeds the stall torque of {stall:.4g} N.m at {speed:.4g} rad/s ({load:.4g} N.m)"
     return {"load_torque": above} if load > stall else {}
 
 
 class SceneRunner(RestartedFmu):
-    """Instance of an FMU with states that runs one scene after the other; a context manager.
+    """Instance of an FMU with states that runs several scenes; a context manager.
 
-    That costs a tenth of what an instance for each run does. The results are those of run_scene, bit for
-    bit; but not its warnings.
+    A run costs a tenth of a run with a new instance. Metrics are bitwise identical to run_scene. Warnings of
+    the FMU can be missing, and there is no note of above_stall.
     """
 
     def run(self, scene: Scene) -> SceneResult:
-        """Run a scene; raises as run_scene."""
+        """Run a scene.
+
+        Args:
+            scene: The scene.
+
+        Raises:
+            FmuError: The FMU rejects a value or a step.
+            SceneError: The fidelity of the scene is 'auto'.
+        """
         return _run_on(self.started(scene), scene)
 
     def started(self, scene: Scene) -> Fmu:
-        """The instance at the start of a scene; raises as run_scene."""
+        """Return the instance, restarted with the initial values of a scene.
+
+        Args:
+            scene: The scene.
+
+        Raises:
+            FmuError: The FMU rejects a value.
+            SceneError: The fidelity of the scene is 'auto'.
+        """
         values, inputs = start_of(scene)
         self.restart({**values, **inputs})
         return self
@@ -635,21 +731,21 @@ def _run_on(
 ) -> SceneResult:
     """Run a scene with a started FMU."""
     loop = ClosedLoop(fmu, scene.surroundings, [*scene.run.outputs, *SUMMARISED, *also], scene.signal_units)
-    began = time.perf_counter()
+    start = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
-    wall_time = time.perf_counter() - began
+    wall_time = time.perf_counter() - start
     speeds = getattr(scene.load, "times_to", ())
     times, remarks = times_to(record, speeds) if speeds else ({}, {})
     if scene.cycle is not None:
         remarks |= cycle_remarks(record, scene.cycle)
-    duty, unknown = freewheel_duty(record, scene.parameters(), scene.freewheels.of("stiffness"))
+    duty, notes = freewheel_duty(record, scene.parameters(), scene.freewheels.of("stiffness"))
     impact = impact_warnings(scene, duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     if isinstance(scene.load, VehicleLoad) and scene.load.grip is not None:
         numbers, slipping = grip(record, scene.load)
-        duty, unknown, limits = duty | numbers, unknown | slipping, limits | {TRACTIVE_FORCE: scene.load.grip}
+        duty, notes, limits = duty | numbers, notes | slipping, limits | {TRACTIVE_FORCE: scene.load.grip}
     quantities = summarise(record, scene.cycle, wall_time, times | duty)
-    above = [
+    exceeded = [
         f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
         for name, limit in limits.items()
         if duty[name].value > limit
@@ -658,7 +754,7 @@ def _run_on(
         scene=scene,
         record=record,
         quantities=quantities,
-        remarks=remarks | unknown,
+        remarks=remarks | notes,
         limits=limits,
-        warnings=(*fmu.warnings, *above, *impact, *scene_time_warnings(scene, scene.run.stop_time)),
+        warnings=(*fmu.warnings, *exceeded, *impact, *scene_time_warnings(scene, scene.run.stop_time)),
     )

@@ -1,4 +1,4 @@
-"""A satellite as a body: a gear and its weight by sizes and materials, in place of a point and inertias."""
+"""Satellite from dimensions and materials of its gear and weight, instead of a point mass and inertias."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ..common.units import allowed_number
 from ..contract.variables import default_parameters
 from .keys import InUnit, SceneError, Strict, checked, quantity
 
-# kg/m3; tungsten as the heavy alloy that weights are made of
+# density, kg/m3; tungsten is the heavy alloy that balance weights are made of
 MATERIALS = {"polyamide": 1140.0, "aluminium": 2700.0, "steel": 7850.0, "brass": 8500.0, "tungsten": 17000.0}
-# parameters that follow from it, and so are not given beside it
-FOLLOWING = ("imbalance_mass", "eccentricity", "a", "satellite_inertia", "satellite_transverse_inertia")
+# parameters of the module that are calculated from the satellite, so a scene must not contain them
+CALCULATED = ("imbalance_mass", "eccentricity", "a", "satellite_inertia", "satellite_transverse_inertia")
 
 
 def _density(value: Any) -> float:
-    """Density, kg/m3, of a material by its name, or given."""
+    """Return the density, kg/m3, of a material by name, or a density with its unit in SI."""
     if isinstance(value, str) and value in MATERIALS:
         return MATERIALS[value]
     try:
@@ -33,11 +33,14 @@ Material = Annotated[float, InUnit(_density, "kg/m3")]
 
 
 class Satellite(Strict):
-    """A satellite: a disc of its pitch radius and, as its weight, half discs about its axis on both faces.
+    """A satellite: a disc of its pitch radius, and half discs about its axis on both faces as its weight.
 
     Attributes:
-        width: of the gear. material: density of the gear, kg/m3. weight_radius: of the half discs.
-        weight_width: of both together. weight_material: their density; without it that of the gear.
+        width: Width of the gear, m.
+        material: Density of the gear, kg/m3.
+        weight_radius: Radius of the half discs, m.
+        weight_width: Total width of both half discs, m.
+        weight_material: Density of the half discs, kg/m3; None for the density of the gear.
     """
 
     width: Length
@@ -46,21 +49,29 @@ class Satellite(Strict):
     weight_width: Length
     weight_material: Material | None = None
 
-    def parameters(self, given: Mapping[str, float]) -> dict[str, float]:
-        """Those of the module that follow (docs/mechanics.md, Satellite from dimensions): FOLLOWING.
+    def parameters(self, mechanism: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters of the module that describe the satellite (CALCULATED).
 
-        The point mass is the whole satellite in its centre of mass, the inertias are about that. None of them
-        may be among the parameters given.
+        Equations: docs/mechanics.md, Satellite from dimensions. The point mass is the mass of the whole
+        satellite in its centre of mass. The inertias are about the centre of mass.
+
+        Args:
+            mechanism: Parameters in the scene file, SI, by name. Those in CALCULATED are not allowed.
+
+        Raises:
+            SceneError: A parameter contradicts the satellite.
         """
-        for name in FOLLOWING:
-            if name in given:
+        for name in CALCULATED:
+            if name in mechanism:
                 raise SceneError(
-                    f"mechanism.{name} is not allowed with [mechanism.satellite] (got {given[name]:g})."
+                    f"mechanism.{name} is not allowed with [mechanism.satellite] (got {mechanism[name]:g})."
                     " It is calculated from the satellite."
                 )
-        known = {**default_parameters(), **given}
-        planar = known["layout"] != 0.0
-        pitch = known["satellite_radius"] if planar else known["wheel_radius"] * known["z6"] / known["z17"]
+        values = {**default_parameters(), **mechanism}
+        planar = values["layout"] != 0.0
+        pitch = (
+            values["satellite_radius"] if planar else values["wheel_radius"] * values["z6"] / values["z17"]
+        )
         radius, width, thickness = self.weight_radius, self.width, self.weight_width
         if radius > pitch:
             allowed = f"at most {pitch:g} m, the pitch radius of the satellite"
@@ -68,13 +79,13 @@ class Satellite(Strict):
         gear = self.material * math.pi * pitch**2 * width
         weight = (self.weight_material or self.material) * math.pi * radius**2 * thickness / 2.0
         mass, moment = gear + weight, weight * 4.0 * radius / (3.0 * math.pi)
-        own = (gear * pitch**2 + weight * radius**2) / 2.0
-        apart = (3.0 * width * (width + thickness) + thickness**2) / 12.0
-        across = gear * (pitch**2 / 4.0 + width**2 / 12.0) + weight * (radius**2 / 4.0 + apart)
+        polar = (gear * pitch**2 + weight * radius**2) / 2.0
+        offset_term = (3.0 * width * (width + thickness) + thickness**2) / 12.0
+        transverse = gear * (pitch**2 / 4.0 + width**2 / 12.0) + weight * (radius**2 / 4.0 + offset_term)
         offset = moment / mass
-        found = {"imbalance_mass": mass, "satellite_inertia": own - moment * offset}
+        results = {"imbalance_mass": mass, "satellite_inertia": polar - moment * offset}
         if planar:
-            return {**found, "eccentricity": offset}
-        # across, the inertia swings by this much about its mean as the satellite turns
-        mean = across - moment * offset / 2.0
-        return {**found, "a": offset / pitch, "satellite_transverse_inertia": mean}
+            return {**results, "eccentricity": offset}
+        # The transverse inertia oscillates by half this term about its mean as the satellite rotates.
+        mean = transverse - moment * offset / 2.0
+        return {**results, "a": offset / pitch, "satellite_transverse_inertia": mean}

@@ -1,4 +1,4 @@
-"""A scene: which mechanism, drive, load and controller, which outputs, how accurate, how long."""
+"""Schema of a scene: mechanism, drive, load, controller, freewheel limits, accuracy and run."""
 
 from __future__ import annotations
 
@@ -33,37 +33,46 @@ from .keys import (
 from .parts import Controller, Drive, EngineDrive, Load, PiController, PiTorqueController
 from .satellite import Satellite
 
-# tolerance has a table of its own: [accuracy]
+# The parameter tolerance is in the table [accuracy].
 Mechanism: type[BaseModel] = create_model(
     "Mechanism",
     __base__=Strict,
     __doc__="Parameters of the module that differ from the defaults (reference case R1).",
-    **fields_of([one for one in with_causality(variables.PARAMETER) if one.name != "tolerance"]),
+    **fields_of([row for row in with_causality(variables.PARAMETER) if row.name != "tolerance"]),
     satellite=(Satellite | None, None),
 )
 
 
 def is_elastic(values: Mapping[str, float]) -> bool:
-    """Tell whether parameters describe an elastic output."""
+    """Return True if parameters describe an elastic output.
+
+    Args:
+        values: Parameters, SI, by name.
+    """
     return any(BY_NAME[name].group == variables.Group.ELASTIC for name in values)
 
 
 def at_fidelity(values: Mapping[str, float], fidelity: float) -> dict[str, float]:
-    """Parameters for another fidelity: without an elastic output the driven mass is rigid with the hub."""
-    changed = {**values, "fidelity": float(fidelity)}
+    """Return parameters for another fidelity; unless it is elastic, the driven mass is rigid with the hub.
+
+    Args:
+        values: Parameters, SI, by name.
+        fidelity: Number of the fidelity level.
+    """
+    new_values = {**values, "fidelity": float(fidelity)}
     if fidelity != ELASTIC and is_elastic(values):
-        known = {**variables.default_parameters(), **values}
-        changed["output_inertia"] = known["output_inertia"] + known["driven_inertia"]
-    return changed
+        complete = {**variables.default_parameters(), **values}
+        new_values["output_inertia"] = complete["output_inertia"] + complete["driven_inertia"]
+    return new_values
 
 
 class Accuracy(Strict):
-    """Accuracy of the integration or, where the fidelity is to be chosen, of the outputs.
+    """Accuracy of the integration or, with fidelity 'auto', of the outputs.
 
     Attributes:
-        tolerance: of the integration; None for that of the module (1e-6).
-        error: allowed in the wanted outputs, relative to the largest magnitude of each.
-        window: s, over which outputs are averaged before they are compared.
+        tolerance: Tolerance of the integration; None for the default of the module (1e-6).
+        error: Allowed error of the recorded outputs, relative to the maximum magnitude of each.
+        window: Averaging time of the outputs before they are compared, s.
     """
 
     tolerance: Annotated[float, in_range(BY_NAME["tolerance"])] | None = None
@@ -72,12 +81,13 @@ class Accuracy(Strict):
 
 
 class FreewheelLimits(Strict):
-    """Limits of a freewheel as its maker gives them, those that are given.
+    """Limits of a freewheel from its data sheet; None without a limit.
 
     Attributes:
-        indexing_frequency: engagements a second above which its sprags do not engage, Hz.
-        torque: N.m. slip: overrunning speed, rad/s.
-        stiffness: of the closed freewheel, N.m/rad, to estimate the torque of impacts.
+        indexing_frequency: Maximum engagement frequency of its sprags, Hz.
+        torque: Maximum torque, N.m.
+        slip: Maximum overrunning speed, rad/s.
+        stiffness: Stiffness of the locked freewheel, N.m/rad, to estimate the torque of impacts.
     """
 
     indexing_frequency: Annotated[float, quantity("Hz", above=0.0)] | None = None
@@ -87,19 +97,28 @@ class FreewheelLimits(Strict):
 
 
 class Freewheels(FreewheelLimits):
-    """Limits of both freewheels, and of one of them in their place."""
+    """Limits of both freewheels; the tables of one freewheel replace them for this freewheel.
+
+    Attributes:
+        housing: Limits of the housing freewheel.
+        output: Limits of the output freewheel.
+    """
 
     housing: FreewheelLimits = FreewheelLimits()
     output: FreewheelLimits = FreewheelLimits()
 
     def of(self, key: str) -> dict[str, float]:
-        """Limits of one kind, by freewheel."""
+        """Return the limits of one kind by freewheel.
+
+        Args:
+            key: Kind of limit, a field of FreewheelLimits.
+        """
         tables = {"housing": self.housing, "output": self.output}
-        found = {name: getattr(table, key) or getattr(self, key) for name, table in tables.items()}
-        return {name: limit for name, limit in found.items() if limit is not None}
+        limits = {name: getattr(table, key) or getattr(self, key) for name, table in tables.items()}
+        return {name: limit for name, limit in limits.items() if limit is not None}
 
     def limits(self) -> dict[str, float]:
-        """Limits that are given, by the number of the summary that they are of."""
+        """Return the limits in the scene, by the metric of the summary that they limit."""
         numbers = {
             "indexing_frequency": "engagement_frequency_maximum",
             "torque": "torque_peak",
@@ -113,17 +132,30 @@ class Freewheels(FreewheelLimits):
 
 
 class Run(Strict):
-    """Length of the run, its steps, and the outputs it records."""
+    """Duration, communication step and recorded outputs of the run.
+
+    Attributes:
+        stop_time: Duration, s; a multiple of the communication step.
+        communication_step: Communication step, s.
+        outputs: Names of the recorded outputs.
+    """
 
     stop_time: Duration
     communication_step: Annotated[float, quantity("s", maximum=variables.LARGEST_STEP, above=0.0)]
-    outputs: list[str] = Field(default=[one.name for one in with_causality(variables.OUTPUT)], min_length=1)
+    outputs: list[str] = Field(default=[row.name for row in with_causality(variables.OUTPUT)], min_length=1)
 
-    def check_outputs(self, known: Sequence[str]) -> None:
-        """Raise SceneError for an output that is not among these names."""
+    def check_outputs(self, names: Sequence[str]) -> None:
+        """Reject an unknown output.
+
+        Args:
+            names: Names of all outputs of the FMU and of the loop.
+
+        Raises:
+            SceneError: An output is not among the names.
+        """
         for name in self.outputs:
-            if name not in known:
-                raise SceneError(f"run.outputs: {unknown('output', name, known)}")
+            if name not in names:
+                raise SceneError(f"run.outputs: {unknown('output', name, names)}")
 
     @model_validator(mode="after")
     def _whole_steps(self) -> Run:
@@ -135,12 +167,18 @@ class Run(Strict):
 
 
 class Scene(Strict):
-    """A scene, checked; all quantities in SI units.
+    """A valid scene of a module; all quantities in SI units.
 
     Attributes:
-        title, description: for people. mechanism: parameters that differ from the defaults.
-        drive, load, controller: what is around the module. freewheels: their limits.
-        accuracy, run: how it is simulated.
+        title: Title of the scene.
+        description: Description of the scene.
+        mechanism: Parameters of the module that differ from the defaults.
+        drive: Drive of link 1.
+        load: Load of the output shaft.
+        controller: Controller of the drive, or None.
+        freewheels: Limits of the freewheels.
+        accuracy: Tolerance of the integration, or allowed error of the outputs.
+        run: Duration, communication step and recorded outputs.
     """
 
     VARIABLES: ClassVar = BY_NAME
@@ -157,31 +195,31 @@ class Scene(Strict):
 
     @property
     def measured(self) -> str:
-        """Name of the controlled speed."""
+        """Return the name of the controlled speed."""
         return "vehicle_speed" if self.load.kind == "vehicle" else "omega_out"
 
     @property
     def chooses_fidelity(self) -> bool:
-        """Tell whether the fidelity is still to be chosen from measurements."""
+        """Return True if the fidelity is 'auto', which measurements replace by a level."""
         return bool(vars(self.mechanism)["fidelity"] == AUTO)
 
     @property
     def cycle(self) -> Cycle | None:
-        """The driving cycle that a vehicle must follow, published or from a table of the scene, if any."""
+        """Return the driving cycle of a vehicle, published or from a table of the scene; None without one."""
         if self.controller is None or self.load.kind != "vehicle":
             return None
         return self.controller.reference.driving_cycle()
 
     @property
     def signal_units(self) -> dict[str, str]:
-        """Units of signals that depend on the scene."""
+        """Return the units of signals that depend on the scene, by name."""
         return {"reference": "m/s" if self.load.kind == "vehicle" else "rad/s"}
 
     def drive_torque_limit(self, omega1: float) -> float | None:
-        """Return the largest torque of the drive at a speed, N.m; None for a drive without a torque limit.
+        """Return the maximum torque of the drive at a speed, N.m; None for a drive without a torque limit.
 
         Args:
-            omega1: speed of link 1, rad/s.
+            omega1: Speed of link 1, rad/s.
         """
         if isinstance(self.drive, EngineDrive):
             return float(self.drive.torque_map().limits(abs(omega1))[1])
@@ -189,103 +227,120 @@ class Scene(Strict):
 
     @cached_property
     def built_load(self) -> loops.Load:
-        """The load as a system."""
-        # freewheels may keep the output shaft from turning backwards
-        one_way = all(self.given.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel"))
-        start_speed = self.given.get("omega_out_start", 0.0)
-        return self.load.build(self.run.communication_step, one_way, start_speed)
+        """Return the load as a system."""
+        # Two freewheels prevent the output shaft from rotating backward.
+        prevents_reverse = all(
+            self.explicit_parameters.get(name, 1.0) for name in ("housing_freewheel", "output_freewheel")
+        )
+        start_speed = self.explicit_parameters.get("omega_out_start", 0.0)
+        return self.load.build(self.run.communication_step, prevents_reverse, start_speed)
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """Keys that are given, by table, in SI units."""
+        """Return all values in the scene file as nested tables, in SI units."""
         return self.model_dump(exclude_none=True)
 
     @cached_property
     def surroundings(self) -> Any:
-        """The systems, connected: what is around the FMU."""
+        """Return the environment of the FMU: load, drive and controller as one connected system."""
         return loops.connect(list(self.systems()))
 
     def systems(self) -> Iterator[Any]:
-        """Load, and drive or controller, as systems to connect."""
+        """Yield load, controller and drive as systems to connect."""
         step = self.run.communication_step
         load = self.built_load.system
         yield load
         if self.controller is not None:
             yield from self.controller.build(step, self.measured)
         yield from self.drive.systems(step)
-        braked = self.controller is not None and self.controller.brake is not None
-        if "brake_force" in load.input_labels and not braked:
+        has_brake = self.controller is not None and self.controller.brake is not None
+        if "brake_force" in load.input_labels and not has_brake:
             yield loops.source("brake_force", 0.0, step)
 
     @property
     def prescribed(self) -> dict[str, Signal]:
-        """Inputs of the module that do not depend on its state, by name."""
-        given = [system.signals for system in self.systems() if isinstance(system, Sources)]
-        return {name: one[name] for one in given for name in PLANT_INPUTS if name in one}
+        """Return the inputs of the module that do not depend on its state, by name."""
+        sources = [system.signals for system in self.systems() if isinstance(system, Sources)]
+        return {name: signals[name] for signals in sources for name in PLANT_INPUTS if name in signals}
 
     def replaced(self, **tables: Mapping[str, Any]) -> Scene:
-        """The scene with other keys, checked again; raises as load_scene.
+        """Return a copy of the scene with other values, checked again.
 
         Args:
-            tables: keys by table, such as run={"stop_time": 2.0}; None takes a key away.
+            tables: Values by table and key, such as run={"stop_time": 2.0}; None removes a key.
+
+        Raises:
+            SceneError: The new scene is invalid.
         """
         return self.with_keys(
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
         )
 
     def with_keys(self, keys: Mapping[str, Any]) -> Scene:
-        """The scene with other values by dotted key, checked again; raises as load_scene.
+        """Return a copy of the scene with other values, checked again.
 
         Args:
-            keys: such as {"load.coupling.stiffness": "2 kN.m/rad"}; None takes a key away.
+            keys: Values by dotted key, such as {"load.coupling.stiffness": "2 kN.m/rad"}; None removes a key.
+
+        Raises:
+            SceneError: The new scene is invalid.
         """
-        anew = {name.partition(".")[0] for name in keys}
-        # units of a controller depend on the load
-        anew |= {"controller"} if "load" in anew else set()
-        # a specification gives more than a scene
-        given = self.model_fields_set & Scene.model_fields.keys()
-        data = {name: self.tables.get(name) if name in anew else getattr(self, name) for name in given}
+        names = {name.partition(".")[0] for name in keys}
+        # The units of a controller depend on the load.
+        names |= {"controller"} if "load" in names else set()
+        # The table of a design specification has more fields than a scene.
+        fields = self.model_fields_set & Scene.model_fields.keys()
+        data = {name: self.tables.get(name) if name in names else getattr(self, name) for name in fields}
         for name, value in keys.items():
             data = changed(data, name.split("."), value)
         return validated(Scene, data)
 
     @cached_property
-    def given(self) -> dict[str, float]:
-        """Parameters of the mechanism that the scene gives, without a fidelity still to be chosen."""
+    def explicit_parameters(self) -> dict[str, float]:
+        """Return the parameters of the mechanism in the scene file, SI, by name, without fidelity 'auto'."""
         values = {name: value for name, value in vars(self.mechanism).items() if name != "satellite"}
         return {name: value for name, value in values.items() if value not in (None, AUTO)}
 
     @cached_property
     def following(self) -> dict[str, float]:
-        """Parameters of the mechanism that follow from sizes and materials of its satellites."""
+        """Return the parameters that are calculated from dimensions and materials of the satellites."""
         satellite: Satellite | None = vars(self.mechanism)["satellite"]
-        return {} if satellite is None else satellite.parameters(self.given)
+        return {} if satellite is None else satellite.parameters(self.explicit_parameters)
 
     def with_fidelity(self, fidelity: str, error: float | None = None) -> Scene:
-        """The scene at a named fidelity, or at one to be chosen for this error.
+        """Return a copy of the scene with a fidelity.
 
-        A scene that describes an elastic output has its driven mass rigid with the hub elsewhere.
+        At other levels than elastic the driven mass of an elastic output is rigid with the hub.
+
+        Args:
+            fidelity: Name of the level, or 'auto'.
+            error: Allowed relative error of the outputs, for 'auto'; None keeps the value of the scene.
+
+        Raises:
+            SceneError: The new scene is invalid.
         """
-        asked = {} if error is None else {"error": error}
+        accuracy = {} if error is None else {"error": error}
         if fidelity == AUTO:
-            chosen_too = {"method": None, "max_step": None}
+            removed = {"method": None, "max_step": None}
             return self.replaced(
-                mechanism={"fidelity": AUTO, **chosen_too}, accuracy={**asked, "tolerance": None}
+                mechanism={"fidelity": AUTO, **removed}, accuracy={**accuracy, "tolerance": None}
             )
-        scene = self.replaced(mechanism={"fidelity": fidelity}, accuracy=asked)
-        return scene.replaced(mechanism=at_fidelity(scene.given, scene.given["fidelity"]))
+        scene = self.replaced(mechanism={"fidelity": fidelity}, accuracy=accuracy)
+        return scene.replaced(
+            mechanism=at_fidelity(scene.explicit_parameters, scene.explicit_parameters["fidelity"])
+        )
 
     @property
-    def _carrying(self) -> tuple[str, float]:
-        """Name and value, kg.m2, of the inertia that a rigid load adds to: of the driven mass if elastic."""
-        name = "driven_inertia" if self.given.get("fidelity") == ELASTIC else "output_inertia"
-        return name, self.given.get(name, BY_NAME[name].start or 0.0)
+    def _own_inertia(self) -> tuple[str, float]:
+        """Return name and value, kg.m2, of the inertia of link 3, or of the driven mass if elastic."""
+        name = "driven_inertia" if self.explicit_parameters.get("fidelity") == ELASTIC else "output_inertia"
+        return name, self.explicit_parameters.get(name, BY_NAME[name].start or 0.0)
 
     def parameters(self) -> dict[str, float]:
-        """Parameters for the FMU with those of the drive; the inertia of a rigid load is added in."""
-        values = self.drive.driven({**self.given, **self.following})
+        """Return the parameters for the FMU, SI, by name, including drive and rigid load."""
+        values = self.drive.driven({**self.explicit_parameters, **self.following})
         rigid = self.built_load.rigid_inertia
-        name, own = self._carrying
+        name, own = self._own_inertia
         return {**values, name: own + rigid} if rigid else values
 
     @model_validator(mode="after")
@@ -298,7 +353,7 @@ class Scene(Strict):
         scene_time_warnings(self, self.run.stop_time)
         load, parameters = self.built_load, self.parameters()
         try:
-            load.check_step(self._carrying[1])
+            load.check_step(self._own_inertia[1])
             self.drive.check_step(self.run.communication_step, parameters.get("input_inertia", 0.0))
         except ValueError as error:
             raise SceneError(f"run.communication_step: {error}") from None
@@ -310,27 +365,29 @@ class Scene(Strict):
 
     def _check_drive(self) -> None:
         """Reject a drive that contradicts [controller] or mechanism.drive."""
-        kind, needed, given = self.drive.kind, self.drive.mode, self.given.get("drive")
+        kind, mode, explicit_mode = self.drive.kind, self.drive.mode, self.explicit_parameters.get("drive")
         if self.controller is None and kind in (PiController.DRIVE, PiTorqueController.DRIVE):
             raise SceneError(f"drive.kind = {kind!r} requires a table [controller]")
         if self.controller is not None and kind != self.controller.DRIVE:
             allowed = f"{self.controller.DRIVE!r} with controller.kind = {self.controller.kind!r}"
             raise SceneError(must_be("drive.kind", allowed, repr(kind)))
-        if given is not None and given != needed:
+        if explicit_mode is not None and explicit_mode != mode:
             names = {number: name for name, number, _ in variables.ENUMERATIONS["Drive"]}
-            other = "speed" if needed == DRIVE_TORQUE else "torque"
-            allowed = f"{names[needed]!r} with drive.kind = {kind!r}"
-            demand = must_be("mechanism.drive", allowed, repr(names[int(given)]))
+            other = "speed" if mode == DRIVE_TORQUE else "torque"
+            allowed = f"{names[mode]!r} with drive.kind = {kind!r}"
+            demand = must_be("mechanism.drive", allowed, repr(names[int(explicit_mode)]))
             raise SceneError(f"{demand}. Omit it, or use a drive.kind that prescribes a {other}.")
 
     def _check_choice(self) -> None:
-        """Reject fidelity 'auto' without an allowed error, or with parameters that it chooses."""
+        """Reject fidelity 'auto' without an allowed error, or with parameters that it sets."""
         if not self.chooses_fidelity:
             return
         if self.accuracy.error is None:
             raise SceneError("mechanism.fidelity = 'auto' requires accuracy.error, e.g. '1 %'")
-        chosen = {f"mechanism.{name}": self.given.get(name) for name in ("method", "max_step")}
-        for name, value in {**chosen, "accuracy.tolerance": self.accuracy.tolerance}.items():
+        automatic = {
+            f"mechanism.{name}": self.explicit_parameters.get(name) for name in ("method", "max_step")
+        }
+        for name, value in {**automatic, "accuracy.tolerance": self.accuracy.tolerance}.items():
             if value is not None:
                 raise SceneError(
                     f"{name} is not allowed with mechanism.fidelity = 'auto' (got {value:g})."
@@ -342,7 +399,8 @@ class Scene(Strict):
         if self.controller is None or self.load.kind == "vehicle":
             return
         cycle = self.controller.reference.kind == "cycle"
-        for key, given in (("reference.kind = 'cycle'", cycle), ("brake", self.controller.brake is not None)):
-            if given:
+        brake = self.controller.brake is not None
+        for key, is_present in (("reference.kind = 'cycle'", cycle), ("brake", brake)):
+            if is_present:
                 allowed = f"'vehicle' with controller.{key}"
                 raise SceneError(must_be("load.kind", allowed, repr(self.load.kind)))

@@ -1,4 +1,4 @@
-"""A scene of the driven shaft alone: its parameters, motion of its hub, load. Its table is [shaft]."""
+"""Scenes of a driven shaft alone (table [shaft]): its parameters, the motion of its hub, its load."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 
 _Positive = Annotated[float, quantity("1", above=0.0)] | None
 _NotNegative = Annotated[float, quantity("1", 0.0)] | None
-# with criteria of similarity of Stelmashchuk in place of stiffness and friction, which take T of the drive:
-# nu^2 = c T^2 / J4, 2 Pi = f T / J4
+# Similarity criteria of Stelmashchuk can replace stiffness c and friction f. With T of the drive and the
+# driven inertia J4 they are nu^2 = c T^2 / J4 and 2 Pi = f T / J4.
 Shaft: type[BaseModel] = create_model(
     "Shaft",
     __base__=Strict,
@@ -42,20 +42,27 @@ Shaft: type[BaseModel] = create_model(
 
 
 def stepping_speed(kappa: Array, kappa2: float) -> Array:
-    """Derivative of the angle of Stelmashchuk's law by the relative time kappa = t/T: up to 2, steady, down.
+    """Return the relative speed of Stelmashchuk's law: acceleration to 2, steady motion, deceleration to 0.
 
-    The steady phase is kappa2 long, the others take 1/2 each.
+    Args:
+        kappa: Relative time t/T, shape (n,).
+        kappa2: Relative length of the steady phase; each of the other phases has length 1/2.
+
+    Returns:
+        Derivative of the relative angle by kappa, shape (n,).
     """
     up, down = np.clip(kappa, 0.0, 0.5), np.clip(kappa - (0.5 + kappa2), 0.0, 0.5)
-    # 1 - cos without cancellation; after the end both terms are 2 and their difference is rest
+    # 2 sin^2 is 1 - cos without cancellation. After the end both terms are 2, so the speed is exactly 0.
     return 2.0 * np.sin(np.pi * up) ** 2 - 2.0 * np.sin(np.pi * down) ** 2
 
 
 class SteppingDrive(Strict):
-    """The hub by Stelmashchuk's law: up to speed within T/2, steady for kappa2 T, to rest within T/2.
+    """Motion of the hub by Stelmashchuk's law: acceleration in T/2, steady for kappa2 T, deceleration in T/2.
 
     Attributes:
-        T: s. kappa2: relative length of the steady phase. angle: turned in both other phases together, rad.
+        T: Duration of acceleration and deceleration together, s.
+        kappa2: Length of the steady phase over T.
+        angle: Angle of acceleration and deceleration together, rad.
     """
 
     kind: Literal["stepping"]
@@ -64,12 +71,17 @@ class SteppingDrive(Strict):
     angle: Annotated[float, quantity("rad", above=0.0)]
 
     def signal(self) -> Callable[[Array], Array]:
-        """Speed of the hub, rad/s, at times, s, shape (n,)."""
+        """Return a function from times, s, shape (n,), to the speed of the hub, rad/s, shape (n,)."""
         return lambda times: stepping_speed(times / self.T, self.kappa2) * self.angle / self.T
 
 
 class HubTable(Tabulated):
-    """The speed of the hub over time."""
+    """Speed of the hub over time.
+
+    Attributes:
+        time: Points, s.
+        hub_speed: Speed at each point, rad/s.
+    """
 
     kind: Literal["table"]
     time: Times
@@ -77,19 +89,27 @@ class HubTable(Tabulated):
 
 
 class ShaftRun(Run):
-    """Length of the run, its steps, and the outputs it records."""
+    """Duration, communication step and recorded outputs of the run.
+
+    Attributes:
+        outputs: Names of the recorded outputs.
+    """
 
     outputs: list[str] = Field(
-        default=[one.name for one in DRIVEN_SHAFT.with_causality(OUTPUT)], min_length=1
+        default=[variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT)], min_length=1
     )
 
 
 class ShaftScene(Strict):
-    """A scene of the driven shaft, checked; all quantities in SI units.
+    """A valid scene of the driven shaft; all quantities in SI units.
 
     Attributes:
-        title, description: for people. shaft: parameters that differ from the defaults.
-        drive, load: motion of the hub and torque on the driven mass. run: how it is simulated.
+        title: Title of the scene.
+        description: Description of the scene.
+        shaft: Parameters that differ from the defaults.
+        drive: Motion of the hub.
+        load: Torque on the driven mass.
+        run: Duration, communication step and recorded outputs.
     """
 
     VARIABLES: ClassVar = DRIVEN_SHAFT.by_name
@@ -103,7 +123,7 @@ class ShaftScene(Strict):
 
     @model_validator(mode="after")
     def _check(self) -> ShaftScene:
-        """Refuse unknown outputs; the shaft itself looks at all parameters together."""
+        """Reject unknown outputs; the model of the shaft checks all parameters together."""
         self.run.check_outputs(_READABLE)
         scene_time_warnings(self, self.run.stop_time)
         parameters = self.parameters()
@@ -114,46 +134,55 @@ class ShaftScene(Strict):
         return self
 
     def parameters(self) -> dict[str, float]:
-        """The parameters that the scene gives, as numbers; nu and Pi as stiffness and friction."""
-        given: BaseModel = self.shaft
-        values: dict[str, float] = given.model_dump(exclude_none=True)
+        """Return the parameters in the scene file, SI, by name; nu and Pi as stiffness and friction."""
+        shaft: BaseModel = self.shaft
+        values: dict[str, float] = shaft.model_dump(exclude_none=True)
         inertia = values.get("driven_inertia", DRIVEN_SHAFT.by_name["driven_inertia"].start or 0.0)
-        for name, stands_for in (("nu", "shaft_stiffness"), ("Pi", "driven_friction")):
+        for name, parameter in (("nu", "shaft_stiffness"), ("Pi", "driven_friction")):
             criterion = values.pop(name, None)
             if criterion is None:
                 continue
-            if stands_for in values:
-                raise SceneError(f"only one of shaft.{name} and shaft.{stands_for} is allowed (got both)")
+            if parameter in values:
+                raise SceneError(f"only one of shaft.{name} and shaft.{parameter} is allowed (got both)")
             if not isinstance(self.drive, SteppingDrive):
                 allowed = f"'stepping' with shaft.{name}"
                 raise SceneError(must_be("drive.kind", allowed, repr(self.drive.kind)))
             per_time = criterion / self.drive.T
-            values[stands_for] = inertia * (per_time**2 if name == "nu" else 2.0 * per_time)
+            values[parameter] = inertia * (per_time**2 if name == "nu" else 2.0 * per_time)
         return values
 
 
 def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
-    """Run a scene with an FMU of the driven shaft; all else as of run_scene."""
+    """Run a scene with an FMU of the driven shaft.
+
+    Args:
+        scene: The scene.
+        fmu_path: Path of DrivenShaft.fmu, or of another FMU with the same variables.
+        progress: Function called with the completed fraction of the run, 0 to 1.
+
+    Raises:
+        FmuError: The FMU cannot be loaded, or rejects a value or a step.
+    """
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
     torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
         "time": times,
         "hub_speed": scene.drive.signal()(times),
-        "load_torque": [evaluate(torque, at) for at in times],
+        "load_torque": [evaluate(torque, moment) for moment in times],
     }
-    run, values, began = scene.run, scene.parameters(), time.perf_counter()
+    run, values, start = scene.run, scene.parameters(), time.perf_counter()
     record = drive(
         fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
     )
-    wall_time, simulated = time.perf_counter() - began, float(record.time[-1])
+    wall_time, duration = time.perf_counter() - start, float(record.time[-1])
     names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
     peaks = {name: float(np.abs(record[name]).max()) for name in names}
     quantities = {
-        "simulated_time": Quantity(simulated, "s"),
+        "simulated_time": Quantity(duration, "s"),
         **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
         **energy(record),
         "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(simulated / wall_time, ""),
+        "real_time_factor": Quantity(duration / wall_time, ""),
     }
-    doubts = tuple(scene_time_warnings(scene, run.stop_time))
-    return SceneResult(scene=scene, record=record, quantities=quantities, warnings=doubts)
+    warnings = tuple(scene_time_warnings(scene, run.stop_time))
+    return SceneResult(scene=scene, record=record, quantities=quantities, warnings=warnings)

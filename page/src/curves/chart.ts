@@ -17,7 +17,7 @@ const STEPS_A_TURN = 32;
 /** Maximum number of pinion-shaft revolutions of a point. */
 const MOST_TURNS = 40;
 /** Inertia that no pulse moves, kg.m2. */
-const HELD = 1e9;
+const HELD = 1e5;
 
 /**
  * One point of the chart: means over whole periods of the pinion shaft, after one transient period.

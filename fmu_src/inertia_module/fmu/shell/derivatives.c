@@ -81,7 +81,7 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
         return status;
     try_from(c, c->x, c->u);
     memcpy(c->y_trial, c->y, model.y_size * sizeof(double));
-    const int64_t answer = call_kernel(OPERATION_RATES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
+    const int64_t answer = call_kernel(OPERATION_OUTPUT_DERIVATIVES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer != STATUS_OK)
         return explain(c, DISCARD, answer, c->u_trial, 0.0);
     for (size_t n = 0; n < count; n++)
@@ -109,10 +109,10 @@ static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t co
             return OUT_OF_RANGE;
     }
     const int64_t answer =
-        tuned ? call_kernel(OPERATION_TUNE, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
+        tuned ? call_kernel(OPERATION_UPDATE_PARAMETERS, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
     if (answer != STATUS_OK)
         return answer;
-    return call_kernel(stepped ? OPERATION_STEP_PRECISELY : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
+    return call_kernel(stepped ? OPERATION_STEP_FOR_DIFFERENCING : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
                   c->w, c->head[LAST_STEP]);
 }
 
@@ -179,7 +179,7 @@ static enum status try_both_ways(struct instance *c, const uint32_t knowns[], si
     while (inputs < count && model.variables[knowns[inputs]].array == INPUTS)
         inputs++;
     if (inputs < count) /* a parameter is among them: the constants as they were */
-        call_kernel(OPERATION_TUNE, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
+        call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (answer == STATUS_OK && forward == backward)
         return report(c, DISCARD, "the perturbed inputs and parameters must be valid for at least one sign of the"
                       " direction");

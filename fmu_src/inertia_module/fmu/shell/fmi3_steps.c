@@ -22,7 +22,7 @@ static enum status do_step(struct instance *c, double time, double step)
 {
     const struct component *const component = (struct component *)c;
     const int stops = component->early_return && model.switching_slot >= 0;
-    const enum status status = take_step(c, stops ? OPERATION_STEP_TO_SWITCH : OPERATION_STEP_ONLY, time, step);
+    const enum status status = take_step(c, stops ? OPERATION_STEP_UNTIL_EVENT : OPERATION_STEP_ONLY, time, step);
     if (status == OK && component->update && !stops)
         show_switches(c, time, show_within);
     return status;

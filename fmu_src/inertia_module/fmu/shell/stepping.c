@@ -40,7 +40,7 @@ void carry_out_switch(struct instance *c)
 {
     if (!has_stopped(c))
         return;
-    call_kernel(OPERATION_SWITCH, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    call_kernel(OPERATION_HANDLE_EVENT, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     c->head[COMPLETE] = 0.0;
 }
 
@@ -55,7 +55,7 @@ void show_switches(struct instance *c, double time, void (*show)(struct instance
     memcpy(c->x, c->x_before, model.x_size * sizeof(double));
     while (passed < step) {
         const int too_many = shown >= UPDATES * (1.0 + passed / step);
-        const enum operation operation = too_many ? OPERATION_STEP_ONLY : OPERATION_STEP_TO_SWITCH;
+        const enum operation operation = too_many ? OPERATION_STEP_ONLY : OPERATION_STEP_UNTIL_EVENT;
         const double length = too_many ? fmin(part, step - passed) : step - passed;
         if (call_kernel(operation, c->p, c->d, c->u, c->x, c->y, c->w, length) != STATUS_OK)
             break;

@@ -117,9 +117,9 @@ static void assign(struct instance *c, const struct variable *variable, double v
 /* Let the kernel follow parameters that have changed between steps, or put back what has been set. */
 static enum status tune(struct instance *c)
 {
-    const int64_t answer = call_kernel(OPERATION_TUNE, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    const int64_t answer = call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     if (answer == STATUS_OK) {
-        call_kernel(OPERATION_TUNE, c->p, c->d, c->u, c->x_before, c->y, c->w, 0.0);
+        call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u, c->x_before, c->y, c->w, 0.0);
         return OK;
     }
     const enum status status = explain(c, DISCARD, answer, c->u, 0.0);

@@ -49,7 +49,7 @@ static const size_t traced[] = {{ "{%s}" | format(traced | join(", ")) }};
 
 static const struct bound bounds[] = {
 {% for one in model.bounds %}
-    {{ "{%s, %d, %s}" | format(records[one.record], one.place, number(one.most)) }},
+    {{ "{%s, %d, %s}" | format(records[one.record], one.place, number(one.maximum)) }},
 {% else %}
     {CONSTANTS, 0, 0.0},
 {% endfor %}

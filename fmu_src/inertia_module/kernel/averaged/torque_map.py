@@ -1,413 +1,537 @@
-"""Mean torque over speed ratio, found once: the map of fidelity averaged (docs/mechanics.md).
+"""Torque map of fidelity averaged: means of periodic orbits over the speed ratio and the slowness.
 
-Without friction and gravity all scales with one speed v. With the speed of link 1 given that is omega1, and
-the mean output torque is v^2 F(s), s = omega3 / |v|, with one F for either sign. With its torque given omega1
-swings within a pulse and the energy E of links 1, 2 and imbalances hardly changes: v is that of
-E = J* v^2 / 2, and the mean of omega1 is v g(s).
+Without friction all torques scale with omega1^2: one orbit per ratio omega3 / |omega1| is enough. Friction b
+and drag D scale with b / |omega1| and D / omega1^2. Torques are therefore divided by V^2 with V = |omega1| +
+V0, where V0 is the input speed at which friction and drag take the stall torque. They are then nearly
+parabolas of the slowness V0 / V, which is 0 at infinite speed and 1 at rest. Losses by load scale with
+omega1^2 as well.
 
-What friction b and drag D take of a motion goes with b / |v| and D / v^2. So torques are over V^2 instead,
-V = |v| + V0, V0 the speed at which friction and drag would take the stall torque: to first order, and where
-links crawl and friction alone counts, they are parabolas of the slowness V0 / V, which goes from 0 without
-bound to 1 at rest. Between the slownesses of table.SLOWNESS they are cubics. Friction of link 1, its speed
-given, and of the output needs no map.
+The grid is fixed: RATIOS shares of the last ratio and SLOWNESS. Between ratios all curves are monotone cubics
+(PCHIP: Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17, slopes of Fritsch & Butland, 1984),
+between slownesses cubics through the nearest four. At rest friction and drag alone act: link 2 turns evenly.
 
-With omega1 > 0 no torque is passed above ratio 1: the housing can only push forward, and its mean torque is
-Tc (1 - sigma).
+Friction of link 1 and of the output shaft is exact without a map. Driven by torque, orbits have the constant
+input torque that keeps their energy; they depend on J1.
 """
 
 import math
 
-from ..accumulate import clear, copy
-from ..codes import NOT_STEADY, OK
-from ..equations.losses import FREEWHEEL, MESH, VISCOUS
-from ..links import inertia_at_input
-from . import steady, table
+from ..accumulate import clear, total
+from ..codes import NO_CYCLIC_STEADY_STATE, OK
+from ..equations.losses import FREEWHEEL, JOURNAL, MESH, VISCOUS
+from ..parameters import derive_constants
+from ..records import Column, Constants, Parameters, Side, State, Steady, Workspace
+from .periodic_orbit import (
+    FLIGHT_SLIP,
+    FLIGHT_SPEED,
+    INERTIA,
+    LOCK_TORQUE,
+    MOMENTUM,
+    angle_travelled,
+    find_orbit,
+    hold_output,
+    maximum,
+    period_length,
+    release_angle,
+)
 
-# the map is refined until its error, in stall torques, is below this at the middle of each interval
-MAP_ERROR = 1e-4
-# ... under its torque, where the averaged motion itself is no better
-MAP_ERROR_BY_TORQUE = 5e-4
-# ... and with losses, where a knot costs six motions more
-LOSSY_MAP_ERROR = 2e-4
-# three or more
-FIRST_KNOTS = 9
-# the last ratio below lock-up
-LAST_SLIP = 1e-6
-# evaluations of the mechanism after which one sign of omega1 is refined no more, nor by its slowest motions
-ENOUGH_EVALUATIONS = 1e7
-# the fastest output that the drive may get past under the torque of link 1, over that which it comes to rest
-# at, and how near it is looked for
-FASTEST = 1.2
-SHORTEST = 1e-4
-# share of the ratio in which the torque goes to zero at least, where the pulses fail at once
-RAMP = 0.02
-# ... share of the last ratio from which on links with play may stick together before lock-up, for good
-NEARLY = 0.9
-# the first motion of links that crawl
-CRAWLING = table.MOTIONS - 2
-# 1 - slowness of links that rest, where drag decides before friction
-REST = 1e-12
-# share of the largest torque that stands for a stall torque of nothing
-LEAST_STALL = 0.01
+# speed ratios of the grid over the last one, closer at both ends
+RATIOS = (
+    *(0.0, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.26, 0.32, 0.38, 0.44),
+    *(0.5, 0.56, 0.62, 0.69, 0.76, 0.82, 0.88, 0.93, 0.97, 1.0),
+)
+# slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
+SLOWNESS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875, 0.99, 1.0)
+EVEN = 11
+# causes of losses in the map
+LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
+# points of a cubic
+CUBIC = 4
+# places in a column of the map (fields.COLUMN)
+TORQUE, LINK2, LOST = 0, len(SLOWNESS), 2 * len(SLOWNESS)
+ENERGY = LOST + len(LOSSES) * len(SLOWNESS)
+RIPPLE, PEAK = ENERGY + 1, ENERGY + 2
+# ratio of the first orbit (the drag of the output freewheel acts only while the output turns), and slip of
+# the last one over the last ratio
+FIRST_RATIO, LAST_SLIP = 1e-4, 2e-3
+# square of the least slip in free flight, over omega1^2, at which link 2 reaches link 1
+LOCK_SLIP_SQUARED = 1e-9
+# tolerance of an orbit
+ORBIT_TOLERANCE = 1e-6
+# stall torque that stands for none, over the largest mesh torque
+MIN_STALL_RATIO = 0.01
+# growth of the last ratio while losses by load, which release link 2 later and faster, leave a torque there:
+# factor, largest number of times, torque over the largest mesh torque that counts as none
+GROWTH, MAX_GROWTHS, NO_TORQUE_RATIO = 1.1, 8, 1e-4
+# last ratio of a mechanism that transmits no torque
+MIN_LAST_RATIO = 0.01
+# input speed that stands for rest, over V0
+REST_SPEED_RATIO = 1e-6
+# least inertia J1 over the largest inertia I of the imbalances, driven by torque
+MIN_INPUT_INERTIA_RATIO = 5.0
 
 
-def slow_speed(p, d, stall):
-    """Input speed, rad/s, at which friction and drag would take the stall torque, stall omega1^2; 0: none."""
+def is_light_input(d: Constants) -> bool:
+    """Return True if link 1, driven by torque, is too light compared to the imbalances for a mean motion."""
+    largest = maximum(d, INERTIA, 1.0, 0.0)[1]
+    return d.by_torque != 0.0 and d.J1 < MIN_INPUT_INERTIA_RATIO * largest
+
+
+def cubic_weights(z: float) -> tuple[int, tuple[float, float, float, float]]:
+    """Return the first of CUBIC slownesses around z and the Lagrange weights of their values."""
+    n = 0
+    for m in range(1, len(SLOWNESS) - CUBIC + 1):
+        if z > SLOWNESS[m + 1]:
+            n = m
+    za, zb, zc, zd = SLOWNESS[n], SLOWNESS[n + 1], SLOWNESS[n + 2], SLOWNESS[n + 3]
+    a, b, c, e = z - za, z - zb, z - zc, z - zd
+    return n, (
+        b * c * e / ((za - zb) * (za - zc) * (za - zd)),
+        a * c * e / ((zb - za) * (zb - zc) * (zb - zd)),
+        a * b * e / ((zc - za) * (zc - zb) * (zc - zd)),
+        a * b * c / ((zd - za) * (zd - zb) * (zd - zc)),
+    )
+
+
+def inner_slope(left: float, right: float, s0: float, s1: float) -> float:
+    """Return the slope at a point by the secants to its neighbours: their weighted harmonic mean.
+
+    Args:
+        left: distance to the point before
+        right: distance to the point after
+        s0: secant from the point before
+        s1: secant to the point after
+    """
+    if s0 * s1 <= 0.0:
+        return 0.0
+    w0, w1 = 2.0 * right + left, right + 2.0 * left
+    return (w0 + w1) * s0 * s1 / (w0 * s1 + w1 * s0)
+
+
+def end_slope(near: float, far: float, s0: float, s1: float) -> float:
+    """Return the slope at the first or last point by the next two secants, shape-preserving.
+
+    Args:
+        near: distance to the next point
+        far: distance from the next point to the second next
+        s0: secant to the next point
+        s1: secant from the next point to the second next
+    """
+    slope = ((2.0 * near + far) * s0 - near * s1) / (near + far)
+    if slope * s0 <= 0.0:
+        return 0.0
+    return 3.0 * s0 if s0 * s1 < 0.0 and abs(slope) > 3.0 * abs(s0) else slope
+
+
+def pchip(side: Side, n: int, s: float, a: float, b: float, c: float, e: float) -> tuple[float, float]:
+    """Interpolate a curve of the map between points n and n + 1 of RATIOS.
+
+    Args:
+        side: map for one sign of omega1
+        n: number of the point before s
+        s: speed ratio
+        a: value at point n - 1 (at point n = 0)
+        b: value at point n
+        c: value at point n + 1
+        e: value at point n + 2 (at the last point)
+
+    Returns:
+        (value, slope in s).
+    """
+    last = len(RATIOS) - 2
+    width = side.end * (RATIOS[n + 1] - RATIOS[n])
+    left = side.end * (RATIOS[n] - RATIOS[n - 1]) if n > 0 else width
+    right = side.end * (RATIOS[n + 2] - RATIOS[n + 1]) if n < last else width
+    per_width = 1.0 / width
+    before, rise, after = (b - a) / left, (c - b) * per_width, (e - c) / right
+    m0 = inner_slope(left, width, before, rise) if n > 0 else end_slope(width, right, rise, after)
+    m1 = inner_slope(width, right, rise, after) if n < last else end_slope(width, left, rise, before)
+    t = s - side.end * RATIOS[n]
+    c2, c3 = (3.0 * rise - 2.0 * m0 - m1) * per_width, (m0 + m1 - 2.0 * rise) * per_width * per_width
+    return b + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
+
+
+def interval(side: Side, s: float) -> int:
+    """Return the number of the interval of the map that contains the ratio s."""
+    n = 0
+    while n < len(RATIOS) - 2 and s >= side.end * RATIOS[n + 1]:
+        n += 1
+    return n
+
+
+def curve(side: Side, n: int, s: float, place: int) -> tuple[float, float]:
+    """Return value and slope at ratio s, in interval n, of a number of each column.
+
+    Args:
+        side: map for one sign of omega1
+        n: number of the interval
+        s: speed ratio
+        place: place of the number in a column
+    """
+    before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
+    a, b = side.columns[before].numbers[place], side.columns[n].numbers[place]
+    c, e = side.columns[n + 1].numbers[place], side.columns[after].numbers[place]
+    return pchip(side, n, s, a, b, c, e)
+
+
+def surface(
+    side: Side, n: int, s: float, first: int, weights: tuple[float, float, float, float], place: int
+) -> float:
+    """Return the value at ratio s and a slowness of numbers that each column has for all slownesses.
+
+    Args:
+        side: map for one sign of omega1
+        n: number of the interval
+        s: speed ratio
+        first: first slowness of the cubic
+        weights: weights of the cubic
+        place: place of the first number in a column
+    """
+    if side.slow == 0.0:
+        value, _ = curve(side, n, s, place)
+        return value
+    w0, w1, w2, w3 = weights
+    before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
+    i = place + first
+    a, b = side.columns[before].numbers, side.columns[n].numbers
+    c, e = side.columns[n + 1].numbers, side.columns[after].numbers
+    value, _ = pchip(
+        side,
+        n,
+        s,
+        w0 * a[i] + w1 * a[i + 1] + w2 * a[i + 2] + w3 * a[i + 3],
+        w0 * b[i] + w1 * b[i + 1] + w2 * b[i + 2] + w3 * b[i + 3],
+        w0 * c[i] + w1 * c[i + 1] + w2 * c[i + 2] + w3 * c[i + 3],
+        w0 * e[i] + w1 * e[i + 1] + w2 * e[i + 2] + w3 * e[i + 3],
+    )
+    return value
+
+
+def look_up(d: Constants, side: Side, speed: float, ratio: float, means: Steady) -> None:
+    """Write the means of the steady motion at an input speed and a speed ratio up to the last one.
+
+    Args:
+        d: constants
+        side: map for one sign of omega1
+        speed: magnitude of omega1, rad/s
+        ratio: omega3 / |omega1|
+        means: record that is written (fields.STEADY)
+    """
+    s = min(max(ratio, 0.0), side.end)
+    n = interval(side, s)
+    weights = (1.0, 0.0, 0.0, 0.0)
+    first = 0
+    scale = speed
+    if side.slow > 0.0:
+        scale = speed + side.slow
+        first, weights = cubic_weights(side.slow / scale)
+    means.torque = scale * scale * surface(side, n, s, first, weights, TORQUE)
+    # no cubic makes link 2 turn backwards or faster than the output
+    means.omega2 = speed * min(max(surface(side, n, s, first, weights, LINK2), 0.0), s)
+    means.inertia, means.slope = curve(side, n, s, ENERGY)
+    clear(means.lost)
+    if d.lossy != 0.0:
+        for cause in range(len(LOSSES)):
+            value = surface(side, n, s, first, weights, LOST + len(SLOWNESS) * cause)
+            means.lost[int(LOSSES[cause])] = scale * scale * max(value, 0.0)
+    means.resistance = total(means.lost)
+
+
+def look_up_pulses(side: Side, speed: float, ratio: float) -> tuple[float, float]:
+    """Return RMS about the mean and peak of the output torque, N m, of the ideal motion.
+
+    Args:
+        side: map for one sign of omega1
+        speed: magnitude of omega1, rad/s
+        ratio: omega3 / |omega1|
+    """
+    if ratio >= side.end:
+        return 0.0, 0.0
+    n = interval(side, ratio)
+    ripple, _ = curve(side, n, ratio, RIPPLE)
+    peak, _ = curve(side, n, ratio, PEAK)
+    return speed * speed * ripple, speed * speed * peak
+
+
+# --- building ---
+
+
+def set_friction(p: Parameters, d: Constants, share: float) -> None:
+    """Set friction and drag of the satellites, link 2 and the freewheels to a share of the parameters.
+
+    Args:
+        p: parameters
+        d: constants
+        share: 1, or 0 for the motion at infinite speed
+    """
+    d.b1 = d.b3 = 0.0
+    d.bq = share * p.drive_friction
+    d.b2 = share * p.link2_friction
+    d.housing_drag = share * p.housing_drag
+    d.housing_drag_viscous = share * p.housing_drag_viscous
+    d.output_drag = share * p.output_drag
+    d.output_drag_viscous = share * p.output_drag_viscous
+
+
+def balance_speed(p: Parameters, d: Constants, stall: float) -> float:
+    """Return the input speed, rad/s, at which friction and drag take the stall torque; 0 without any.
+
+    Args:
+        p: parameters
+        d: constants
+        stall: stall torque of the ideal motion over omega1^2, kg m^2
+    """
     viscous = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
-    if d.by_torque != 0.0:
-        viscous += p.input_friction
     drag = p.housing_drag + p.output_drag
-    stall = max(stall, LEAST_STALL * d.F_by_speed)
+    stall = max(stall, MIN_STALL_RATIO * d.F_by_speed)
     if not stall > 0.0:
         return 0.0
     return (viscous + math.sqrt(viscous * viscous + 4.0 * stall * drag)) / (2.0 * stall)
 
 
-def rub(d, knot, m, omega1, omega2):
-    """Write what friction and drag take from links that turn evenly as the losses of motion m of the knot.
+def last_ratio(d: Constants, direction: float) -> tuple[float, float]:
+    """Return the last ratio of the map, and 1 if free flight takes link 2 to link 1 there, else 0.
+
+    Forwards no torque is transmitted above ratio 1, because the housing only pushes. Losses may take link 2
+    to link 1 where free flight does not.
+    """
+    momentum = maximum(d, MOMENTUM, direction, 0.0)[1]
+    locks = direction > 0.0 and -maximum(d, FLIGHT_SLIP, direction, momentum)[1] < LOCK_SLIP_SQUARED
+    flight = max(maximum(d, FLIGHT_SPEED, direction, momentum)[1], 0.0)
+    if locks or (direction > 0.0 and d.lossy != 0.0):
+        return 1.0, 1.0 if locks else 0.0
+    return max(flight, MIN_LAST_RATIO), 0.0
+
+
+def write_orbit(
+    d: Constants, x: State, w: Workspace, column: Column, m: int, omega1: float, scale: float, time: float
+) -> None:
+    """Write the means of an orbit for slowness m into a column of the map.
 
     Args:
-        d: constants with friction and drag as at the speed V0. omega1, omega2: speeds over v.
+        d: constants
+        x: state after the period, with its sums
+        w: workspace with orbit_energy
+        column: of the map
+        m: number of the slowness
+        omega1: mean input speed, rad/s
+        scale: V, rad/s
+        time: of the period, s
+    """
+    speed, square = abs(omega1), scale * scale
+    column.torque[m] = x.output_impulse / (time * square)
+    column.link2[m] = (omega1 - angle_travelled(x) / (d.k * time)) / speed
+    for cause in range(len(LOSSES)):
+        column.lost[len(SLOWNESS) * cause + m] = x.lost[int(LOSSES[cause])] / (time * speed * square)
+    if m == 0:
+        column.inertia = 2.0 * w.orbit_energy / square - d.J1
+        mean = x.output_impulse / time
+        variance = x.output_square / time - mean * mean
+        column.ripple = math.sqrt(max(variance, 0.0)) / square
+        column.peak = x.torque_peak / square
+
+
+def copy_orbit(column: Column, before: Column, m: int) -> None:
+    """Copy the means for slowness m from the column of the ratio before.
+
+    Args:
+        column: of the map, written
+        before: column of the ratio before
+        m: number of the slowness
+    """
+    column.torque[m] = before.torque[m]
+    column.link2[m] = before.link2[m]
+    for n in range(m, len(column.lost), len(SLOWNESS)):
+        column.lost[n] = before.lost[n]
+    if m == 0:
+        column.inertia, column.ripple, column.peak = before.inertia, before.ripple, before.peak
+
+
+def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -> None:
+    """Write the means of slow links for slowness m: friction and drag alone act, and link 2 turns evenly.
+
+    Link 2 rests, turns with the output shaft, or at the speed between at which its torques balance.
+
+    Args:
+        d: constants with friction and drag
+        side: map for one sign of omega1, with its V0
+        column: of the map
+        m: number of the slowness
+        ratio: omega3 / |omega1|
+    """
+    speed = side.slow * max((1.0 - SLOWNESS[m]) / SLOWNESS[m], REST_SPEED_RATIO)
+    omega3 = ratio * speed
+    pull = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
+    resisting = pull + d.b2 + d.housing_drag_viscous
+    driving = side.direction * pull * speed + d.output_drag_viscous * omega3 + d.output_drag - d.housing_drag
+    omega2 = min(max(driving, 0.0) / (resisting + d.output_drag_viscous + 1e-300), omega3)
+    over, slip = omega3 - omega2, side.direction * speed - omega2
+    torque = -d.output_drag - d.output_drag_viscous * over
+    if over == 0.0:
+        torque = side.direction * pull * speed - resisting * omega2 - d.housing_drag
+    square = (speed + side.slow) * (speed + side.slow)
+    column.torque[m] = torque / square
+    column.link2[m] = omega2 / speed
+    power = speed * square
+    viscous = d.bq * d.k * d.k * slip * slip + d.b2 * omega2 * omega2
+    drag = (d.housing_drag + d.housing_drag_viscous * omega2) * omega2
+    drag += (d.output_drag + d.output_drag_viscous * over) * over
+    # in the order of LOSSES; journals lose nothing
+    column.lost[m] = viscous / power
+    column.lost[len(SLOWNESS) + m] = d.mesh_loss * pull * slip * slip / power
+    column.lost[2 * len(SLOWNESS) + m] = 0.0
+    column.lost[3 * len(SLOWNESS) + m] = drag / power
+
+
+def grid_ratio(side: Side, n: int) -> float:
+    """Return the speed ratio of the orbit for point n of RATIOS."""
+    return min(max(side.end * RATIOS[n], FIRST_RATIO * side.end), side.end * (1.0 - LAST_SLIP))
+
+
+def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) -> bool:
+    """Write the orbits of all ratios for slowness m; a ratio without one has the means of the ratio before.
+
+    Args:
+        d: constants with the friction of this slowness
+        w: workspace
+        side: map for one sign of omega1
+        m: number of the slowness
+        omega1: mean input speed of the orbits, rad/s
 
     Returns:
-        Their sum.
+        True if there is an orbit at the first ratio.
     """
-    slip = omega1 - omega2
-    over = knot.ratio - omega2
-    for place in range(m, len(knot.lost), table.MOTIONS):
-        knot.lost[place] = 0.0
-    z = table.SLOWNESS[m]
-    linear = z * (1.0 - z)
-    viscous = d.b1 * omega1 * omega1 + d.bq * ((d.k * slip) * (d.k * slip)) + d.b2 * omega2 * omega2
-    knot.lost[table.MOTIONS * VISCOUS + m] = linear * viscous
-    knot.lost[table.MOTIONS * MESH + m] = linear * d.mesh_loss * pulled(d) * slip * slip
-    drag = linear * (d.housing_drag_viscous * omega2 * omega2 + d.output_drag_viscous * over * over)
-    drag += z * z * (d.housing_drag * omega2 + d.output_drag * over)
-    knot.lost[table.MOTIONS * FREEWHEEL + m] = drag
-    return linear * viscous + knot.lost[table.MOTIONS * MESH + m] + drag
-
-
-def pulled(d):
-    """Torque of the mesh at links that crawl, over their slip, N m s."""
-    return d.k * d.k * d.bq / (1.0 - d.mesh_loss)
-
-
-def crawl(p, d, side, knot, m):
-    """Write motion m of the knot for links so slow that friction and drag alone count: omega2 is constant."""
-    steady.set_losses(p, d, 1.0 / side.slow)
-    ratio = knot.ratio
-    z = table.SLOWNESS[m]
-    fast = max(1.0 - z, REST)
-    pulling = pulled(d)
-    resisting = pulling + d.b2 + d.housing_drag_viscous
-    # link 2 rests, is taken along by the output, or turns between where its torques balance
-    turning = fast * (side.direction * pulling + d.output_drag_viscous * ratio)
-    turning += z * (d.output_drag - d.housing_drag)
-    resistance = fast * (resisting + d.output_drag_viscous)
-    omega2 = min(max(turning, 0.0) / (resistance + 1e-300), ratio)
-    viscous, drag = -d.output_drag_viscous * (ratio - omega2), d.output_drag
-    if ratio == 0.0:
-        viscous, drag = max(side.direction * pulling, 0.0), 0.0
-    elif omega2 == ratio:
-        viscous, drag = side.direction * pulling - resisting * ratio, d.housing_drag
-    knot.value[table.TORQUE + m] = z * ((1.0 - z) * viscous - z * drag)
-    knot.value[table.OMEGA2 + m] = omega2
-    rub(d, knot, m, side.direction, omega2)
-
-
-def find_end(d, side):
-    """Speed ratios: up to which a steady motion is looked for, and above which no torque is passed.
-
-    Whether link 2 comes up to link 1 is left in the side.
-    """
-    locks = side.direction > 0.0 and -steady.find_largest(d, side, steady.NEAREST)[1] < LAST_SLIP * LAST_SLIP
-    side.locks = 1.0 if locks else 0.0
-    end = max(steady.find_largest(d, side, steady.THROWN)[1], 0.0)
-    # with losses link 2 may be faster than what it is thrown with
-    faster = d.lossy != 0.0 and side.direction > 0.0
-    if d.by_torque == 0.0:
-        end = 1.0 if locks or faster else end
-        return end, end
-    if faster and not locks:
-        end = max(end, 1.0)
-    # light as link 1 may be, the drive has to get past the output
-    return FASTEST * end if locks else end, end
-
-
-def add_knot(p, d, w, side, n, ratio):
-    """Find the knot at this ratio and insert it as number n. Returns whether there is a steady motion."""
-    held = ratio
-    if d.by_torque == 0.0 and side.direction > 0.0:
-        held = min(ratio, 1.0 - LAST_SLIP)
-    count = int(side.count)
-    knot = w.knot
-    foresee(w, side, n, held)
-    found = steady.find_steady(p, w, side, held, 0.0)
-    if found:
-        # very nearly this one
-        knot.ratio = ratio / write_steady(d, w, knot)
-        found = n == 0 or knot.ratio > side.knots[n - 1].ratio
-        found = found and (n == count or knot.ratio < side.knots[n].ratio)
-        if count == 0 and d.lossy != 0.0:
-            side.slow = slow_speed(p, d, knot.value[table.TORQUE])
-    if found and side.slow != 0.0:
-        found = add_slower(p, d, w, side, knot, held)
-    if not found:
-        return False
-    error = table.table_error(side, n - 1, knot) if n < count else table.UNKNOWN_ERROR
-    table.insert_knot(side, n, knot, error)
-    return True
-
-
-def foresee(w, side, n, ratio):
-    """Take how the motion of knot n begins, and its torque of link 1, from the line through the next two."""
-    count = int(side.count)
-    if count == 0:
-        return
-    a = side.knots[n - 1 if n < count else max(n - 2, 0)]
-    b = side.knots[min(n, count - 1)]
-    t = (ratio - a.ratio) / (b.ratio - a.ratio) if b.ratio > a.ratio else 0.0
-    w.drive = a.drive + t * (b.drive - a.drive)
-    w.begin_energy = max(a.begin_energy + t * (b.begin_energy - a.begin_energy), steady.LEAST_ENERGY)
-    w.begin_omega2 = max(a.begin_omega2 + t * (b.begin_omega2 - a.begin_omega2), 0.0)
-
-
-def write_means(w, knot, m, v):
-    """Write mean torque, speed of link 2 and losses of the motion in the sums, its speed v, as motion m."""
-    share = (1.0 - table.SLOWNESS[m]) * (1.0 - table.SLOWNESS[m])
-    knot.value[table.TORQUE + m] = share * w.sum_torque / (w.sum_time * v * v)
-    knot.value[table.OMEGA2 + m] = max(0.0, w.sum_omega2 / (w.sum_time * v))
-    for cause in range(len(w.sum_lost)):
-        knot.lost[table.MOTIONS * cause + m] = share * w.sum_lost[cause] / (w.sum_time * (v * (v * v)))
-
-
-def write_steady(d, w, knot):
-    """Write the motion in the sums into the knot. Returns its speed v."""
-    v = steady.speed_of_sums(d, w)
-    time = w.sum_time
-    write_means(w, knot, 0, v)
-    # mean energy of links 1 and 2 without J1, or the mean speed of link 1
-    knot.value[table.INPUT] = 2.0 * w.sum_energy / time - d.J1
-    if d.by_torque != 0.0:
-        knot.value[table.INPUT] = abs(w.sum_omega1) / (time * v)
-    mean = knot.value[table.TORQUE]
-    variance = w.sum_square / (time * ((v * v) * (v * v))) - mean * mean
-    knot.value[table.RIPPLE] = math.sqrt(max(variance, 0.0))
-    knot.drive, knot.begin_energy, knot.begin_omega2 = w.drive, w.begin_energy, w.begin_omega2
-    knot.value[table.PEAK] = w.sum_peak / (v * v)
-    return v
-
-
-def fill(knot, m, last, following):
-    """Write motion m of the knot by parabolas of the slowness through the two last and a later motion."""
-    z = table.SLOWNESS
-    za, zb, zc = z[m] - z[last - 1], z[m] - z[last], z[m] - z[following]
-    a = zb * zc / ((z[last - 1] - z[last]) * (z[last - 1] - z[following]))
-    b = za * zc / ((z[last] - z[last - 1]) * (z[last] - z[following]))
-    c = 1.0 - a - b
-    value, lost = knot.value, knot.lost
-    for curve in range(2):
-        n = table.TORQUE if curve == 0 else table.OMEGA2
-        value[n + m] = a * value[n + last - 1] + b * value[n + last] + c * value[n + following]
-    value[table.OMEGA2 + m] = min(max(value[table.OMEGA2 + m], 0.0), knot.ratio)
-    for n in range(0, len(lost), table.MOTIONS):
-        lost[n + m] = a * lost[n + last - 1] + b * lost[n + last] + c * lost[n + following]
-
-
-def add_slower(p, d, w, side, knot, held):
-    """Find what friction and drag leave at this knot.
-
-    Returns:
-        Whether there are these steady motions. Slower than the table is refined for there may be none, or two
-        that come in turns, and a link 2 that is light is stiff under drag: such motions are filled in.
-    """
-    # under its torque links at the lowest speed crawl: rounding decides whether there is a motion
-    followed = CRAWLING - 1 if d.by_torque != 0.0 else CRAWLING
-    needed = table.SLOWER if d.by_torque + d.plays != 0.0 else 2
-    before = growth = 0.0
-    if d.by_torque != 0.0:
-        # the first torque that is tried keeps the speed against what friction takes of the ideal motion
-        steady.set_losses(p, d, 1.0 / side.slow)
-        omega1 = side.direction * knot.value[table.INPUT]
-        z = table.SLOWNESS[1]
-        growth = rub(d, knot, 1, omega1, knot.value[table.OMEGA2]) / (z * (1.0 - z) * omega1)
-    found = followed
-    for m in range(1, followed):
-        slow = table.SLOWNESS[m] / (1.0 - table.SLOWNESS[m])
-        given = w.drive
-        w.drive += growth * (slow - before)
-        worth = m < table.SLOWER or d.map_evaluations < ENOUGH_EVALUATIONS
-        if not worth or not steady.find_steady(p, w, side, held, slow / side.slow):
-            if m < needed:
-                return False
-            found = m
-            break
-        growth = (w.drive - given) / (slow - before)
-        before = slow
-        write_means(w, knot, m, steady.speed_of_sums(d, w))
-        knot.value[table.OMEGA2 + m] = min(knot.value[table.OMEGA2 + m], knot.ratio)
-    for m in range(followed, table.MOTIONS):
-        crawl(p, d, side, knot, m)
-    for m in range(found, followed):
-        fill(knot, m, found - 1, followed)
-    return True
-
-
-def end_map(p, d, w, side, end):
-    """End the map where no torque is passed any more, at the ratio end, or in lock-up.
-
-    From the last knot to there is no steady motion under the torque of link 1: the drive comes to rest in
-    link 1, at the torque it had there; or the pulses fail that brought the energy of the next, and the torque
-    goes to zero.
-    """
-    count = int(side.count)
-    last, knot = side.knots[count - 1], w.knot
-    copy(knot.numbers, last.numbers)
-    if side.locks != 0.0 or (d.by_torque == 0.0 and side.direction > 0.0 and last.ratio < end):
-        if d.by_torque != 0.0 or last.ratio < end:
-            # there both turn alike, faster than link 1 on average before where it is light
-            knot.ratio = end
-            if d.by_torque != 0.0:
-                knot.ratio = max(last.value[table.INPUT], last.ratio * (1.0 + LAST_SLIP))
-                knot.value[table.INPUT] = knot.ratio
-            steady.set_losses(p, d, 1.0 / side.slow if side.slow > 0.0 else 0.0)
-            for m in range(table.MOTIONS):
-                knot.value[table.OMEGA2 + m] = knot.ratio
-                rub(d, knot, m, knot.ratio, knot.ratio)
-            table.insert_knot(side, count, knot, 0.0)
-    elif d.by_torque != 0.0 and last.value[table.TORQUE] > MAP_ERROR * side.knots[0].value[table.TORQUE]:
-        knot.ratio = max(end, last.ratio * (1.0 + RAMP))
-        knot.value[table.TORQUE] = knot.value[table.RIPPLE] = knot.value[table.PEAK] = 0.0
-        if side.slow != 0.0:
-            for m in range(CRAWLING, table.MOTIONS):
-                crawl(p, d, side, knot, m)
-            for m in range(1, CRAWLING):
-                # drag alone is left
-                knot.value[table.TORQUE + m] = min(knot.value[table.TORQUE + m], 0.0)
-        table.insert_knot(side, count, knot, 0.0)
-    elif d.lossy == 0.0:
-        last.value[table.TORQUE] = last.value[table.RIPPLE] = last.value[table.PEAK] = 0.0
-    elif d.by_torque != 0.0 or side.direction < 0.0:
-        for m in range(table.MOTIONS):
-            last.value[table.TORQUE + m] = min(last.value[table.TORQUE + m], 0.0)
-
-
-def add_first_knots(p, d, w, side, most):
-    """Find knots from ratio 0 up to the last one at which there is a steady motion, at most this one.
-
-    Returns:
-        Whether there are any, and where the speed of link 1 is given all but those next to lock-up.
-    """
-    if not add_knot(p, d, w, side, 0, 0.0):
-        return False
-    ratio = 0.0
-    step = most / (FIRST_KNOTS - 1)
-    while ratio < most and 2.0 * side.count < len(side.knots):
-        if step <= (SHORTEST if d.map_evaluations < ENOUGH_EVALUATIONS else RAMP) * most:
-            break
-        following = ratio + step if ratio + 1.5 * step < most else most
-        if add_knot(p, d, w, side, int(side.count), following):
-            ratio = following
-        elif d.by_torque + d.plays == 0.0:
+    length = period_length(d)
+    scale = abs(omega1) + (side.slow if 0 < m < EVEN else 0.0)
+    w.orbit_torque = 0.0
+    for n in range(len(RATIOS)):
+        time = find_orbit(d, w.part, w, omega1, grid_ratio(side, n), length)
+        if time > 0.0:
+            write_orbit(d, w.part, w, side.columns[n], m, omega1, scale, time)
+        elif n == 0:
             return False
         else:
-            step *= 0.5
-    complete = d.by_torque != 0.0 or ratio >= NEARLY * most
-    return complete and d.map_evaluations <= steady.MOST_EVALUATIONS
-
-
-def extend(p, d, w, side):
-    """Add knots as long as torque is passed: losses may hold link 2 until it is thrown faster.
-
-    (Forwards none is passed beyond ratio 1, where the map ends already.)
-    """
-    n = int(side.count)
-    least = MAP_ERROR * side.knots[0].value[table.TORQUE]
-    while 1 < n and 2 * n < len(side.knots) and side.knots[n - 1].value[table.TORQUE] > least:
-        last = side.knots[n - 1].ratio
-        if not add_knot(p, d, w, side, n, 2.0 * last - side.knots[n - 2].ratio):
-            return
-        n += 1
-
-
-def build_side(p, d, w, side, allowed):
-    """Find knots for one sign of omega1, refined where the table is worst.
-
-    Args:
-        d: constants of the mechanism held. side: of d, with its direction. allowed: error of the table.
-
-    Returns:
-        Whether there are steady motions.
-    """
-    d.map_evaluations = 0.0
-    # link 2 surely rests where its momentum is largest, if any torque is passed
-    start, side.thrown = steady.find_largest(d, side, steady.MOMENTUM)
-    side.start = start - side.direction * steady.HEAD_START / d.harmonic
-    inertia = inertia_at_input(d, side.start)
-    # so much that losses do not take all the energy on the way
-    w.drive = 0.5 * side.direction * inertia if d.lossy != 0.0 else 0.0
-    w.begin_energy = 1.0
-    w.begin_omega2 = 0.0
-    if d.map_inertia == 0.0:
-        # that with which v is the mean of omega1 where the output rests; any energy shows it
-        d.map_inertia = inertia
-        steady.find_steady(p, w, side, 0.0, 0.0)
-        d.map_inertia = 2.0 * w.sum_energy * w.sum_time / (w.sum_omega1 * w.sum_omega1)
-    last_ratio, end = find_end(d, side)
-    if not add_first_knots(p, d, w, side, last_ratio):
-        return False
-    if d.lossy != 0.0 and d.by_torque == 0.0 and side.direction < 0.0:
-        extend(p, d, w, side)
-    end_map(p, d, w, side, end)
-    while side.count < len(side.knots) and end > 0.0 and d.map_evaluations < ENOUGH_EVALUATIONS:
-        n, error = table.worst_interval(side)
-        if error < allowed:
-            break
-        middle = 0.5 * (side.knots[n].ratio + side.knots[n + 1].ratio)
-        if not add_knot(p, d, w, side, n + 1, middle):
-            if d.by_torque + d.plays == 0.0:
-                return False
-            side.knots[n].error = 0.0
-    if side.count > 1.0:
-        for n in range(int(side.count)):
-            table.set_slopes(side, n)
-    side.end = side.knots[int(side.count) - 1].ratio
+            copy_orbit(side.columns[n], side.columns[n - 1], m)
     return True
 
 
-def is_map_of(p, d):
-    """Tell whether the map in d is that of these parameters: of the first numbers of p."""
+def shift_orbits(column: Column, m: int) -> None:
+    """Add to the orbits at constant input speed the change that the oscillation of the input speed makes.
+
+    The change is the change without friction: the orbit by torque is at slowness 0, the orbit at constant
+    speed at EVEN.
+
+    Args:
+        column: of the map
+        m: number of the slowness
+    """
+    share = (1.0 - SLOWNESS[m]) * (1.0 - SLOWNESS[m])
+    column.torque[m] += share * (column.torque[0] - column.torque[EVEN])
+    column.link2[m] += column.link2[0] - column.link2[EVEN]
+    for n in range(0, len(column.lost), len(SLOWNESS)):
+        column.lost[n + m] += share * (column.lost[n] - column.lost[n + EVEN])
+
+
+def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
+    """Fill the map at all slownesses above 0. Returns True if there are periodic orbits.
+
+    The orbits have constant input speed, because friction may stop a link 1 that is driven by torque.
+
+    Args:
+        p: parameters
+        d: constants with a held output, without friction
+        w: workspace
+        side: map for one sign of omega1, complete at slowness 0, with its V0
+    """
+    by_torque = d.by_torque
+    d.by_torque = 0.0
+    complete = by_torque == 0.0 or add_orbits(d, w, side, EVEN, side.direction)
+    set_friction(p, d, 1.0)
+    for m in range(1, EVEN):
+        omega1 = side.direction * side.slow * (1.0 - SLOWNESS[m]) / SLOWNESS[m]
+        complete = complete and add_orbits(d, w, side, m, omega1)
+        if by_torque != 0.0:
+            for n in range(len(RATIOS)):
+                shift_orbits(side.columns[n], m)
+    for n in range(len(RATIOS)):
+        for m in range(EVEN, len(SLOWNESS)):
+            write_even(d, side, side.columns[n], m, grid_ratio(side, n))
+    d.by_torque = by_torque
+    return complete
+
+
+def extend(d: Constants, w: Workspace, side: Side) -> None:
+    """Let the last ratio of a mechanism with losses grow while the orbit there transmits a torque.
+
+    Args:
+        d: constants with a held output, without friction
+        w: workspace
+        side: map for one sign of omega1
+    """
+    for _ in range(MAX_GROWTHS):
+        w.orbit_torque = 0.0
+        time = find_orbit(d, w.part, w, side.direction, side.end, period_length(d))
+        if time < 0.0 or w.part.output_impulse <= NO_TORQUE_RATIO * d.F_by_speed * time:
+            return
+        side.end *= GROWTH
+
+
+def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
+    """Fill the map for one sign of omega1. Returns True if there are periodic orbits.
+
+    Args:
+        p: parameters
+        d: constants with a held output
+        w: workspace
+        side: map, with its direction
+    """
+    side.end, side.locks = last_ratio(d, side.direction)
+    side.slow = 0.0
+    w.orbit_start = release_angle(d, side.direction)
+    set_friction(p, d, 0.0)
+    if d.lossy != 0.0 and side.direction < 0.0:
+        extend(d, w, side)
+    if not add_orbits(d, w, side, 0, side.direction):
+        return False
+    last = side.columns[len(RATIOS) - 1]
+    if side.end < 1.0 or side.direction < 0.0:
+        last.torque[0] = min(last.torque[0], 0.0)
+    if d.lossy != 0.0:
+        side.slow = balance_speed(p, d, side.columns[0].torque[0])
+    return side.slow == 0.0 or add_friction(p, d, w, side)
+
+
+def is_map_of(p: Parameters, d: Constants) -> bool:
+    """Return True if the map in d belongs to these parameters: to the first numbers of p."""
     for n in range(len(d.map_key)):
         if d.map_key[n] != p.numbers[n]:
             return False
-    return d.map_ready == 1.0
+    return d.map_ready > 0.0
 
 
-def build_map(p, d, w):
-    """Fill d with the map of these parameters, unless it is there; w: workspace.
+def build_map(p: Parameters, d: Constants, w: Workspace) -> int:
+    """Fill d with the map of these parameters, unless it is there.
+
+    Args:
+        p: parameters
+        d: constants of these parameters
+        w: workspace
 
     Returns:
-        Status: OK, or NOT_STEADY where no steady motion is found: d is as it was.
+        Status: OK, or NO_CYCLIC_STEADY_STATE if there are no periodic orbits; d.map_ready is then -1.
     """
     if is_map_of(p, d):
         return OK
-    allowed = MAP_ERROR if d.by_torque == 0.0 else MAP_ERROR_BY_TORQUE
-    if d.lossy != 0.0:
-        allowed = max(allowed, LOSSY_MAP_ERROR)
-    held = w.held
-    steady.hold_output(d, w, allowed)
-    held.map_inertia = 0.0
-    _, largest = steady.find_largest(held, held.forward, steady.LOCK)
-    held.map_lock = 0.5 * d.k * largest
-    for n in range(2):
-        side = held.forward if n == 0 else held.backward
-        clear(side.numbers)
-        side.direction = 1.0 if n == 0 else -1.0
-        if not build_side(p, held, w, side, allowed):
-            return NOT_STEADY
-    d.map_lock, d.map_inertia, d.map_evaluations = held.map_lock, held.map_inertia, held.map_evaluations
-    copy(d.forward.numbers, held.forward.numbers)
-    copy(d.backward.numbers, held.backward.numbers)
+    d.map_ready = -1.0
+    d.map_evaluations = 0.0
+    d.map_lock = maximum(d, LOCK_TORQUE, 1.0, 0.0)[1]
+    d.forward.direction, d.backward.direction = 1.0, -1.0
+    w.tolerance = ORBIT_TOLERANCE
+    hold_output(d)
+    complete = build_side(p, d, w, d.forward) and build_side(p, d, w, d.backward)
+    derive_constants(p, d)
+    if not complete:
+        return NO_CYCLIC_STEADY_STATE
     for n in range(len(d.map_key)):
         d.map_key[n] = p.numbers[n]
     d.map_ready = 1.0

@@ -1,1 +1,1 @@
-"""The elastic output alone."""
+"""The driven shaft: the elastic output as a model of its own."""

@@ -1,4 +1,4 @@
-"""The equations of motion, with losses by load, drag and wind-up of the freewheels, gravity and air.
+"""Equations of motion with losses, drag and wind-up of the freewheels, gravity and windage.
 
-What is not asked for costs nothing: they are compiled without it, too (docs/mechanics.md, "Losses").
+An ideal module is compiled without the loss terms (docs/mechanics.md, "Load-dependent losses").
 """

@@ -1,26 +1,37 @@
-"""Resistance to the spin of the satellites, friction in their journals and in the mesh with wheel 17.
+"""Friction of the satellites in their bearings and in the meshes 17-6, gravity, and self-locking meshes.
 
-Where losses are large and links light, no motion, or more than one, agrees with the loads: meshes jam.
+With large losses and light links the equations of motion have no solution or two. The meshes are then
+self-locking.
 """
 
 import math
 
 from ..accumulate import TWO_PI
 from ..inertia import reduced_inertia
-from ..layout import acceleration, imbalance
+from ..layout import imbalance_acceleration, imbalance_position
+from ..records import Constants, Position, ReducedInertia
 from ..sine import sine_cosine
 
-# angles in one turn at which it is looked at, for each of its highest harmonics; of more turns as many angles
-ANGLES = 64
-# satellites at most whose torques' signs are followed: bits of one number, set where negative
-MANY = 50
-# in place of that number: signs as the torques have them
-AS_THEY_ARE = -1.0
+# Angles checked for self-locking per cycle of the highest harmonic of q.
+# The same number limits the revolutions of the pinion shaft that add angles.
+ANGLES_PER_CYCLE = 64
+RESOLVE_SIGNS = -1.0  # Instead of the bits of the signs (1: negative): take the signs from the torques
+DOMINANT_ACCELERATION = 1e150  # rad/s^2, makes all other terms of tau6 negligible
 
 
-def inertia_at(d, place):
-    """Part of inertia.reduced_inertia for motion.evaluate, of one bevel imbalance whose place is known."""
-    _, y, z, x1, y1, z1, x2, y2, z2 = place
+def single_satellite_inertia(d: Constants, position: Position) -> ReducedInertia:
+    """Return the reduced inertia of a single bevel satellite without gear inertia from its position.
+
+    This is the part of inertia.reduced_inertia that motion.equations_of_motion needs.
+
+    Args:
+        d: Constants.
+        position: Of the imbalance (layout.imbalance_position), m and m/rad^n.
+
+    Returns:
+        (I, I', B, B', G, G'): kg m^2 and kg m^2/rad.
+    """
+    _, y, z, x1, y1, z1, x2, y2, z2 = position
     mass = d.mass
     return (
         mass * (y * y + z * z),
@@ -32,78 +43,114 @@ def inertia_at(d, place):
     )
 
 
-def spin_torques(d, q, first, omega1, rate_q, alpha1, rate2_q, signs):
-    """Torque that resists q, whatever its sign, by the loads of all satellites (docs/mechanics.md, "Losses").
+def satellite_friction(
+    d: Constants,
+    q: float,
+    first: Position,
+    omega1: float,
+    rate_q: float,
+    alpha1: float,
+    rate2_q: float,
+    signs: float,
+) -> tuple[float, float, float, float]:
+    """Return the friction torque of all satellites against q (docs/mechanics.md, "Load-dependent losses").
 
-    Journals: coefficient times radius, times m |a| without what alpha1 and q'' add to a, times the spin s.
-    Mesh 17-6: its loss times s |tau6|, tau6 = m a . dr/dB, linear in the accelerations.
+        C = mu r s sum m |a|                      bearings; a without the terms of alpha1 and q''
+        S = (1 - eta6) s sum |tau6|               meshes 17-6; tau6 = m a . dr/dB
+
+    S is linear in the accelerations for fixed signs of tau6. The signs are written to
+    ``d.machine.spin_signs``, and the term of each satellite, N m, to ``d.machine.spun_by``.
 
     Args:
-        first: place of the first imbalance (layout.imbalance).
-        q, omega1, rate_q, alpha1, rate2_q: motion of link 1 and the drives.
-        signs: of all tau6, or AS_THEY_ARE at these accelerations.
+        d: Constants; ``d.machine`` is written.
+        q: Pinion-shaft angle, rad.
+        first: Position of imbalance 0 (layout.imbalance_position), m and m/rad^n.
+        omega1: Speed of link 1, rad/s.
+        rate_q: q', rad/s.
+        alpha1: Acceleration of link 1, rad/s^2.
+        rate2_q: q'', rad/s^2.
+        signs: Bits of the signs of tau6, or RESOLVE_SIGNS to take them from tau6 at these accelerations.
 
     Returns:
-        (journals, mesh, mesh by alpha1, mesh by q''): N m, and kg m^2; mesh is what remains without both.
-        Left in d.machine: the signs, and what each satellite adds, N m.
+        (C, S0, S1, S2): S = S0 + S1 alpha1 + S2 q''; N m, N m, kg m^2, kg m^2.
     """
-    journals = 0.0
-    rest = 0.0
+    bearings = 0.0
+    mesh = 0.0
     by_alpha1 = 0.0
     by_rate2 = 0.0
-    told = signs
-    found = 0.0
+    unread_bits = signs
+    sign_bits = 0.0
     bit = 1.0
-    number = 1.0 if d.planar != 0.0 else d.satellites
-    mass = d.mass / number
-    share = mass * d.satellite_loss
-    for n in range(int(number)):
-        place = imbalance(d, q, TWO_PI * n / number) if n > 0 else first
-        px, y, z, x1, y1, z1, _, _, _ = place
-        ax, ay, az = acceleration(place, omega1, 0.0, rate_q, 0.0)
-        journals += math.sqrt(ax * ax + ay * ay + az * az)
+    n_satellites = 1.0 if d.planar != 0.0 else d.satellites
+    mass = d.mass / n_satellites
+    loss_mass = mass * d.satellite_loss
+    for n in range(int(n_satellites)):
+        position = imbalance_position(d, q, TWO_PI * n / n_satellites) if n > 0 else first
+        px, y, z, x1, y1, z1, _, _, _ = position
+        ax, ay, az = imbalance_acceleration(position, omega1, 0.0, rate_q, 0.0)
+        bearings += math.sqrt(ax * ax + ay * ay + az * az)
         # s dr/dB = r' - dr/dA
         spin_x = x1 + y
         spin_y = y1 - px
         own = ax * spin_x + ay * spin_y + az * z1
-        with_alpha1 = y * z1 - z * spin_y
-        with_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
-        torque = own + with_alpha1 * alpha1 + with_rate2 * rate2_q
-        negative = torque < 0.0
-        if signs != AS_THEY_ARE:
-            half = math.floor(0.5 * told)
-            negative = told != 2.0 * half
-            told = half
-        sign = -1.0 if negative else 1.0
-        found += bit if negative else 0.0
+        own_by_alpha1 = y * z1 - z * spin_y
+        own_by_rate2 = x1 * spin_x + y1 * spin_y + z1 * z1
+        torque = own + own_by_alpha1 * alpha1 + own_by_rate2 * rate2_q
+        is_negative = torque < 0.0
+        if signs != RESOLVE_SIGNS:
+            half = math.floor(0.5 * unread_bits)
+            is_negative = unread_bits != 2.0 * half
+            unread_bits = half
+        sign = -1.0 if is_negative else 1.0
+        sign_bits += bit if is_negative else 0.0
         bit *= 2.0
-        if n < MANY:
-            d.machine.spun_by[n] = share * sign * torque
-        rest += sign * own
-        by_alpha1 += sign * with_alpha1
-        by_rate2 += sign * with_rate2
-    d.machine.spin_signs = found
-    return d.journal_friction * d.s * mass * journals, share * rest, share * by_alpha1, share * by_rate2
+        d.machine.spun_by[n] = loss_mass * sign * torque
+        mesh += sign * own
+        by_alpha1 += sign * own_by_alpha1
+        by_rate2 += sign * own_by_rate2
+    d.machine.spin_signs = sign_bits
+    return (
+        d.journal_friction * d.s * mass * bearings,
+        loss_mass * mesh,
+        loss_mass * by_alpha1,
+        loss_mass * by_rate2,
+    )
 
 
-def with_sign_changed(signs, n):
-    """Change the sign of satellite n in the number that holds all."""
-    # not 2.0**n, which compiled would ask for one more function of the C library
+def toggle_bit(signs: float, n: int) -> float:
+    """Return ``signs`` with the sign of satellite ``n`` reversed.
+
+    Args:
+        signs: Bits of the signs of tau6, a whole number.
+        n: Number of the satellite, from 0.
+    """
+    # Not 2.0**n, because the compiled power needs one more function of the C library
     bit = 1.0
     for _ in range(n):
         bit += bit
     return signs + (bit if math.floor(signs / bit) % 2.0 == 0.0 else -bit)
 
 
-def weight_torques(d, place, theta1):
-    """Potential energy of the imbalances and its derivatives in theta1 and q: J, N m (gravity along -Oz).
+def gravity_potential(
+    d: Constants,
+    position: Position,
+    theta1: float,
+) -> tuple[float, float, float]:
+    """Return the potential energy of the imbalances and its derivatives (gravity along -Oz).
+
+        V = m g sum (y sin theta1 + z cos theta1)
 
     Args:
-        place: of the first imbalance (layout.imbalance). theta1: angle of link 1, rad.
+        d: Constants.
+        position: Of imbalance 0 (layout.imbalance_position), m and m/rad^n.
+        theta1: Angle of link 1, rad.
+
+    Returns:
+        (V, V_theta, V_q): J, N m, N m.
     """
-    _, y, z, _, y1, z1, _, _, _ = place
+    _, y, z, _, y1, z1, _, _, _ = position
     if d.satellites > 1.0:
-        # of several satellites what turns with the drives balances; in the planar layout all of it does
+        # Terms that rotate with the pinion shafts cancel; in the planar layout these are all terms
         y = y1 = 0.0
         if d.planar != 0.0:
             z = z1 = 0.0
@@ -115,45 +162,64 @@ def weight_torques(d, place, theta1):
     )
 
 
-def jams(d):
-    """Tell whether the equations have no single solution at some angle, for some signs of the loads.
+def is_self_locking(d: Constants) -> bool:
+    """Return True if the equations of motion have no unique solution at some angle and for some mesh signs.
 
-    With the speed given only the loss of the mesh 17-6 can do it, by the angle B of the satellite alone.
+    If the speed is prescribed, only the loss of the meshes 17-6 can cause it. It then depends only on the
+    angle B of the satellite.
     """
     if d.satellite_loss == 0.0 and (d.by_torque == 0.0 or d.mesh_loss == 0.0):
         return False
     if d.by_torque == 0.0:
-        return jams_within(d, TWO_PI / d.s, 2.0 * ANGLES)
-    return jams_within(d, d.period, ANGLES * d.harmonic * min(d.period_turns, ANGLES))
+        return is_self_locking_within(d, TWO_PI / d.s, 2.0 * ANGLES_PER_CYCLE)
+    n_turns = min(d.period_turns, ANGLES_PER_CYCLE)
+    return is_self_locking_within(d, d.period, ANGLES_PER_CYCLE * d.harmonic * n_turns)
 
 
-def jams_within(d, length, count):
-    """Tell whether they jam at one of so many angles of the drive, spread evenly over a length, rad."""
+def is_self_locking_within(d: Constants, length: float, count: float) -> bool:
+    """Return True if the meshes are self-locking at one of ``count`` evenly spaced angles.
+
+    Args:
+        d: Constants.
+        length: Range of the pinion-shaft angle from 0, rad.
+        count: Number of angles.
+    """
     for n in range(int(count)):
         q = length * n / count
         i, _, b, _, g, _ = reduced_inertia(d, q)
         by_alpha1 = by_rate2 = 0.0
         if d.satellite_loss != 0.0:
-            # at large accelerations: what they add to the loads of all satellites
-            place = imbalance(d, q, 0.0)
-            _, _, by_alpha1, by_rate2 = spin_torques(d, q, place, 0.0, 0.0, 0.0, 1e150, AS_THEY_ARE)
-        for signs in range(4):
-            flow = -1.0 if signs < 2 else 1.0
-            way = -1.0 if signs % 2 == 0 else 1.0
-            passed = d.k / (1.0 - flow * d.mesh_loss)
-            if jams_at(d, i, b + way * by_alpha1, g + way * by_rate2, b, passed):
+            # The signs at a large q'' maximise by_rate2
+            position = imbalance_position(d, q, 0.0)
+            _, _, by_alpha1, by_rate2 = satellite_friction(
+                d, q, position, 0.0, 0.0, 0.0, DOMINANT_ACCELERATION, RESOLVE_SIGNS
+            )
+        for pattern in range(4):
+            flow = -1.0 if pattern < 2 else 1.0
+            sigma = -1.0 if pattern % 2 == 0 else 1.0
+            f_k = d.k / (1.0 - flow * d.mesh_loss)
+            if is_self_locking_at(d, i, b, b + sigma * by_alpha1, g + sigma * by_rate2, f_k):
                 return True
     return False
 
 
-def jams_at(d, i, b_q, g, b, passed):
-    """Tell whether they jam at one angle and for some signs: see motion.accelerate_links."""
+def is_self_locking_at(d: Constants, i: float, b: float, b_s: float, g_s: float, f_k: float) -> bool:
+    """Return True if the mass matrix of motion.solve_links is not positive for one angle and sign pattern.
+
+    Args:
+        d: Constants.
+        i: I, kg m^2.
+        b: B, kg m^2.
+        b_s: B with the friction of the meshes 17-6, kg m^2.
+        g_s: G with the friction of the meshes 17-6, kg m^2.
+        f_k: Torque on link 2 over tau.
+    """
     k = d.k
-    own2 = d.J2 + (0.0 if d.output != 0.0 else d.J3)
-    if not own2 + passed * k * g > 0.0:
+    inertia2 = d.J2 + (0.0 if d.output != 0.0 else d.J3)
+    if not inertia2 + f_k * k * g_s > 0.0:
         return True
     if d.by_torque == 0.0:
         return False
-    own1 = d.J1 + i
-    phi = own1 + k * b + passed * (b_q + k * g)
-    return not (phi > 0.0 and own2 * phi + passed * k * (own1 * g - b * b_q) > 0.0)
+    inertia1 = d.J1 + i
+    m11 = inertia1 + k * b + f_k * (b_s + k * g_s)
+    return not (m11 > 0.0 and inertia2 * m11 + f_k * k * (inertia1 * g_s - b * b_s) > 0.0)

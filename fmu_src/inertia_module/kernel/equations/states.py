@@ -1,121 +1,145 @@
-"""States of the two freewheels and of the slip of links 1 and 2, and what they allow."""
+"""Contact states: two freewheels and the slip of links 1 and 2, and the motions that admit each state."""
 
 from ..codes import DRIVING, FREE, HELD, HELD_DRIVING
+from ..records import Constants, State
 
-# whether there are losses by load, drag, weights or wind-up: a constant where functions are compiled with
-# it, so that the ideal machine has no trace of them
+# Compile-time argument ``lossy``: equations without or with losses, drag, gravity and wind-up
 IDEAL, LOSSY = 0, 1
 
-# of a freewheel: overrunning; locked, rigid; locked, winding up
-OPEN = 0.0
-LOCKED = 1.0
-WOUND = 2.0
-# ... turning back through its play: it has overrun, and carries nothing until the play is used up
-CLOSING = -1.0
-# fidelity kinematic: the output keeps link 2 at its prescribed ratio to link 1, and no freewheel takes part
-GEARED = 3.0
+# States of a freewheel
+OVERRUNNING = 0.0
+LOCKED = 1.0  # Rigid
+ENGAGED_COMPLIANT = 2.0  # Through its spring
+IN_BACKLASH = -1.0  # Rotates backward through its engagement angle and transmits no torque
+RATIO_PRESCRIBED = 3.0  # Fidelity kinematic: link 2 follows the prescribed ratio, without freewheels
 
 
-def is_open(state):
-    """Tell whether a freewheel carries nothing in this state."""
-    return state <= OPEN
+def is_open(state: float) -> bool:
+    """Return True if a freewheel in this state transmits no torque except its drag."""
+    return state <= OVERRUNNING
 
 
-def contact_mode(x):
-    """The contact mode by what the freewheels do."""
+def contact_mode(x: State) -> int:
+    """Return the contact mode (codes.HELD to HELD_DRIVING) of the freewheel states in ``x``."""
     if not is_open(x.housing_state):
         return HELD if is_open(x.output_state) else HELD_DRIVING
     return FREE if is_open(x.output_state) else DRIVING
 
 
-def holds(mode):
-    """Tell whether the housing freewheel is engaged in this contact mode."""
+def is_housing_engaged(mode: float) -> bool:
+    """Return True if the housing freewheel is engaged in this contact mode."""
     return mode == HELD or mode == HELD_DRIVING
 
 
-def drives(mode):
-    """Tell whether the output freewheel is engaged in this contact mode."""
+def is_output_engaged(mode: float) -> bool:
+    """Return True if the output freewheel is engaged in this contact mode."""
     return mode == DRIVING or mode == HELD_DRIVING
 
 
-def count_switch(x, before, mode, housing, output):
-    """Count a switch to another contact mode, if it is one, and the freewheels that engage in it.
+def count_switch(
+    x: State, mode_before: float, mode: float, is_housing_loaded: bool, is_output_loaded: bool
+) -> None:
+    """Count a change of the contact mode and the freewheels that engage with it.
 
     Args:
-        x: state.
-        before: contact mode before.
-        mode: contact mode now.
-        housing: True if the housing freewheel carries once it is closed.
-        output: likewise of the output freewheel.
+        x: State; the counters are written.
+        mode_before: Contact mode before.
+        mode: Contact mode now.
+        is_housing_loaded: True if the housing freewheel transmits torque when it locks.
+        is_output_loaded: True if the output freewheel transmits torque when it locks.
     """
-    x.switches += 1.0 if mode != before else 0.0
-    x.housing_engagements += 1.0 if housing and holds(mode) and not holds(before) else 0.0
-    x.output_engagements += 1.0 if output and drives(mode) and not drives(before) else 0.0
+    x.switches += 1.0 if mode != mode_before else 0.0
+    if is_housing_loaded and is_housing_engaged(mode) and not is_housing_engaged(mode_before):
+        x.housing_engagements += 1.0
+    if is_output_loaded and is_output_engaged(mode) and not is_output_engaged(mode_before):
+        x.output_engagements += 1.0
 
 
-def carries(state, drag, angle, torque):
-    """Return True if a freewheel that closes with its contact mode carries then.
+def engages_at_once(state: float, drag: float, engagement_angle: float, torque: float) -> bool:
+    """Return True if a freewheel transmits torque as soon as it changes to ``state``.
 
-    One with an engagement angle carries when its play is used up (events.advance.engage), and its drag alone
-    may hold it.
+    A freewheel with an engagement angle transmits torque only at the end of this angle
+    (events.advance.engage). A freewheel that is held by its drag alone transmits no torque.
+
+    Args:
+        state: New state of the freewheel.
+        drag: Torque of its drag, N m.
+        engagement_angle: rad.
+        torque: Torque of the freewheel, N m.
     """
-    return angle == 0.0 and not (state == LOCKED and drag > 0.0 and torque <= 0.0)
+    return engagement_angle == 0.0 and not (state == LOCKED and drag > 0.0 and torque <= 0.0)
 
 
-def is_wound(x):
-    """Tell whether a freewheel is locked by its spring."""
-    return x.housing_state == WOUND or x.output_state == WOUND
+def has_engaged_spring(x: State) -> bool:
+    """Return True if a freewheel is engaged through its spring."""
+    return x.housing_state == ENGAGED_COMPLIANT or x.output_state == ENGAGED_COMPLIANT
 
 
-def is_rough(d):
-    """Tell whether something resists the slip of links 1 and 2 at any speed, so that they can stick."""
+def has_friction(d: Constants) -> bool:
+    """Return True if friction opposes the slip of links 1 and 2 at any speed, so that they can stick."""
     return d.mesh_loss + d.satellite_loss + d.journal_friction > 0.0
 
 
-def may_be_housing(d, x):
-    """Tell whether the housing freewheel may be in its state with these speeds."""
+def is_housing_admissible(d: Constants, x: State) -> bool:
+    """Return True if the speeds admit the state of the housing freewheel."""
     if d.housing == 0.0:
-        return x.housing_state == OPEN
+        return x.housing_state == OVERRUNNING
     if x.play_housing > 0.0:
-        return may_be_in_play(x.omega2, d.housing_drag, x.housing_state)
-    return may_be(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
+        return is_admissible_in_backlash(x.omega2, d.housing_drag, x.housing_state)
+    return is_admissible(x.omega2, d.housing_stiffness, x.wound_housing, x.housing_state)
 
 
-def may_be_output(d, x):
-    """Tell whether the output freewheel may be in its state; without one link 2 is locked to the output."""
+def is_output_admissible(d: Constants, x: State) -> bool:
+    """Return True if the speeds admit the state of the output freewheel.
+
+    Without an output freewheel link 2 is locked to the output.
+    """
     if d.output == 0.0:
         return x.output_state == LOCKED
     if x.play_output > 0.0:
-        return may_be_in_play(x.omega3 - x.omega2, d.output_drag, x.output_state)
-    return may_be(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
+        return is_admissible_in_backlash(x.omega3 - x.omega2, d.output_drag, x.output_state)
+    return is_admissible(x.omega3 - x.omega2, d.freewheel_stiffness, x.wound_output, x.output_state)
 
 
-def may_be_in_play(speed, drag, state):
-    """Tell whether a freewheel with play left may be in this state: locked it is by its drag alone."""
+def is_admissible_in_backlash(speed: float, drag: float, state: float) -> bool:
+    """Return True if a freewheel inside its engagement angle may be in ``state``; only its drag can lock it.
+
+    Args:
+        speed: Overrunning speed, rad/s.
+        drag: Torque of its drag, N m.
+        state: State of the freewheel.
+    """
     if state == LOCKED:
         return speed == 0.0 and drag > 0.0
-    return speed >= 0.0 if state == OPEN else speed <= 0.0
+    return speed >= 0.0 if state == OVERRUNNING else speed <= 0.0
 
 
-def may_be(speed, stiffness, wound, state):
-    """Tell whether a freewheel of this speed and wind-up, without play, may be in this state."""
-    if stiffness != 0.0 and (wound != 0.0 or speed < 0.0):
-        return state == WOUND
-    if state == OPEN:
+def is_admissible(speed: float, stiffness: float, wind_up: float, state: float) -> bool:
+    """Return True if a freewheel at the end of its engagement angle may be in ``state``.
+
+    Args:
+        speed: Overrunning speed, rad/s.
+        stiffness: Of its spring, N m/rad; 0 if it is rigid.
+        wind_up: Deflection of its spring, rad.
+        state: State of the freewheel.
+    """
+    if stiffness != 0.0 and (wind_up != 0.0 or speed < 0.0):
+        return state == ENGAGED_COMPLIANT
+    if state == OVERRUNNING:
         return True
     if speed > 0.0:
         return False
-    return (stiffness != 0.0) == (state == WOUND)
+    return (stiffness != 0.0) == (state == ENGAGED_COMPLIANT)
 
 
-def may_slip(d, x):
-    """Tell whether the slip may have its sign, 0 for links that stick together."""
-    if not is_rough(d):
+def is_slip_admissible(d: Constants, x: State) -> bool:
+    """Return True if the speeds admit the sign of the slip; the sign is 0 for links that stick together."""
+    if not has_friction(d):
         return x.slip_sign > 0.0
     slip = x.omega1 - x.omega2
     return slip == 0.0 or x.slip_sign * slip > 0.0
 
 
-def are_allowed(d, x):
-    """Tell whether freewheels and slip may be in their states with these speeds and wind-up."""
-    return may_be_housing(d, x) and may_be_output(d, x) and may_slip(d, x)
+def is_mode_admissible(d: Constants, x: State) -> bool:
+    """Return True if speeds, wind-up and backlash admit the states of both freewheels and of the slip."""
+    return is_housing_admissible(d, x) and is_output_admissible(d, x) and is_slip_admissible(d, x)

@@ -1,1 +1,1 @@
-"""The motion by events: steps of embedded pairs or a stiff method, each up to the first switch in it."""
+"""The motion by events: steps of embedded pairs, each up to the first event in it."""

@@ -1,32 +1,43 @@
-"""The module with its pulses, step by step of an embedded pair or a stiff method up to the next event."""
+"""The module with its pulses, step by step of an embedded pair up to the next event."""
 
-from ..accumulate import add, add_loss, wrap_drive_angle, wrap_input_angle
-from ..codes import NONE
-from ..equations.choice import take_speeds
+from ..accumulate import add_loss, wrap_drive_angle, wrap_input_angle
+from ..codes import NO_EVENT
+from ..equations.choice import enforce_equal_speeds
 from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
-from ..equations.motion import evaluate, recall, take_state
-from ..equations.satellites import with_sign_changed
-from ..equations.states import CLOSING, LOCKED, OPEN, WOUND, is_open, is_wound
+from ..equations.motion import copy_accelerations, load_state
+from ..equations.satellites import gravity_potential, toggle_bit
+from ..equations.states import ENGAGED_COMPLIANT, IN_BACKLASH, LOCKED, OVERRUNNING, is_open
 from ..fields import CAUSES
-from ..impulse import close_freewheels, holds_link2
+from ..impulse import apply_plastic_impact, has_rigid_housing_contact
+from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
-from ..loads import INSIDE_PHASE, sample_load, see_load
-from ..tableau import IN_ORDER, LONG, NODES, PARTS, SHORT, THIRDS, extremum, last_stage, order_of_stages
+from ..loads import MIDSTEP_SAMPLE_PHASE, include_load, sample_load
+from ..records import Constants, Followed, State, Workspace
+from ..tableau import (
+    DOP853_ROW,
+    DOPRI5_ROW,
+    NODES,
+    STAGES_BY_TIME,
+    last_stage,
+    parabola_extremum,
+    stage_order_range,
+)
 from . import guards
-from .rosenbrock import set_part
-from .search import end_at_event, first_event
-from .stages import cut_step, keep_end, keep_rates, make_step, move, solve_motion, weighed_rate
-from .step_size import AFRESH, longest_step, size_afresh, try_short_step, try_steps
+from .location import first_event
+from .stages import cut_step, keep_end, keep_rates, solve_motion, weighed_rate
+from .step_size import limit_size_after_switch, longest_step, make_accepted_step
 
 # stages inside the step at which the force on the bearing is seen
 SEEN = (5, 9, 10)
 # least play that is one, rad
 NO_PLAY = 1e-300
-# how fast the longest step of the pair of order 5 is thought to grow while the other one is used
-SHORT_GROWTH = 1.05
+# energy that a step may make, in tolerances of the energies that move, and tries with shorter steps
+MAX_ENERGY_MADE, MAX_REPEATS = 4.0, 20
+# share of energies that is rounding
+ENERGY_ROUNDING = 1e-13
 
 
-def balance(d, x, w):
+def balance(d: Constants, x: State, w: Workspace) -> None:
     """Impulses and work of the step in hand by the balances, exact in its ends, without losses by load.
 
     M1 - Tc + Th is the rate of the angular momentum; what M1 does while link 2 is held is kinetic energy. A
@@ -51,46 +62,52 @@ def balance(d, x, w):
         change.work_in = x.omega1 * change.drive
 
 
-def left_of_play(state, play, turned, engagement_angle):
-    """Play of a freewheel, rad, that has turned back by so much.
+def left_of_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
+    """Return the rest of the engagement angle, rad, of a freewheel that has turned back.
 
     One that overruns has its whole play at most; one that closes has some left until that is an event. One
     that is locked does not turn but by rounding.
     """
     if not is_open(state):
         return play
-    return max(NO_PLAY if state == CLOSING else 0.0, min(play - turned, engagement_angle))
+    return max(NO_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
 
 
-def turn_back(d, x, change):
+def turn_back(d: Constants, x: State, change: Followed) -> None:
     """Take over by how much freewheels have turned back: into their springs, or out of their play."""
     housing, output = x.housing_state, x.output_state
-    if housing == WOUND:
+    if housing == ENGAGED_COMPLIANT:
         x.wound_housing += change.wound_housing
-    if output == WOUND:
+    if output == ENGAGED_COMPLIANT:
         x.wound_output += change.wound_output
     x.play_housing = left_of_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
     x.play_output = left_of_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
 
 
-def commit(d, x, w):
+def work_of_balancer(d: Constants, x: State, change: Followed) -> float:
+    """Return the work of the balancer at the speed of the hub in the step in hand, J."""
+    return d.balancer * d.J4 * (x.omega3 + 0.5 * change.omega3) * change.omega3
+
+
+def commit(d: Constants, x: State, w: Workspace) -> None:
     """Take the step in hand over, with its sums."""
     change = w.change
-    x.q, x.q_low = add(x.q, x.q_low, change.q)
+    x.q += change.q
     wrap_drive_angle(d, x)
-    x.theta1, x.theta1_low = add(x.theta1, x.theta1_low, change.theta1)
+    x.theta1 += change.theta1
     wrap_input_angle(x)
-    x.omega1, x.omega1_low = add(x.omega1, x.omega1_low, change.omega1)
-    x.omega2, x.omega2_low = add(x.omega2, x.omega2_low, change.omega2)
-    x.omega3, x.omega3_low = add(x.omega3, x.omega3_low, change.omega3)
+    x.omega1 += change.omega1
+    x.omega2 += change.omega2
+    if d.elastic + d.rigid_shaft != 0.0:
+        add_loss(x, SHAFT, -work_of_balancer(d, x, change))
+    x.omega3 += change.omega3
     if d.elastic != 0.0:
-        x.twist, x.twist_low = add(x.twist, x.twist_low, change.twist)
-        x.relative, x.relative_low = add(x.relative, x.relative_low, change.relative)
-        balancing = d.balancer * d.J4 * (x.omega3 - 0.5 * change.omega3) * change.omega3
-        add_loss(x, SHAFT, change.lost[SHAFT] - balancing)
+        x.twist += change.twist
+        x.relative += change.relative
+        add_loss(x, SHAFT, change.lost[SHAFT])
     work = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
-    x.energy_in, x.energy_in_low = add(x.energy_in, x.energy_in_low, work)
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, w.load * change.turned3)
+    x.energy_in += work
+    x.energy_out += w.load * change.turned3
     if d.viscous != 0.0:
         add_loss(x, VISCOUS, change.lost[VISCOUS])
     if d.losses != 0.0:
@@ -104,21 +121,21 @@ def commit(d, x, w):
     x.turned3 += change.turned3
 
 
-def see_torques(x, output, housing):
+def see_torques(x: State, output: float, housing: float) -> None:
     """Take torques of the freewheels at a moment into their peaks."""
     x.torque_peak = max(x.torque_peak, abs(output))
     x.housing_torque_peak = max(x.housing_torque_peak, abs(housing))
 
 
-def see_slips(x, housing, output):
+def see_slips(x: State, housing: float, output: float) -> None:
     """Take slips of the freewheels that overrun into their peaks."""
-    if x.housing_state == OPEN:
+    if x.housing_state == OVERRUNNING:
         x.housing_slip_peak = max(x.housing_slip_peak, housing)
-    if x.output_state == OPEN:
+    if x.output_state == OVERRUNNING:
         x.output_slip_peak = max(x.output_slip_peak, output)
 
 
-def see_peaks(x, w, sigma):
+def see_peaks(x: State, w: Workspace, sigma: float) -> None:
     """Take torques and slips of the freewheels up to this part of the step in hand into their peaks.
 
     They are those at its stages, and the extrema of parabolas through three stages in a row.
@@ -128,37 +145,36 @@ def see_peaks(x, w, sigma):
         if NODES[pair + n] <= sigma:
             see_torques(x, w.rates[n].output, w.rates[n].housing)
             see_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
-    first, count = order_of_stages(pair)
+    first, count = stage_order_range(pair)
     for n in range(first, first + count - 2):
-        i, j, k = int(IN_ORDER[n]), int(IN_ORDER[n + 1]), int(IN_ORDER[n + 2])
+        i, j, k = int(STAGES_BY_TIME[n]), int(STAGES_BY_TIME[n + 1]), int(STAGES_BY_TIME[n + 2])
         t, u, v = NODES[pair + i], NODES[pair + j], NODES[pair + k]
         if u <= sigma:
             one, two, three = w.rates[i], w.rates[j], w.rates[k]
             see_torques(
                 x,
-                extremum(t, u, v, one.output, two.output, three.output, sigma),
-                extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
+                parabola_extremum(t, u, v, one.output, two.output, three.output, sigma),
+                parabola_extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
             )
             housing, output = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
             see_slips(
                 x,
-                extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
-                extremum(t, u, v, output[i], output[j], output[k], sigma),
+                parabola_extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
+                parabola_extremum(t, u, v, output[i], output[j], output[k], sigma),
             )
 
 
-def see_end(d, x, w):
-    """Take the moment before an event, at the end of the step in hand, into all peaks."""
+def see_end(d: Constants, x: State, w: Workspace) -> None:
+    """Include the moment before an event, which d.machine holds, in all peaks."""
     m = d.machine
-    if d.losses != 0.0:
-        move(d, x, w.change)
-        evaluate(d, x, w.prescribed, w.load, True)
+    omega2 = x.omega2 + w.change.omega2
     see_torques(x, m.output, m.housing)
-    see_slips(x, m.omega2, m.omega3 - m.omega2)
-    see_load(d, x, m.q, m.omega1, m.omega2, m.alpha1, m.alpha2)
+    see_slips(x, omega2, x.omega3 + w.change.omega3 - omega2)
+    omega1 = x.omega1 + w.change.omega1
+    include_load(d, x, x.q + w.change.q, omega1, omega2, m.alpha1, m.alpha2)
 
 
-def count_loaded(d, x, w):
+def count_loaded(d: Constants, x: State, w: Workspace) -> None:
     """Count freewheels that only their drag has held and that carry at the end of the step in hand."""
     begin, end = w.rates[0], w.rates[last_stage(int(w.pair))]
     if d.housing_drag > 0.0 and x.housing_state == LOCKED and d.housing_engagement_angle == 0.0:
@@ -167,85 +183,61 @@ def count_loaded(d, x, w):
         x.output_engagements += 1.0 if begin.output <= 0.0 < end.output else 0.0
 
 
-def meet(d, x, which):
+def meet(d: Constants, x: State, which: int) -> None:
     """Set a speed that has met its limit there exactly."""
     x.rates_cached = 0.0
     if which == guards.HOUSING or which == guards.HOUSING_BACK:
         x.omega2 = 0.0
-        x.omega2_low = 0.0
         if x.output_state == LOCKED:
             x.omega3 = 0.0
-            x.omega3_low = 0.0
     elif which == guards.OUTPUT or which == guards.OUTPUT_BACK:
-        if x.housing_state == LOCKED or (holds_link2(d, x) and x.omega3 < 0.0):
+        if x.housing_state == LOCKED or (has_rigid_housing_contact(d, x) and x.omega3 < 0.0):
             x.omega3 = 0.0
-            x.omega3_low = 0.0
         x.omega2 = x.omega3
-        x.omega2_low = x.omega3_low
     elif x.housing_state == LOCKED:
         if d.by_torque != 0.0:
             x.omega1 = 0.0
-            x.omega1_low = 0.0
     else:
         x.omega2 = x.omega1
-        x.omega2_low = x.omega1_low
 
 
-def meet_limits(d, x):
+def meet_limits(d: Constants, x: State) -> None:
     """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
-    if d.housing != 0.0 and x.housing_state == OPEN and x.omega2 < 0.0:
+    if d.housing != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
         meet(d, x, guards.HOUSING)
-    if d.output != 0.0 and x.output_state == OPEN and x.omega3 < x.omega2:
+    if d.output != 0.0 and x.output_state == OVERRUNNING and x.omega3 < x.omega2:
         meet(d, x, guards.OUTPUT)
 
 
-def has_fallen(d, x, w, which):
-    """Tell whether a guard has, by the state at the end of the step in hand."""
-    take_state(d, x)
-    solve_motion(d, x, w)
-    value, _ = guards.value_and_rate(d, x, d.machine, which)
-    return value <= NO_PLAY
-
-
-def unwind(d, x, which):
-    """Forget the wind-up of a freewheel that lets go; what its spring still holds is lost."""
-    if which == guards.HOUSING and x.housing_state == WOUND:
+def unwind(d: Constants, x: State, which: int) -> None:
+    """Set the wind-up of a freewheel that opens to 0; the energy of its spring is lost."""
+    if which == guards.HOUSING and x.housing_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0
-    if which == guards.OUTPUT and x.output_state == WOUND:
+    if which == guards.OUTPUT and x.output_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.freewheel_stiffness * x.wound_output * x.wound_output)
         x.wound_output = 0.0
 
 
-def see_inside(d, x, w, sigma):
+def see_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """See the bearing's force at stages inside this part of the step, where the drive turns far."""
-    if w.pair == SHORT or d.harmonic * abs(w.change.q) < INSIDE_PHASE:
-        return
-    if w.pair == THIRDS:
-        rates = w.rates[1]
-        set_part(d, x, w, 1.0 / PARTS)
-        q = x.q + w.change.q
-        set_part(d, x, w, 1.0)
-        see_stage(d, x, rates, q)
+    if w.pair == DOPRI5_ROW or d.harmonic * abs(w.change.q) < MIDSTEP_SAMPLE_PHASE:
         return
     for place in range(len(SEEN)):
         n = int(SEEN[place])
         if NODES[n] < sigma:
-            see_stage(d, x, w.rates[n], x.q + w.step * weighed_rate(w, n, n, 0, 1))
+            rates = w.rates[n]
+            q = x.q + w.step / sigma * weighed_rate(w, n, n, 0, 1)
+            sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
 
 
-def see_stage(d, x, rates, q):
-    """See the bearing's force at a stage, at this angle of the drive."""
-    sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
-
-
-def begin_step(d, x, w):
+def begin_step(d: Constants, x: State, w: Workspace) -> None:
     """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
-    take_speeds(x)
-    take_state(d, x)
+    enforce_equal_speeds(x)
+    load_state(d, x)
     if x.rates_cached != 0.0:
-        recall(m, x.now)
+        copy_accelerations(m, x.now)
     else:
         solve_motion(d, x, w)
     if x.rates_cached != 0.0 and d.losses != 0.0:
@@ -255,35 +247,93 @@ def begin_step(d, x, w):
     x.rates_cached = 0.0
     w.momentum = momentum_of_links(d, m.i, m.b, x.omega1, x.omega2)
     w.energy = energy_of_links(d, m.i, m.b, m.g, x.omega1, x.omega2)
+    w.potential = 0.0
+    if d.weight != 0.0:
+        w.potential, _, _ = gravity_potential(d, imbalance_position(d, x.q, 0.0), x.theta1)
     sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
 
 
-def take_over(d, x, w, sigma):
-    """Take the step in hand over, or its part up to an event."""
-    kept = 1.0
+def energy_lost(d: Constants, x: State, change: Followed) -> float:
+    """Return the energy that all causes take in the step in hand, J."""
+    lost = 0.0
+    if d.viscous != 0.0:
+        lost += change.lost[VISCOUS]
+    if d.elastic != 0.0:
+        lost += change.lost[SHAFT]
+    if d.elastic + d.rigid_shaft != 0.0:
+        lost -= work_of_balancer(d, x, change)
+    if d.losses != 0.0:
+        for cause in range(MESH, CAUSES):
+            lost += change.lost[cause]
+    return lost
+
+
+def energy_made(d: Constants, x: State, w: Workspace) -> float:
+    """Return the energy that the step in hand makes, over the allowed energy.
+
+    The error estimate of a step far too long can be zero by chance. The energy balance does not depend on it.
+    Only moving parts count: neither link 1 at prescribed speed nor an output that overruns.
+    """
+    m, change = d.machine, w.change
+    omega1, omega2, omega3 = x.omega1 + change.omega1, x.omega2 + change.omega2, x.omega3 + change.omega3
+    links = energy_of_links(d, m.i, m.b, m.g, omega1, omega2)
+    output = 0.5 * d.J3 * change.omega3 * (x.omega3 + omega3)
+    moved = abs(output)
+    if d.rigid_shaft != 0.0:
+        output += work_of_balancer(d, x, change)
+    if d.elastic != 0.0:
+        before, after = x.omega3 - x.relative, omega3 - x.relative - change.relative
+        output += 0.5 * d.J4 * (after - before) * (after + before)
+        output += 0.5 * d.shaft_stiffness * change.twist * (2.0 * x.twist + change.twist)
+        moved += 0.5 * d.shaft_stiffness * x.twist * x.twist
+    springs = 0.0
+    if x.housing_state == ENGAGED_COMPLIANT:
+        wound = change.wound_housing * (2.0 * x.wound_housing + change.wound_housing)
+        springs += 0.5 * d.housing_stiffness * wound
+    if x.output_state == ENGAGED_COMPLIANT:
+        wound = change.wound_output * (2.0 * x.wound_output + change.wound_output)
+        springs += 0.5 * d.freewheel_stiffness * wound
+    work_in = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
+    work_out = w.load * change.turned3
+    weights = 0.0
+    if d.weight != 0.0:
+        weights, _, _ = gravity_potential(
+            d, imbalance_position(d, x.q + change.q, 0.0), x.theta1 + change.theta1
+        )
+        weights -= w.potential
+    lost = energy_lost(d, x, change)
+    made = (links - w.energy) + output + springs + weights + lost + work_out - work_in
+    link1 = 0.5 * d.J1 * (x.omega1 * x.omega1 + omega1 * omega1) if d.by_torque == 0.0 else 0.0
+    moved += abs(links + w.energy - link1) + abs(work_in) + abs(work_out) + abs(lost) + abs(springs)
+    fixed = link1 + d.J3 * (x.omega3 * x.omega3 + omega3 * omega3)
+    allowed = MAX_ENERGY_MADE * w.tolerance * moved + ENERGY_ROUNDING * (moved + fixed + abs(w.potential))
+    return abs(made) / allowed if allowed > 0.0 else 0.0
+
+
+def end_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
+    """Bring the step in hand, or its part up to an event, to its end: changes, and d.machine there."""
     if sigma < 0.0:
-        see_inside(d, x, w, 1.0)
-        recall(d.machine, x.now)
-    elif w.pair == THIRDS:
-        kept = sigma  # it ends there
-    elif is_wound(x):
-        make_step(d, x, w, LONG, sigma * w.step)
+        copy_accelerations(d.machine, x.now)
     else:
-        see_inside(d, x, w, sigma)
         cut_step(d, x, w, sigma)
-        kept = sigma
-    if sigma >= 0.0:
-        see_end(d, x, w)
-    elif d.losses != 0.0:
-        count_loaded(d, x, w)
-    x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     if d.losses == 0.0:
         balance(d, x, w)
+
+
+def take_over(d: Constants, x: State, w: Workspace, sigma: float) -> None:
+    """Take the step in hand over, with its peaks and sums."""
+    see_inside(d, x, w, sigma if sigma >= 0.0 else 1.0)
+    if sigma < 0.0:
+        if d.losses != 0.0:
+            count_loaded(d, x, w)
+    else:
+        see_end(d, x, w)
+    x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     commit(d, x, w)
-    see_peaks(x, w, kept)
+    see_peaks(x, w, sigma if sigma >= 0.0 else 1.0)
 
 
-def engage(d, x, which):
+def engage(d: Constants, x: State, which: int) -> None:
     """Let a freewheel whose play is used up carry: a rigid one by an impact, a spring begins to wind up."""
     x.rates_cached = 0.0
     if which == guards.HOUSING:
@@ -295,20 +345,19 @@ def engage(d, x, which):
         x.output_engagements += 1.0
         rigid = d.freewheel_stiffness == 0.0
     if rigid:
-        close_freewheels(d, x)
+        apply_plastic_impact(d, x)
 
 
-def pass_event(d, x, which):
-    """Change what an event changes at once, and tell of what kind it was."""
+def pass_event(d: Constants, x: State, which: int) -> None:
+    """Apply the immediate changes of an event and return its kind."""
     x.ended = 0.0
     x.slip_reached_zero = 0.0
     if which == guards.FLOW:
         x.flow_sign = -x.flow_sign
     elif which > guards.FLOW:
-        x.spin_signs = with_sign_changed(x.spin_signs, which - guards.SPIN)
-    elif which != NONE:
-        if d.elastic != 0.0:  # shaft or springs may swing otherwise now
-            x.step_size = min(AFRESH * x.step_size, size_afresh(d, x))
+        x.spin_signs = toggle_bit(x.spin_signs, which - guards.SPIN)
+    elif which != NO_EVENT:
+        limit_size_after_switch(d, x)
         if guards.is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == guards.SLIP and x.housing_state != LOCKED else 0.0
             if guards.is_play(x, which):
@@ -320,35 +369,27 @@ def pass_event(d, x, which):
             unwind(d, x, which)
 
 
-def advance_general(d, x, w, remaining):
+def advance_general(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
     """Advance by one step, or to the first event in it.
 
     Returns:
-        (time passed or -1 if no step is small enough, whether what freewheels and slip do may change then).
+        (time passed or -1 if no step is small enough, whether the contact mode may change then).
     """
     begin_step(d, x, w)
-    fastest = -1.0
-    limit = longest_step(d, x, w, remaining)
-    if limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0):
-        fastest = try_short_step(d, x, w, remaining)
-    sigma, which = -1.0, NONE
-    if fastest < 0.0:
-        x.short_size *= SHORT_GROWTH  # so that it is tried again
-        fastest = try_steps(d, x, w, limit)
-        if fastest < 0.0:
+    limit = longest_step(d, x, remaining)
+    sigma, which = -1.0, NO_EVENT
+    for _ in range(MAX_REPEATS):
+        if not make_accepted_step(d, x, w, remaining, limit):
             return -1.0, False
-    if w.pair == THIRDS:
-        sigma, which = end_at_event(d, x, w, fastest)
-    else:
-        recall(x.now, d.machine)
-        if w.pair == LONG:
-            sigma, which = first_event(d, x, w, fastest, NONE)
-    wound = is_wound(x) and w.pair != THIRDS
+        copy_accelerations(x.now, d.machine)
+        sigma, which = -1.0, NO_EVENT
+        if w.pair == DOP853_ROW:
+            sigma, which = first_event(d, x, w)
+        limit = 0.5 * w.step
+        end_step(d, x, w, sigma)
+        if d.averaged != 0.0 or energy_made(d, x, w) <= 1.0:
+            break
     take_over(d, x, w, sigma)
     meet_limits(d, x)
-    if wound and which != NONE and not has_fallen(d, x, w, which):
-        # stiff springs make the inside of a step coarse: where an event seems to be a step has to end with it
-        x.step_size = min(x.step_size, AFRESH * w.step / sigma)
-        which = NONE
     pass_event(d, x, which)
-    return w.step, NONE != which < guards.FLOW
+    return w.step, NO_EVENT != which < guards.FLOW

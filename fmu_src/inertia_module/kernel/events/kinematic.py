@@ -1,84 +1,121 @@
-"""Fidelity `kinematic`: omega2 = ratio omega1 is prescribed, torques follow by the equations of motion.
+"""Fidelity kinematic: omega2 = ratio omega1 is prescribed, and the torques follow by inverse dynamics.
 
-Their sums are those of a step whose stages are the nodes of a Gauss rule, as the motion at each is known.
+The motion is known at any time. So all integrals over an interval are sums over the nodes of a Gauss rule,
+which stand for the stages of a step. An interval ends where a mesh torque changes its sign.
 """
 
 import math
 
-from ..accumulate import add
 from ..equations.motion import evaluate
-from ..equations.states import GEARED, OPEN
+from ..equations.states import OVERRUNNING, RATIO_PRESCRIBED
 from ..loads import sample_load
-from ..tableau import GAUSS, GAUSS_NODES, GAUSS_WEIGHTS
+from ..records import Constants, State, Workspace
+from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from .advance import commit
 from .stages import keep_rates, set_changes
 
-# phase of the highest harmonic within one Gauss interval, rad
-GAUSS_PHASE = 1.0
-# what a ramp adds to the rate of the phase, over the square root of its acceleration: the tenth derivative,
-# which the rule is off by, is 945 of sin(t^2 / 2) at rest, about that of sin(2 t)
-RAMP = 2.0
-# parts of an interval in which sign changes are looked for, to find one, and how near it is found
-LOOKS = 4
-HALVINGS = 30
-NEAR = 1e-9
-# a speed that turns back within this share of the interval is zero now
-ROUNDING = 1e-12
+MAX_GAUSS_PHASE = 1.0  # rad, phase of the highest harmonic in one interval
+# Frequency of a ramp over the square root of its acceleration. The error of the rule scales with the tenth
+# derivative, which is 945 for sin(t^2 / 2) at t = 0, about as large as for sin(2 t).
+RAMP_PHASE_FACTOR = 2.0
+N_SIGN_SAMPLES = 4  # Samples of the mesh torques in an interval, to detect a change of sign
+N_BISECTIONS = 30  # Bisections that locate a change of sign
+SIGN_CHANGE_RTOL = 1e-9  # Distance of the samples from the ends of the interval, over its length
+REVERSAL_RTOL = 1e-12  # A reversal of link 1 before this fraction of the interval counts as present
 
 
-def follow_ratio(x, omega1, omega2):
-    """Let freewheels and friction do what they do at these prescribed speeds."""
-    x.housing_state = OPEN if omega2 > 0.0 else GEARED
-    x.output_state = GEARED
+def set_prescribed_contacts(x: State, omega1: float, omega2: float) -> None:
+    """Set the states of the freewheels and the sign of the slip for prescribed speeds.
+
+    Args:
+        x: State, written.
+        omega1: Speed of link 1, rad/s.
+        omega2: Speed of link 2, rad/s.
+    """
+    x.housing_state = OVERRUNNING if omega2 > 0.0 else RATIO_PRESCRIBED
+    x.output_state = RATIO_PRESCRIBED
     x.slip_sign = math.copysign(1.0, omega1 - omega2) if omega1 != omega2 else 0.0
 
 
-def keep_ratio(d, x):
-    """Give link 2 and the output the speed that is prescribed."""
+def impose_ratio(d: Constants, x: State) -> None:
+    """Set the speed of link 2 and of the output to ratio omega1.
+
+    Args:
+        d: Constants.
+        x: State; omega1 is read.
+    """
     x.omega2 = x.omega3 = d.kinematic_ratio * x.omega1
-    x.omega2_low = x.omega3_low = 0.0
-    follow_ratio(x, x.omega1, x.omega2)
+    set_prescribed_contacts(x, x.omega1, x.omega2)
 
 
-def prescribe(d, x, t):
-    """Motion the time t from now on and its torques, into d.machine."""
+def prescribe_motion(d: Constants, x: State, t: float) -> None:
+    """Write the prescribed motion and its torques to d.machine.
+
+    Args:
+        d: Constants.
+        x: State at the present time; the freewheel states and the sign of the slip are written.
+        t: Time from the present, s.
+    """
     m = d.machine
-    turned1 = t * (x.omega1 + 0.5 * x.alpha1 * t)
-    m.q = x.q + d.k * (1.0 - d.kinematic_ratio) * turned1
-    m.theta1 = x.theta1 + turned1
+    angle1 = t * (x.omega1 + 0.5 * x.alpha1 * t)
+    m.q = x.q + d.k * (1.0 - d.kinematic_ratio) * angle1
+    m.theta1 = x.theta1 + angle1
     m.omega1 = x.omega1 + x.alpha1 * t
     m.omega2 = m.omega3 = d.kinematic_ratio * m.omega1
     m.alpha2 = d.kinematic_ratio * x.alpha1
-    follow_ratio(x, m.omega1, m.omega2)
+    set_prescribed_contacts(x, m.omega1, m.omega2)
     evaluate(d, x, x.alpha1, 0.0, False)
 
 
-def signs_at(d, x, t):
-    """Signs of the torques that the meshes lose by, the time t from now on."""
-    prescribe(d, x, t)
+def loss_signs(d: Constants, x: State, t: float) -> tuple[float, float]:
+    """Return the signs of the mesh torques on which the mesh losses depend.
+
+    Args:
+        d: Constants.
+        x: State at the present time.
+        t: Time from the present, s.
+
+    Returns:
+        Sign of the power in mesh 2-16, signs of the satellite meshes as one number (0 without losses there).
+    """
+    prescribe_motion(d, x, t)
     x.step_evaluations += 1.0
     return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
 
 
-def has_signs(d, x, t, flow, spin):
-    """Return True if the torques have these signs (signs_at), the time t from now on."""
-    flow_then, spin_then = signs_at(d, x, t)
-    return flow_then == flow and spin_then == spin
+def has_signs(d: Constants, x: State, t: float, flow: float, spin: float) -> bool:
+    """Return True if the mesh torques have the signs flow and spin.
+
+    Args:
+        d: Constants.
+        x: State at the present time.
+        t: Time from the present, s.
+        flow: Sign of the power in mesh 2-16.
+        spin: Signs of the satellite meshes.
+    """
+    flow_at_t, spin_at_t = loss_signs(d, x, t)
+    return flow_at_t == flow and spin_at_t == spin
 
 
-def smooth_part(d, x, h):
-    """The part of an interval h until link 1 turns back, or just past a sign change of a torque in a mesh."""
-    turns_back = -x.omega1 / x.alpha1 if x.omega1 * x.alpha1 < 0.0 else h
-    if ROUNDING * h < turns_back < h:
-        h = turns_back
+def until_next_kink(d: Constants, x: State, h: float) -> float:
+    """Return the time to a reversal of link 1 or just after a sign change of a mesh torque, at most h, s.
+
+    Args:
+        d: Constants.
+        x: State at the present time.
+        h: Length of the interval, s.
+    """
+    reversal = -x.omega1 / x.alpha1 if x.omega1 * x.alpha1 < 0.0 else h
+    if REVERSAL_RTOL * h < reversal < h:
+        h = reversal
     if d.mesh_loss == 0.0 and d.satellite_loss == 0.0:
         return h
-    low = NEAR * h
-    flow, spin = signs_at(d, x, low)
-    for n in range(LOOKS):
-        high = h * (n + 1.0 - NEAR) / LOOKS
+    low = SIGN_CHANGE_RTOL * h
+    flow, spin = loss_signs(d, x, low)
+    for n in range(N_SIGN_SAMPLES):
+        high = h * (n + 1.0 - SIGN_CHANGE_RTOL) / N_SIGN_SAMPLES
         if not has_signs(d, x, high, flow, spin):
-            for _ in range(HALVINGS):
+            for _ in range(N_BISECTIONS):
                 middle = 0.5 * (low + high)
                 if has_signs(d, x, middle, flow, spin):
                     low = middle
@@ -89,35 +126,45 @@ def smooth_part(d, x, h):
     return h
 
 
-def advance_kinematic(d, x, w, remaining):
-    """Advance by one interval. Returns the time passed, or -1 where the speeds are beyond all bounds."""
+def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) -> float:
+    """Advance by one interval.
+
+    Args:
+        d: Constants.
+        x: State, advanced.
+        w: Workspace.
+        remaining: Time until the end of the communication step, s.
+
+    Returns:
+        Length of the interval, s, or -1 if the speeds overflow.
+    """
     rate = d.k * (1.0 - d.kinematic_ratio)
     h = min(remaining, d.max_step)
     scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
-    fastest = scale * max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
-    fastest += RAMP * math.sqrt(scale * abs(x.alpha1))
-    if fastest * h > GAUSS_PHASE:
-        h = GAUSS_PHASE / fastest
+    frequency = scale * max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
+    frequency += RAMP_PHASE_FACTOR * math.sqrt(scale * abs(x.alpha1))
+    if frequency * h > MAX_GAUSS_PHASE:
+        h = MAX_GAUSS_PHASE / frequency
         if not h > 0.0:
             return -1.0
     if d.losses != 0.0:
-        h = smooth_part(d, x, h)
+        h = until_next_kink(d, x, h)
     w.step = h
-    out = 0.0
-    for n in range(GAUSS):
-        prescribe(d, x, GAUSS_NODES[n] * h)
+    work_out = 0.0
+    for n in range(N_GAUSS_NODES):
+        prescribe_motion(d, x, GAUSS_NODES[n] * h)
         x.flow_sign = d.machine.flow_sign
         keep_rates(d, x, w, n)
         w.weights[n] = GAUSS_WEIGHTS[n]
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
-        out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
-    x.step_evaluations += GAUSS
-    set_changes(d, x, w, h, 1, GAUSS)
-    # the motion, without the rounding of a sum
+        work_out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
+    x.step_evaluations += N_GAUSS_NODES
+    set_changes(d, x, w, h, 1, N_GAUSS_NODES)
+    # Angles by their ratio, without the round-off of sums
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1
-    w.load = 0.0  # the energy ends at the output
-    x.energy_out, x.energy_out_low = add(x.energy_out, x.energy_out_low, out)
+    w.load = 0.0  # The energy balance ends at the output
+    x.energy_out += work_out
     sample_load(d, x, x.q, x.omega1, d.kinematic_ratio * x.omega1, x.alpha1, d.kinematic_ratio * x.alpha1)
     commit(d, x, w)
     return h

@@ -4,49 +4,49 @@ w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integral
 """
 
 from ..accumulate import copy
-from ..equations.losses import write_powers_lost
-from ..equations.motion import equations, evaluate
-from ..equations.states import IDEAL, LOCKED, LOSSY, WOUND
+from ..equations.losses import write_loss_powers
+from ..equations.motion import equations_of_motion, evaluate
+from ..equations.states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY
 from ..fields import CAUSES
 from ..links import energy_of_links
-from ..tableau import AFTER, END, LATE, NODES, STAGES, WEIGHTS, last_stage, write_inside_weights
-from .guards import FLOW, SLIP, how_many_guards, value_and_rate
+from ..records import Constants, Doubles, Followed, Machine, Records, State, Workspace
+from ..tableau import (
+    DOP853_LAST_STAGE,
+    FIRST_ERROR_STAGE,
+    FIRST_NONZERO_STAGE,
+    N_STAGES,
+    NODES,
+    WEIGHTS,
+    last_stage,
+    write_dense_weights,
+)
+from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
 
 # places in fields.FOLLOWED
-Q, OMEGA1, OMEGA2, OMEGA3, OF_DRIVE, OF_HOUSING = 0, 1, 2, 3, 4, 5
-THETA1, WORK_IN, LOST = 8, 10, 11
-TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT = range(LOST + CAUSES, LOST + CAUSES + 4)
-# what moves: with a rigid output, with a shaft, with wind-up or play; for weights the angle of link 1. The
-# place of twist in it
-MOTION = (Q, OMEGA1, OMEGA2, OMEGA3, TWIST, RELATIVE, WOUND_HOUSING, WOUND_OUTPUT, THETA1)
-RIGID_OUTPUT, WITH_SHAFT, WITH_TURNING = 4, 6, 8
-TWIST_MOVES = 4
+Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
+THETA1, LOST = 8, 11
+TWIST = LOST + CAUSES
+# how many quantities move with a rigid output: they come first
+RIGID_OUTPUT = 4
 # how many of them an ideal module of rigid output has
 FEWEST = 12
 
 
-def how_many_move(d):
-    """How many of MOTION there are."""
-    if d.elastic == 0.0:
-        return RIGID_OUTPUT
-    return WITH_TURNING if d.turning != 0.0 else WITH_SHAFT
-
-
-def solve_motion(d, x, w):
+def solve_motion(d: Constants, x: State, w: Workspace) -> None:
     """Solve the equations for the motion in d.machine, signs of the loads as in the step in hand; counted."""
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
 
-def keep_rates(d, x, w, n):
-    """Keep the rates of all that is followed as those of stage n, from d.machine after motion.evaluate."""
+def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
+    """Store the rates of the integrated quantities at stage n, from d.machine after motion.evaluate."""
     if d.losses != 0.0:
         rates_of(d, x, w, n, LOSSY)
     else:
         rates_of(d, x, w, n, IDEAL)
 
 
-def rates_of(d, x, w, n, lossy):
+def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
     """Rates at stage n for keep_rates, with or without losses by load, drag, weights or wind-up."""
     m = d.machine
     rates = w.rates[n]
@@ -71,11 +71,11 @@ def rates_of(d, x, w, n, lossy):
     rates.housing = m.housing
     rates.output = m.output
     rates.square = m.output * m.output
-    write_powers_lost(d, x, m, rates, lossy)
+    write_loss_powers(d, x, m, rates, lossy)
     if lossy:
-        turns = x.housing_state == WOUND or d.housing_engagement_angle > 0.0
+        turns = x.housing_state == ENGAGED_COMPLIANT or d.housing_engagement_angle > 0.0
         rates.wound_housing = -m.omega2 if turns else 0.0
-        turns = x.output_state == WOUND or d.output_engagement_angle > 0.0
+        turns = x.output_state == ENGAGED_COMPLIANT or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
     # (of a number known to the compiler it makes one after the other, without questions)
     for which in range(FLOW if lossy else SLIP):
@@ -85,27 +85,38 @@ def rates_of(d, x, w, n, lossy):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
-def turn_freewheels(x, m, housing, output):
-    """Write wind-up and play into m, rad, freewheels turned back by so much since x (one of both counts)."""
+def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None:
+    """Write wind-up and backlash, rad, to m for freewheels that have turned back since x."""
     m.wound_housing = x.wound_housing + housing
     m.wound_output = x.wound_output + output
     m.play_housing = x.play_housing - housing
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w, row, count, which, after):
-    """Sum of the rates of one quantity at so many stages with the weights of a row of the tableau.
+def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
+    """Return the weighted sum of the rates of a quantity.
 
     Args:
-        after: the first stage after stage 0 that the row weighs, or one before it.
+        w: workspace with the rates of the stages.
+        row: row of the tableau with the weights.
+        count: number of stages.
+        which: number of the quantity in fields.FOLLOWED.
+        after: the first stage after stage 0 with a weight, or an earlier one.
     """
-    total = WEIGHTS[STAGES * row] * w.rates[0].numbers[which]
+    total = WEIGHTS[N_STAGES * row] * w.rates[0].numbers[which]
     for n in range(after, count):
-        total += WEIGHTS[STAGES * row + n] * w.rates[n].numbers[which]
+        total += WEIGHTS[N_STAGES * row + n] * w.rates[n].numbers[which]
     return total
 
 
-def weighed_four(stages, weights, begin, after, count, first):
+def weighed_four(
+    stages: Records[Followed],
+    weights: Doubles | tuple[float, ...],
+    begin: int,
+    after: int,
+    count: int,
+    first: int,
+) -> tuple[float, float, float, float]:
     """Weighed sums of four quantities at stage 0 and others (w.rates ...), weights from place begin on."""
     weight, numbers = weights[begin], stages[0].numbers
     a, b = weight * numbers[first], weight * numbers[first + 1]
@@ -120,7 +131,17 @@ def weighed_four(stages, weights, begin, after, count, first):
     return a, b, c, d
 
 
-def weigh(stages, weights, begin, after, count, factor, sums, first, end):
+def weigh(
+    stages: Records[Followed],
+    weights: Doubles,
+    begin: int,
+    after: int,
+    count: int,
+    factor: float,
+    sums: Doubles,
+    first: int,
+    end: int,
+) -> None:
     """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
     for begins in range(first, end, 4):
         which = min(begins, end - 4)
@@ -131,9 +152,18 @@ def weigh(stages, weights, begin, after, count, factor, sums, first, end):
         sums[which + 3] = factor * four
 
 
-def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
-    """Write weighed sums of what moves (see weigh)."""
-    weigh(stages, weights, begin, after, count, factor, sums, 0, TWIST_MOVES)
+def weigh_motion(
+    d: Constants,
+    stages: Records[Followed],
+    weights: Doubles,
+    begin: int,
+    after: int,
+    count: int,
+    factor: float,
+    sums: Doubles,
+) -> None:
+    """Write weighted sums of the moving quantities (see weigh)."""
+    weigh(stages, weights, begin, after, count, factor, sums, 0, RIGID_OUTPUT)
     if d.elastic + d.losses != 0.0:
         weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
     if d.weight != 0.0:
@@ -142,7 +172,7 @@ def weigh_motion(d, stages, weights, begin, after, count, factor, sums):
             sums[THETA1] += factor * weights[begin + n] * stages[n].theta1
 
 
-def evaluate_stages(d, x, w, first, last):
+def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
     """Evaluate stages of the step in hand, from the first to the last."""
     if d.losses != 0.0:
         stages_of(d, x, w, first, last, LOSSY)
@@ -150,14 +180,16 @@ def evaluate_stages(d, x, w, first, last):
         stages_of(d, x, w, first, last, IDEAL)
 
 
-def stages_of(d, x, w, first, last, lossy):
+def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy: int) -> None:
     """Rates at the stages, each from those at the stages before, for evaluate_stages."""
     h = w.step
     m = d.machine
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(w.rates, WEIGHTS, STAGES * row, AFTER[row], n, Q)
+        q, omega1, omega2, omega3 = weighed_four(
+            w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, Q
+        )
         m.q = x.q + h * q
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
@@ -167,51 +199,51 @@ def stages_of(d, x, w, first, last, lossy):
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
         if d.elastic != 0.0 or (lossy and d.turning != 0.0):
             twist, relative, housing, output = weighed_four(
-                w.rates, WEIGHTS, STAGES * row, AFTER[row], n, TWIST
+                w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
             if lossy and d.turning != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        equations(d, x, w.prescribed, w.load, True, lossy)
+        equations_of_motion(d, x, w.prescribed, w.load, True, lossy)
         rates_of(d, x, w, n, lossy)
         x.step_evaluations += 1.0
 
 
-def set_changes(d, x, w, h, after, count):
-    """Changes of what is followed over the time h, by the weights of so many stages in w.weights."""
+def set_changes(d: Constants, x: State, w: Workspace, h: float, after: int, count: int) -> None:
+    """Write the changes of the integrated quantities over the time h, with the weights in w.weights."""
     changes = w.change.numbers
     followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
     weigh(w.rates, w.weights, 0, after, count, w.step, changes, 0, followed)
     prescribe_link1(d, x, w, w.change, h)
 
 
-def prescribe_link1(d, x, w, changes, h):
+def prescribe_link1(d: Constants, x: State, w: Workspace, changes: Followed, h: float) -> None:
     """Change of link 1 over the time h, where its speed is given."""
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def make_step(d, x, w, pair, h):
-    """All stages of the step h by a pair (tableau.LONG or SHORT), and the changes of all that is followed."""
+def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None:
+    """Evaluate all stages of the step h by a pair (tableau.DOP853_ROW or DOPRI5_ROW), and the changes."""
     w.step = h
     w.pair = pair
     last = last_stage(pair)
     evaluate_stages(d, x, w, 1, last)
     row = pair + last
     for n in range(last):
-        w.weights[n] = WEIGHTS[STAGES * row + n]
-    set_changes(d, x, w, h, AFTER[row], last)
+        w.weights[n] = WEIGHTS[N_STAGES * row + n]
+    set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
 
 
-def solve_changed(d, x, w, changes):
+def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
     """Solve the equations for the motion with these changes, into d.machine; counted."""
     move(d, x, changes)
     solve_motion(d, x, w)
 
 
-def move(d, x, changes):
+def move(d: Constants, x: State, changes: Followed) -> None:
     """Write the motion with these changes into d.machine."""
     m = d.machine
     m.q = x.q + changes.q
@@ -226,32 +258,36 @@ def move(d, x, changes):
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
 
 
-def exact_guard(d, x, w, which, sigma):
-    """A guard at the part sigma of the step in hand by the equations, less what it lacks of zero at first."""
+def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
+    """Write the changes of the motion over the part sigma of the step in hand into w.inside (order 7)."""
+    write_dense_weights(sigma, w.weights)
+    weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
+    prescribe_link1(d, x, w, w.inside, sigma * w.step)
+
+
+def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
+    """Return an event indicator at the part sigma of the step by the equations, less its first error."""
     values = w.watched[which].value
     value = values[0]
     if sigma == 1.0:
-        value = values[END]
+        value = values[DOP853_LAST_STAGE]
     elif sigma > 0.0:
-        write_inside_weights(sigma, w.weights)
-        weigh_motion(d, w.rates, w.weights, 0, LATE, STAGES, w.step, w.inside.numbers)
-        prescribe_link1(d, x, w, w.inside, sigma * w.step)
+        set_changes_inside(d, x, w, sigma)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
-    return value - min(values[0], 0.0)
+    return value - (0.0 if is_spring(x, which) else min(values[0], 0.0))
 
 
-def cut_step(d, x, w, sigma):
-    """Make the step in hand, its inside known, one of its part sigma; d.machine is at its end if ideal."""
-    write_inside_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, LATE, STAGES)
+def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
+    """Cut the step in hand, its dense output known, to its part sigma; d.machine is then at its end."""
+    write_dense_weights(sigma, w.weights)
+    set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
     w.step *= sigma
-    if d.losses == 0.0:
-        solve_changed(d, x, w, w.change)
+    solve_changed(d, x, w, w.change)
 
 
-def keep_end(d, x, w):
-    """Keep the rates at the end of the step in hand as those of stage 0."""
+def keep_end(d: Constants, x: State, w: Workspace) -> None:
+    """Store the rates at the end of the step as those of stage 0 of the next."""
     end = last_stage(int(w.pair))
     copy(w.rates[0].numbers, w.rates[end].numbers)
     for which in range(how_many_guards(d)):

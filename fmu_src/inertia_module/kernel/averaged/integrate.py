@@ -1,0 +1,352 @@
+"""Integration of the mean motion: the L-stable two-stage Rosenbrock method ROS2, to the end of each regime.
+
+Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20, 1999, with gamma = 1 - 1 / sqrt 2:
+
+    (1 - gamma h J) k1 = f(y)
+    (1 - gamma h J) k2 = f(y + h k1) - 2 k1
+    y + h (3 k1 + k2) / 2           of order 2; the embedded y + h k1 is of order 1
+
+The Jacobian J is calculated by differences. Angles, impulses and losses are integrated with the two speeds.
+"""
+
+import math
+
+from ..accumulate import clear, wrap_drive_angle, wrap_input_angle
+from ..codes import OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from ..records import Constants, Doubles, Side, State, Workspace
+from .mean_motion import (
+    COASTING,
+    LOCKED,
+    SLIPPING,
+    beyond_regime,
+    end_step,
+    energy_of_mechanism,
+    set_regime,
+    side_now,
+    speed_ratio,
+    write_mean_rates,
+)
+
+GAMMA = 1.0 - math.sqrt(0.5)
+# least tolerance of the embedded error over the largest speed; the mean motion itself is not as exact
+MIN_TOLERANCE = 1e-4
+# change of a speed for a difference, over the largest speed
+DIFFERENCE = 1e-7
+# step-size controller: safety factor, least and largest factor
+SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.1, 5.0
+# internal steps of a communication step, trials of a step, iterations to the end of a regime
+MAX_STEPS, MAX_TRIALS, MAX_ITERATIONS = 20000, 60, 60
+# share of a step to which the end of a regime is located, shares of the speeds that count as rest and as no
+# slip
+TIME_RTOL, REST_RTOL, SNAP_RTOL = 1e-12, 1e-12, 1e-9
+# first step from rest over the communication step
+START_RATIO = 1e-9
+# largest correction of the input speed by the energy balance, over the speed
+MAX_CORRECTION = 1e-3
+# places of the two speeds in fields.MEAN
+OMEGA1, OMEGA3 = 0, 1
+
+
+def differentiate(d: Constants, side: Side, x: State, w: Workspace, regime: int, h: float) -> None:
+    """Write the derivatives of all rates by omega1 and omega3 at the beginning of a step, by differences.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state
+        w: workspace with the rates at the beginning in w.means[0]
+        regime: regime of the output shaft
+        h: step that is tried first, s; from rest the speeds after it are the scale
+    """
+    start, by1, by3 = w.means[0].numbers, w.mean_slopes[0].numbers, w.mean_slopes[1].numbers
+    gained = h * (abs(start[OMEGA1]) + abs(start[OMEGA3]))
+    change = DIFFERENCE * max(abs(x.omega1), x.omega3, min(gained, 1.0), REST_RTOL)
+    change1 = side.direction * change
+    # away from the end of the regime
+    change3 = -change if regime == SLIPPING and x.omega3 > 0.5 * side.end * abs(x.omega1) else change
+    write_mean_rates(d, side, x, regime, x.omega1 + change1, x.omega3, w.mean_slopes[0])
+    write_mean_rates(d, side, x, regime, x.omega1, x.omega3 + change3, w.mean_slopes[1])
+    for n in range(len(start)):
+        by1[n] = (by1[n] - start[n]) / change1
+        by3[n] = (by3[n] - start[n]) / change3
+
+
+def solve_stage(w: Workspace, h: float, k: Doubles) -> None:
+    """Solve (1 - gamma h J) k = r for all that is integrated; r is in k.
+
+    Args:
+        w: workspace with the derivatives
+        h: step, s
+        k: numbers of a stage
+    """
+    by1, by3 = w.mean_slopes[0].numbers, w.mean_slopes[1].numbers
+    c = GAMMA * h
+    a11, a13 = 1.0 - c * by1[OMEGA1], -c * by3[OMEGA1]
+    a31, a33 = -c * by1[OMEGA3], 1.0 - c * by3[OMEGA3]
+    determinant = a11 * a33 - a13 * a31
+    k1 = (a33 * k[OMEGA1] - a13 * k[OMEGA3]) / determinant
+    k3 = (a11 * k[OMEGA3] - a31 * k[OMEGA1]) / determinant
+    for n in range(len(k)):
+        k[n] += c * (by1[n] * k1 + by3[n] * k3)
+
+
+def make_step(d: Constants, side: Side, x: State, w: Workspace, regime: int, h: float) -> None:
+    """Make a step from w.means[0] and the derivatives: changes in w.mean_change, stages in w.mean_stages.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state at the beginning
+        w: workspace
+        regime: regime of the output shaft
+        h: step, s
+    """
+    first, second, change = w.mean_stages[0].numbers, w.mean_stages[1].numbers, w.mean_change.numbers
+    start, middle = w.means[0].numbers, w.means[1].numbers
+    w.mean_length = h
+    for n in range(len(first)):
+        first[n] = start[n]
+    solve_stage(w, h, first)
+    omega1, omega3 = x.omega1 + h * first[OMEGA1], x.omega3 + h * first[OMEGA3]
+    write_mean_rates(d, side, x, regime, omega1, omega3, w.means[1])
+    for n in range(len(first)):
+        second[n] = middle[n] - 2.0 * first[n]
+    solve_stage(w, h, second)
+    for n in range(len(first)):
+        change[n] = 0.5 * h * (3.0 * first[n] + second[n])
+    if d.by_torque == 0.0:
+        change[OMEGA1] = h * x.alpha1
+    if regime == LOCKED:
+        change[OMEGA3] = change[OMEGA1]
+
+
+def step_error(x: State, w: Workspace, tolerance: float) -> float:
+    """Return the embedded error of both speeds over the tolerance times the largest speed."""
+    first, second = w.mean_stages[0], w.mean_stages[1]
+    omega1, omega3 = x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3
+    fastest = max(abs(x.omega1), abs(omega1), x.omega3, abs(omega3))
+    error1, error3 = first.omega1 + second.omega1, first.omega3 + second.omega3
+    return 0.5 * w.mean_length * max(abs(error1), abs(error3)) / (tolerance * fastest + 1e-300)
+
+
+def beyond_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> float:
+    """Return the event indicator of the regime at the end of the step in hand."""
+    return beyond_regime(d, side, x, regime, x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3)
+
+
+def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, beyond: float) -> None:
+    """Shorten the step in hand to the end of the regime by the Illinois method; it ends just beyond.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state at the beginning
+        w: workspace
+        regime: regime of the output shaft
+        beyond: event indicator at the end of the step, positive
+    """
+    low, high = 0.0, w.mean_length
+    g_low, g_high = beyond_regime(d, side, x, regime, x.omega1, x.omega3), beyond
+    if g_low >= 0.0:
+        g_low = -beyond  # it begins at an end
+    last = 0
+    end = high
+    for _ in range(MAX_ITERATIONS):
+        if high - low <= TIME_RTOL * end:
+            break
+        middle = high - g_high * (high - low) / (g_high - g_low)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        make_step(d, side, x, w, regime, middle)
+        g = beyond_step(d, side, x, w, regime)
+        if g > 0.0:
+            high, g_high = middle, g
+            g_low *= 0.5 if last > 0 else 1.0
+            last = 1
+        else:
+            low, g_low = middle, g
+            g_high *= 0.5 if last < 0 else 1.0
+            last = -1
+            if g == 0.0 and middle > TIME_RTOL * end:
+                return
+    # a shorter step could leave the time as it is
+    make_step(d, side, x, w, regime, max(high, TIME_RTOL * end))
+
+
+def advance_regime(
+    d: Constants, side: Side, x: State, w: Workspace, regime: int, limit: float
+) -> tuple[bool, bool]:
+    """Make one step within the tolerance, or its part up to the end of the regime.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state at the beginning
+        w: workspace with the tolerance
+        regime: regime of the output shaft
+        limit: longest step, s
+
+    Returns:
+        (True if a step is small enough, True if the regime ends with it).
+    """
+    write_mean_rates(d, side, x, regime, x.omega1, x.omega3, w.means[0])
+    if x.omega1 == 0.0 and x.omega3 == 0.0 and (regime == SLIPPING or regime == COASTING):
+        # the speed ratio shows only once both move
+        clear(w.mean_slopes[0].numbers)
+        clear(w.mean_slopes[1].numbers)
+        x.mean_step = START_RATIO * limit
+        make_step(d, side, x, w, regime, x.mean_step)
+        return True, False
+    h = min(x.mean_step if x.mean_step > 0.0 else limit, limit)
+    differentiate(d, side, x, w, regime, h)
+    tolerance = max(w.tolerance, MIN_TOLERANCE)
+    for _ in range(MAX_TRIALS):
+        make_step(d, side, x, w, regime, h)
+        error = step_error(x, w, tolerance)
+        factor = SAFETY / math.sqrt(error) if error > 0.0 else MAX_FACTOR
+        factor = min(max(factor, MIN_FACTOR), MAX_FACTOR)
+        if error <= 1.0:
+            x.mean_step = max(x.mean_step, factor * h) if h == limit else factor * h
+            beyond = beyond_step(d, side, x, w, regime)
+            if beyond > 0.0:
+                end_at_event(d, side, x, w, regime, beyond)
+            return True, beyond > 0.0
+        h *= factor
+        x.mean_step = h
+    return False, False
+
+
+def energy_gained(d: Constants, side: Side, x: State, omega1: float, omega3: float) -> float:
+    """Return the kinetic energy, J, that a step to these speeds adds to the mechanism and the output shaft.
+
+    Args:
+        d: constants; d.steady is written for the end of the step
+        side: map for the sign of omega1
+        x: state at the beginning
+        omega1: input speed at the end, rad/s
+        omega3: speed of the output shaft at the end, rad/s
+    """
+    before = energy_of_mechanism(d, side, x, x.omega1, x.omega3)
+    gained = energy_of_mechanism(d, side, x, omega1, omega3) - before
+    return gained + 0.5 * d.J3 * (omega3 - x.omega3) * (x.omega3 + omega3)
+
+
+def balanced_speed(
+    d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float, gain: float
+) -> float:
+    """Return the input speed, rad/s, at which a step by torque has gained the energy: one Newton iteration.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state at the beginning
+        regime: regime of the output shaft
+        omega1: input speed at the end, rad/s
+        omega3: speed of the output shaft at the end, rad/s
+        gain: energy that the step must gain, J
+    """
+    missing = gain - energy_gained(d, side, x, omega1, omega3)
+    s = min(speed_ratio(omega3, abs(omega1)), side.end)
+    inertia = d.J1 + d.steady.inertia - (0.5 * s * d.steady.slope if regime == SLIPPING else 0.0)
+    if regime == LOCKED:
+        inertia += d.J3
+    correction = missing / (inertia * omega1) if omega1 != 0.0 else 0.0
+    return omega1 + correction if abs(correction) < MAX_CORRECTION * abs(omega1) else omega1
+
+
+def take_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> None:
+    """Add the step in hand to the state and its sums; energies balance.
+
+    By speed the balance gives the input work, by torque a small correction of the input speed.
+
+    Args:
+        d: constants
+        side: map for the sign of omega1
+        x: state
+        w: workspace
+        regime: regime of the output shaft
+    """
+    change = w.mean_change
+    omega1, omega3 = x.omega1 + change.omega1, x.omega3 + change.omega3
+    lost = 0.0
+    for cause in range(len(change.lost)):
+        x.lost[cause] += change.lost[cause]
+        lost += change.lost[cause]
+    used = x.load_torque * change.theta3 + lost
+    if d.by_torque == 0.0:
+        gain = energy_gained(d, side, x, omega1, omega3)
+        x.energy_in += gain + used
+    else:
+        work = x.drive_torque * change.theta1
+        x.energy_in += work
+        omega1 = balanced_speed(d, side, x, regime, omega1, omega3, work - used)
+    x.step_lost += lost
+    x.energy_out += x.load_torque * change.theta3
+    x.theta1 += change.theta1
+    wrap_input_angle(x)
+    x.q += d.k * (change.theta1 - change.theta2)
+    wrap_drive_angle(d, x)
+    x.turned3 += change.theta3
+    x.omega1, x.omega3 = omega1, omega3
+    x.input_impulse += change.drive
+    x.output_impulse += change.output
+    x.housing_impulse += change.output + d.b2 * change.theta2 - change.mesh
+
+
+def meet_limits(side: Side, x: State, regime: int, ends: bool) -> None:
+    """Set speeds at the end of a regime exactly to its limit.
+
+    Args:
+        side: map for the sign of omega1
+        x: state
+        regime: regime that the step was made in
+        ends: True if the regime ends
+    """
+    if regime == LOCKED:
+        x.omega3 = x.omega1
+    if not ends:
+        return
+    limit = side.end * abs(x.omega1)
+    if regime == SLIPPING:
+        x.omega3 = limit if x.omega3 > 0.5 * limit else 0.0
+    elif regime == COASTING and x.omega3 - limit <= SNAP_RTOL * x.omega3:
+        x.omega3 = limit
+
+
+def run_averaged(d: Constants, x: State, w: Workspace, h: float) -> int:
+    """Advance the mean motion by a communication step.
+
+    Args:
+        d: constants
+        x: state with the inputs of the step
+        w: workspace
+        h: communication step, s
+
+    Returns:
+        Status.
+    """
+    start = x.omega1
+    time = 0.0
+    for _ in range(MAX_STEPS):
+        side = side_now(d, x)
+        regime = set_regime(d, side, x)
+        limit = h - time
+        # a given speed passes zero: the map is another there
+        zero = d.by_torque == 0.0 and x.omega1 * x.alpha1 < 0.0 and abs(x.omega1) < abs(x.alpha1) * limit
+        if zero:
+            limit = -x.omega1 / x.alpha1
+        fits, ends = advance_regime(d, side, x, w, regime, min(limit, d.max_step))
+        if not fits:
+            return STEP_TOO_SMALL
+        take_step(d, side, x, w, regime)
+        arrives = w.mean_length >= limit
+        time += w.mean_length
+        if d.by_torque == 0.0:
+            x.omega1 = 0.0 if zero and arrives else start + x.alpha1 * time
+        elif ends and side.direction * x.omega1 <= REST_RTOL * x.omega3:
+            x.omega1 = 0.0
+        meet_limits(side, x, regime, ends)
+        if arrives and not zero:
+            end_step(d, x)
+            return OK
+    return TOO_MUCH_WORK

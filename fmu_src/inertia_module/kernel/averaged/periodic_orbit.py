@@ -1,0 +1,294 @@
+"""Periodic orbit of the mechanism at constant input and output speed: one period of the pinion shaft.
+
+The output shaft is so heavy that its speed is constant. Link 2 then has a return map: its speed at the end of
+a period over its speed at the beginning. The map never decreases, and a fixed point lies between 0 and the
+speed of the output. The period begins where link 2 is at rest in nearly all orbits; the first period is then
+the orbit.
+
+Driven by torque, the input torque and the initial input speed are unknown as well. A fixed-point iteration
+adjusts them until the period neither gains nor loses energy and has the demanded mean input speed.
+"""
+
+import math
+
+from ..accumulate import TWO_PI, clear, copy
+from ..equations.choice import select_mode, select_mode_after_event
+from ..events.advance import advance_general
+from ..inertia import reduced_inertia
+from ..inputs import reset_sums
+from ..links import energy_of_links, kinetic_energy
+from ..records import Constants, State, Workspace
+
+# inertia of the output shaft over the inertia of the mechanism
+HELD_INERTIA_RATIO = 1e12
+# longest period, revolutions of the pinion shaft; a longer one is replaced by this many revolutions
+MAX_REVOLUTIONS = 1000.0
+# periods until the fixed point is given up
+MAX_PERIODS = 30
+# change of omega2 over a period that counts as none, over omega1
+OMEGA2_ATOL = 1e-5
+# likewise the energy gained over the kinetic energy, and the error of the mean input speed over the speed
+ENERGY_RTOL = 1e-4
+# internal steps of a period, right-hand-side evaluations of a map
+MAX_STEPS = 200000
+MAX_EVALUATIONS = 6e7
+# share of a period that counts as its end
+END_RTOL = 1e-9
+# time of a period over its shortest time at constant slip; beyond it links 1 and 2 stick together
+MAX_TIME_RATIO = 4.0
+# no limit of an internal step, s
+NO_LIMIT = 1e9
+# samples in a cycle of the highest harmonic in the search for a maximum
+SAMPLES = 48
+# the period begins by this phase of the highest harmonic before link 2 is released, rad
+HEAD_START = 0.5
+
+# quantities with a maximum over the period, at input speed 1: inertia I of the imbalances; torque that locks
+# links 1 and 2; momentum of links 1 and 2 while link 2 is at rest; speed of link 2 in free flight; square of
+# its slip, negative
+INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED, FLIGHT_SLIP = 0, 1, 2, 3, 4
+
+
+def hold_output(d: Constants) -> None:
+    """Set constants in which no torque changes the speed of the output shaft."""
+    d.J3 = HELD_INERTIA_RATIO * (d.J2 + d.F_by_alpha1)
+    d.max_step = NO_LIMIT
+
+
+def period_length(d: Constants) -> float:
+    """Return the angle of the pinion shaft, rad, after which the reduced inertia repeats."""
+    # with three or more satellites it depends only on the angle of the satellite
+    length = TWO_PI / d.s if d.satellites > 2.0 and d.planar == 0.0 else d.period
+    return min(length, TWO_PI * MAX_REVOLUTIONS)
+
+
+def quantity(d: Constants, kind: int, direction: float, momentum: float, q: float) -> float:
+    """Return a quantity (INERTIA to FLIGHT_SLIP) at the angle q, input speed 1.
+
+    In free flight from rest at constant input speed Jacobi's integral holds:
+
+        (J2 + k^2 G) (omega1 - omega2)^2 - I = constant
+
+    Args:
+        d: constants
+        kind: INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED or FLIGHT_SLIP
+        direction: sign of omega1
+        momentum: momentum at which link 2 is released, kg m^2
+        q: angle of the pinion shaft, rad
+    """
+    i, i1, _, _, g, _ = reduced_inertia(d, q)
+    if kind == INERTIA:
+        return i
+    if kind == LOCK_TORQUE:
+        return -0.5 * d.k * i1
+    if kind == MOMENTUM:
+        return direction * (i - d.k * d.k * g)
+    square = (d.J2 + i - direction * momentum) / (d.J2 + d.k * d.k * g)
+    if kind == FLIGHT_SLIP:
+        return -square
+    return direction * (1.0 - math.sqrt(max(square, 0.0)))
+
+
+def maximum(d: Constants, kind: int, direction: float, momentum: float) -> tuple[float, float]:
+    """Find the maximum of a quantity over the period by samples and the parabola through the highest three.
+
+    Args:
+        d: constants
+        kind: see quantity
+        direction: sign of omega1
+        momentum: see quantity
+
+    Returns:
+        (angle of the pinion shaft in rad, maximum).
+    """
+    length = period_length(d)
+    count = int(math.ceil(length * d.harmonic / TWO_PI)) * SAMPLES
+    width = length / count
+    best_q, best = 0.0, -1e300
+    before = quantity(d, kind, direction, momentum, -width)
+    here = quantity(d, kind, direction, momentum, 0.0)
+    for n in range(count):
+        after = quantity(d, kind, direction, momentum, (n + 1) * width)
+        if here > best and before <= here >= after:
+            best_q, best = n * width, here
+            curvature = before - 2.0 * here + after
+            if curvature < 0.0:
+                best_q += 0.5 * width * (before - after) / curvature
+                best = here - 0.125 * (after - before) * (after - before) / curvature
+        before = here
+        here = after
+    return best_q, best
+
+
+def release_angle(d: Constants, direction: float) -> float:
+    """Return the angle of the pinion shaft, rad, where link 2 is still at rest in each period.
+
+    The strongest pulse releases link 2 where the momentum of links 1 and 2 is largest.
+    """
+    return maximum(d, MOMENTUM, direction, 0.0)[0] - direction * HEAD_START / d.harmonic
+
+
+def angle_travelled(x: State) -> float:
+    """Return the angle of the pinion shaft since the sums of the state began, rad."""
+    return x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
+
+
+def energy_midway(d: Constants, before: State, after: State, time: float) -> float:
+    """Return the kinetic energy of links 1 and 2, J, at the middle of a step by cubic Hermite interpolation.
+
+    Args:
+        d: constants
+        before: state at the beginning of the step
+        after: state at its end
+        time: length of the step, s
+    """
+    turned = angle_travelled(after) - angle_travelled(before)
+    slip0, slip1 = before.omega1 - before.omega2, after.omega1 - after.omega2
+    slip = 1.5 * turned / (d.k * time) - 0.25 * (slip0 + slip1)
+    omega1 = 0.5 * (before.omega1 + after.omega1)
+    i, _, b, _, g, _ = reduced_inertia(d, before.q + 0.5 * turned + 0.125 * time * d.k * (slip0 - slip1))
+    return energy_of_links(d, i, b, g, omega1, omega1 - slip)
+
+
+def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
+    """Follow the motion over an angle of the pinion shaft; the mean energy is left in w.orbit_energy.
+
+    A step beyond the end is repeated with the share of its time that a constant slip needs.
+
+    Args:
+        d: constants
+        x: state at the beginning of the period
+        w: workspace
+        length: angle, rad
+
+    Returns:
+        Time of the period in s, or -1 if links 1 and 2 stick together in it.
+    """
+    before = w.kept
+    time = energy = 0.0
+    slowest = max(abs(x.omega1) - x.omega3, 1e-6 * abs(x.omega1))
+    if x.omega1 < 0.0:
+        slowest = abs(x.omega1)
+    longest = MAX_TIME_RATIO * length / (d.k * slowest)
+    limit = longest
+    left = length
+    e0 = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
+    for _ in range(MAX_STEPS):
+        copy(before.numbers, x.numbers)
+        passed, event = advance_general(d, x, w, limit)
+        if passed < 0.0 or time > longest:
+            return -1.0
+        rest = length - abs(angle_travelled(x))
+        if rest < -END_RTOL * length:
+            copy(x.numbers, before.numbers)
+            x.rates_cached = 0.0
+            limit = passed * left / (left - rest)
+            continue
+        e1 = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
+        if passed > 0.0:
+            energy += passed / 6.0 * (e0 + 4.0 * energy_midway(d, before, x, passed) + e1)
+        e0 = e1
+        time += passed
+        left = rest
+        if event:
+            select_mode_after_event(d, x)
+            e0 = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
+        if left <= END_RTOL * length:
+            w.orbit_energy = energy / time
+            return time
+        slip = abs(x.omega1 - x.omega2)
+        limit = longest
+        if d.k * slip * longest > left:
+            limit = left / (d.k * slip)
+    return -1.0
+
+
+def begin_period(d: Constants, x: State, w: Workspace, omega1: float, omega2: float, omega3: float) -> None:
+    """Set the state at the beginning of a period; the rest of the engagement angles stays.
+
+    Args:
+        d: constants
+        x: state
+        w: workspace with orbit_start and orbit_torque
+        omega1: speed of link 1, rad/s
+        omega2: speed of link 2, rad/s
+        omega3: speed of the output shaft, rad/s
+    """
+    play_housing, play_output = x.play_housing, x.play_output
+    clear(x.numbers)
+    x.play_housing, x.play_output = play_housing, play_output
+    x.q = w.orbit_start % d.period
+    x.omega1 = omega1
+    x.omega2 = omega2
+    x.omega3 = omega3
+    x.held_input = omega1
+    x.drive_torque = w.orbit_torque if d.by_torque != 0.0 else 0.0
+    w.prescribed = x.drive_torque
+    w.load = 0.0
+    select_mode(d, x, 0.0)
+    reset_sums(x)
+
+
+def input_angle(x: State) -> float:
+    """Return the angle of link 1 since the sums of the state began, rad."""
+    return x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
+
+
+def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float, length: float) -> float:
+    """Find the periodic orbit at a mean input speed and a ratio; the state ends with the sums of a period.
+
+    The fixed point of the return map is bracketed. Its ends are the first two guesses after a period from
+    rest and the period that follows it; then secant and bisection alternate.
+
+    Args:
+        d: constants with a held output (see hold_output)
+        x: state
+        w: workspace with tolerance, orbit_start and by torque a guess of orbit_torque
+        omega1: mean input speed, rad/s, not 0
+        ratio: output speed over input speed, magnitudes
+        length: angle of a period, rad
+
+    Returns:
+        Time of the period, s, or -1 if there is no orbit.
+    """
+    speed = abs(omega1) * ratio
+    atol = OMEGA2_ATOL * abs(omega1)
+    low, high = 0.0, speed
+    gain = loss = 0.0
+    begin, begin1 = 0.0, omega1
+    guesses = 0
+    x.play_housing = 0.0
+    x.play_output = d.output_engagement_angle
+    time = -1.0
+    for _ in range(MAX_PERIODS):
+        begin_period(d, x, w, begin1, begin, speed)
+        begin_energy = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
+        time = follow_period(d, x, w, length)
+        d.map_evaluations += x.step_evaluations
+        if time < 0.0 or d.map_evaluations > MAX_EVALUATIONS:
+            return -1.0
+        end = min(x.omega2, speed)
+        change = end - begin
+        if d.by_torque != 0.0:
+            turned = input_angle(x)
+            gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
+            scale = omega1 * time / turned
+            settled = abs(gained) <= ENERGY_RTOL * w.orbit_energy and abs(scale - 1.0) <= ENERGY_RTOL
+            if not settled:
+                w.orbit_torque = (w.orbit_torque - gained / turned) * scale * scale
+                begin1 *= scale
+                begin = end
+                continue
+        if abs(change) <= atol or high - low <= atol:
+            return time
+        if change > 0.0:
+            low, gain = begin, change
+        else:
+            high, loss = begin, -change
+        guesses += 1
+        begin = end
+        if guesses == 2:
+            begin = speed
+        elif guesses > 3:
+            begin = low + (gain / (gain + loss) if guesses % 2 == 0 else 0.5) * (high - low)
+    return time

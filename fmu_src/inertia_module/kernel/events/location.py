@@ -1,0 +1,192 @@
+"""Event location: where in the step in hand an event indicator first falls through zero.
+
+The dense output is sampled. The first interval in which the indicator falls is narrowed by the Illinois
+method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a
+contact mode is evaluated by the equations of motion, because the dense output is less accurate than the step.
+"""
+
+from ..codes import NO_EVENT
+from ..equations.choice import torque_magnitude
+from ..links import response
+from ..records import Constants, State, Workspace
+from ..tableau import DOP853_LAST_STAGE, N_STAGES, fit_dense_output
+from . import guards
+from .error import fastest_link
+from .stages import evaluate_stages, exact_guard
+
+# points of the dense output at which an indicator is sampled
+SAMPLES = 16
+MAX_ITERATIONS = 100
+# share of speeds, torques and engagement angles below which an indicator is zero
+VELOCITY_ROUNDING = 1e-13
+TORQUE_ROUNDING = 1e-13
+PLAY_ROUNDING = 1e-12
+
+
+def guard_inside(d: Constants, x: State, w: Workspace, which: int, sigma: float, by_equations: bool) -> float:
+    """Return an indicator at the part sigma of the step, by the equations or by its dense output."""
+    if by_equations:
+        return exact_guard(d, x, w, which, sigma)
+    return guards.fitted_guard(x, w, which, sigma)
+
+
+def illinois(
+    d: Constants,
+    x: State,
+    w: Workspace,
+    which: int,
+    zero: float,
+    low: float,
+    value_low: float,
+    high: float,
+    value_high: float,
+    by_equations: bool,
+) -> float:
+    """Return the part of the step at which an indicator has just fallen below -zero.
+
+    Args:
+        d: constants.
+        x: state at the beginning of the step.
+        w: workspace with the step in hand.
+        which: number of the indicator.
+        zero: threshold of the indicator; the result is accepted between -3 zero and -zero.
+        low: part of the step at which the indicator has not fallen.
+        value_low: indicator there, at least -zero.
+        high: part of the step at which it has fallen.
+        value_high: indicator there, below -zero.
+        by_equations: whether the indicator is evaluated by the equations of motion.
+    """
+    value_low += 2.0 * zero
+    value_high += 2.0 * zero
+    side = 0
+    for _ in range(MAX_ITERATIONS):
+        if abs(value_high) <= zero:
+            break
+        sigma = high - value_high * (high - low) / (value_high - value_low)
+        if not low < sigma < high:
+            sigma = 0.5 * (low + high)
+        if not low < sigma < high:
+            break
+        value = guard_inside(d, x, w, which, sigma, by_equations) + 2.0 * zero
+        if value <= zero:
+            high, value_high = sigma, value
+            if side < 0:
+                value_low *= 0.5
+            side = -1
+        else:
+            low, value_low = sigma, value
+            if side > 0:
+                value_high *= 0.5
+            side = 1
+    return high
+
+
+def lowest_point(before: float, here: float, after: float) -> float:
+    """Return the lowest point of the parabola through three samples, in samples from the middle one.
+
+    It is 0 if the middle sample is not the lowest.
+    """
+    if here > before or here >= after:
+        return 0.0
+    return 0.5 * (before - after) / (before - 2.0 * here + after)
+
+
+def fall_between(
+    d: Constants,
+    x: State,
+    w: Workspace,
+    which: int,
+    zero: float,
+    low: float,
+    value_low: float,
+    high: float,
+    value_high: float,
+) -> float:
+    """Return the part of the step at which an indicator falls, or -1 if its torque does not.
+
+    Args:
+        d: constants.
+        x: state at the beginning of the step.
+        w: workspace with the step in hand.
+        which: number of the indicator.
+        zero: threshold of the indicator.
+        low: part of the step at which its dense output has not fallen.
+        value_low: dense output there.
+        high: part of the step at which its dense output has fallen below -zero.
+        value_high: dense output there.
+    """
+    sigma = illinois(d, x, w, which, zero, low, value_low, high, value_high, False)
+    if not guards.is_exact(x, which):
+        return sigma
+    value = exact_guard(d, x, w, which, sigma)
+    if value < -zero:
+        return illinois(d, x, w, which, zero, low, max(value_low, -zero), sigma, value, True)
+    value_high = exact_guard(d, x, w, which, high)
+    if value_high < -zero:
+        return illinois(d, x, w, which, zero, sigma, value, high, value_high, True)
+    return -1.0
+
+
+def first_fall(d: Constants, x: State, w: Workspace, which: int, zero: float) -> float:
+    """Return the part of the step at which an indicator first falls below -zero, or -1.
+
+    A dip between two samples is looked for at the lowest point of the parabola through three samples.
+    """
+    part = 1.0 / SAMPLES
+    low = 0.0
+    value_before = value_low = guards.fitted_guard(x, w, which, 0.0)
+    for n in range(1, SAMPLES + 1):
+        high = n * part
+        value_high = guards.fitted_guard(x, w, which, high)
+        sigma = -1.0
+        offset = lowest_point(value_before, value_low, value_high) if n > 1 else 0.0
+        lowest = low + offset * part
+        value_lowest = guards.fitted_guard(x, w, which, lowest) if offset != 0.0 else 0.0
+        if value_lowest < -zero:
+            begin, value_begin = (low, value_low) if offset > 0.0 else (low - part, value_before)
+            sigma = fall_between(d, x, w, which, zero, begin, value_begin, lowest, value_lowest)
+        if sigma < 0.0 and value_high < -zero:
+            sigma = fall_between(d, x, w, which, zero, low, value_low, high, value_high)
+        if sigma >= 0.0:
+            return sigma
+        low, value_before, value_low = high, value_low, value_high
+    return -1.0
+
+
+def guard_tolerance(d: Constants, x: State, w: Workspace, which: int) -> float:
+    """Return the threshold below which an indicator counts as zero."""
+    links = fastest_link(x, w.change)
+    if guards.is_play(x, which):
+        return PLAY_ROUNDING * (
+            d.housing_engagement_angle if which == guards.HOUSING else d.output_engagement_angle
+        )
+    if guards.is_speed(x, which):
+        fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
+        imparted = response(d, d.J2) * links if d.F_by_alpha1 > 0.0 else 0.0
+        return VELOCITY_ROUNDING * max(imparted, fastest_output)
+    # (the load acts on a freewheel only through the shaft)
+    torques = torque_magnitude(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
+    zero = TORQUE_ROUNDING * torques
+    if guards.is_spring(x, which):
+        # a wound spring is known to the tolerance
+        zero = max(zero, w.tolerance * min(torques, min(d.J2, d.J3) * links / w.step))
+    return zero
+
+
+def first_event(d: Constants, x: State, w: Workspace) -> tuple[float, int]:
+    """Return the part of the step in hand at which the first event occurs, or -1, and its indicator."""
+    earliest = -1.0
+    which = NO_EVENT
+    has_dense_output = False
+    for guard in range(guards.how_many_guards(d)):
+        if not guards.is_watched(d, x, guard) or guards.is_clear(x, w, guard):
+            continue
+        if not has_dense_output:
+            evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
+            has_dense_output = True
+        fit_dense_output(w.step, w.watched[guard].rate, w.watched[guard].dense)
+        sigma = first_fall(d, x, w, guard, guard_tolerance(d, x, w, guard))
+        if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
+            earliest = sigma
+            which = guard
+    return earliest, which
