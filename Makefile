@@ -34,7 +34,7 @@ build: $(VENV)/.run ## build the FMUs and the WebAssembly kernel of the viewer i
 	$(BIN)/inertia-module build
 
 page: $(VENV)/.all ## build the viewer (template of `inertia-module view`)
-	$(BIN)/python page/make.py
+	$(BIN)/python viewer/make.py
 
 dist: $(VENV)/.all build page ## build the sdist and the wheel into dist/ (reproducible)
 	rm -rf dist
@@ -46,7 +46,7 @@ demo: $(VENV)/.run ## set up, build the FMU for this platform, simulate a car in
 TESTS := -m pytest -n auto --dist worksteal
 
 test: $(VENV)/.test ## run the fast tests
-	$(BIN)/python -m tests.ready & $(BIN)/python page/make.py; made=$$?; wait; exit $$made
+	$(BIN)/python -m tests.ready & $(BIN)/python viewer/make.py; made=$$?; wait; exit $$made
 	$(BIN)/python $(TESTS) -m "not slow"
 
 test-long: $(VENV)/.all page ## run the slow tests
@@ -60,40 +60,40 @@ lint: $(VENV)/.all ## check style, types, layers and spelling, also of the viewe
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell
-	$(BIN)/python page/make.py check
+	$(BIN)/python viewer/make.py check
 
 docs: $(VENV)/.all page ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 bench: $(VENV)/.all page ## measure speed and errors; write docs/*.csv, the figure and the performance page
-	$(BIN)/python -m studies.benchmarks.speed
-	$(BIN)/python -m studies.benchmarks.trade
-	$(BIN)/python -m studies.benchmarks.page
-	$(BIN)/python -m studies.benchmarks.sweep
-	$(BIN)/python -m studies.benchmarks.fit
+	$(BIN)/python -m benchmarks.speed
+	$(BIN)/python -m benchmarks.trade
+	$(BIN)/python -m benchmarks.page
+	$(BIN)/python -m benchmarks.sweep
+	$(BIN)/python -m benchmarks.fit
 	$(BIN)/python docs/make_pages.py
 
 stability: $(VENV)/.all ## run the extreme cases; write docs/stability.csv, its figure and page
-	$(BIN)/python -m studies stability -o out/stability
+	$(BIN)/python -m verification stability -o out/stability
 	cp out/stability/stability.csv out/stability/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 coupling: $(VENV)/.all ## compare engine couplings; write docs/coupling*.csv, the figure and the page
-	$(BIN)/python -m studies coupling -o out/coupling
+	$(BIN)/python -m examples.coupling -o out/coupling
 	cp out/coupling/*.csv out/coupling/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
 papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/ and write their page
-	$(BIN)/python -m studies papers -o out/papers
+	$(BIN)/python -m papers -o out/papers
 	cp out/papers/*.svg docs/papers/
 	$(BIN)/python docs/make_pages.py
 
 references: $(VENV)/.all ## recompute the reference results that the FMUs include
-	$(BIN)/python -m studies references
+	$(BIN)/python -m verification references
 
 compatibility: $(VENV)/.all ## write FMUs with inputs and references for importer tests to out/compatibility
-	$(BIN)/python -m studies compatibility
+	$(BIN)/python -m verification compatibility
 
 clean: ## remove all build results
-	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm page/node_modules component/node_modules
+	rm -rf $(VENV) out site dist build/*.fmu build/*.wasm viewer/node_modules component/node_modules

@@ -29,7 +29,7 @@ class ReadyMade(BuildHookInterface):  # type: ignore[misc]
         if not (root / "PKG-INFO").is_file():  # only an sdist has this file
             return
         ready = {root / "build" / name: f"inertia_module/ready/{name}" for name in BUILT}
-        needed = [*ready, root / "fmu_src/inertia_module/page/template.html"]
+        needed = [*ready, root / "fmu_src/inertia_module/viewer/template.html"]
         missing = [str(path.relative_to(root)) for path in needed if not path.is_file()]
         if missing:
             raise FileNotFoundError(f"missing files of the wheel: {', '.join(missing)}. Run make dist.")

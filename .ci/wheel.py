@@ -89,7 +89,7 @@ def main():
         sweep = [command, "sweep", scene.name, "--vary", "imbalance_mass=1:2:3"]
         without = subprocess.run(sweep, cwd=folder, env=clean, capture_output=True, text=True, check=False)
         (line,) = without.stderr.splitlines()
-        assert "pip install 'inertia-module[jobs]'" in line, line
+        assert "pip install 'inertia-module[studies]'" in line, line
         for left in (
             "out/planar/table.csv",
             "out/planar/plot.png",

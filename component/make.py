@@ -13,8 +13,8 @@ import tempfile
 from pathlib import Path
 
 from inertia_module.common.files import write_atomically
-from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu.component import EMPTY_MODULE, FOLDER, module
+from inertia_module.interface.models import DRIVEN_SHAFT
 
 HERE = Path(__file__).parent
 INSTALLED = HERE / "node_modules" / ".package-lock.json"

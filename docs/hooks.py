@@ -7,8 +7,8 @@ from pathlib import Path
 from latex2mathml.converter import convert
 from mkdocs.structure.files import File
 
-from inertia_module.page.html import html_file
 from inertia_module.scene import load_scene
+from inertia_module.viewer.html import html_file
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.S)
 # how much a page counts in a search, by its section

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from PIL import Image
 
 from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from inertia_module.harness.results import write_figure
+from inertia_module.fmi.results import write_figure
 
 TARGET = Path(__file__).parent.parent / "fmu_src" / "inertia_module" / "fmu" / "pictures"
 AMBER = "#F2C500"  # rollers of a freewheel

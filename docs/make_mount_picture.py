@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from inertia_module.kernel import layout
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 TARGET = Path(__file__).parent / "mount.png"
 BLUE, ORANGE, RED, GREY = "#4878a8", "#d08c3c", "#802020", "#888888"

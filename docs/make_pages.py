@@ -11,7 +11,7 @@ import random_page
 import stability_page
 
 from inertia_module.fmu.documentation import guide, variables_page
-from studies.papers.page import papers_page
+from papers.page import papers_page
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 HERE = Path(__file__).parent
 PICTURE, TABLE = HERE / "weight.png", HERE / "weight.csv"

@@ -5,7 +5,7 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 
-from studies.stability import random_motions, verdicts
+from verification.stability import random_motions, verdicts
 
 HERE = Path(__file__).parent
 # Count columns of the tables: all runs, and the groups beyond the plain bound.

@@ -4,9 +4,9 @@ from collections import Counter
 from pathlib import Path
 
 from inertia_module.kernel.engine import MAX_EVALUATIONS
-from studies.stability import extremes, verdicts
-from studies.stability.motion import LEVELS
-from studies.stability.verdicts import BROKEN, OUTCOMES, REJECTED, counts, read_rows
+from verification.stability import extremes, verdicts
+from verification.stability.motion import LEVELS
+from verification.stability.verdicts import BROKEN, OUTCOMES, REJECTED, counts, read_rows
 
 TABLE = Path(__file__).parent / "stability.csv"
 

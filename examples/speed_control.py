@@ -17,8 +17,8 @@ from pathlib import Path
 import control as ct
 import numpy as np
 
-from inertia_module import Fmu, Result, bridge, current_fmu, loops
-from inertia_module.harness.results import write_figure
+from inertia_module import Fmu, Result, control, current_fmu, driveline
+from inertia_module.fmi.results import write_figure
 
 STEP = 0.01  # s, of communication and control
 MOTOR_LAG, SENSOR_LAG = 0.15, 0.05  # s
@@ -57,7 +57,7 @@ def sampled_plant(continuous):
 def linear_plant(kind, operating):
     """Linearised averaged module, sampled: inputs omega1, load_torque, output omega_out."""
     inertia = PLANTS[kind]["output_inertia"]
-    averaged = bridge.averaged_system({**MECHANISM, "output_inertia": inertia}, outputs=("omega_out",))
+    averaged = control.averaged_system({**MECHANISM, "output_inertia": inertia}, outputs=("omega_out",))
     module = ct.linearize(averaged, [operating], [OMEGA1, HILL])
     if kind == "elastic":
         c, d, car = SHAFT["shaft_stiffness"], SHAFT["shaft_damping"], CAR
@@ -73,7 +73,7 @@ def tune_pi(plant, crossover, phase_margin):
     """Gains (proportional, integral) for a crossover, rad/s, and a phase margin, degrees."""
     z = np.exp(1j * crossover * STEP)
     response = complex(plant(z))
-    # forward Euler integral, as in loops.pi_speed_controller: Kp + Ki h / (z - 1)
+    # forward Euler integral, as in driveline.pi_speed_controller: Kp + Ki h / (z - 1)
     wanted = np.exp(1j * math.radians(phase_margin - 180.0)) / response
     integral = wanted.imag / (STEP / (z - 1.0)).imag
     return wanted.real - integral * (STEP / (z - 1.0)).real, integral
@@ -113,11 +113,11 @@ def open_loop(controller, plant):
 def plant_with_transient(operating):
     """The rigid plant, linearised with what accelerations add to the mean torque: lead in omega1."""
     parameters = PLANTS["rigid"]
-    averaged = bridge.averaged_system(
+    averaged = control.averaged_system(
         parameters,
         inputs=("omega1", "load_torque", "omega1_rate"),
         outputs=("omega_out",),
-        transient=bridge.transient_inertia(parameters, OMEGA1, operating),
+        transient=control.transient_inertia(parameters, OMEGA1, operating),
     )
     module = ct.linearize(averaged, [operating], [OMEGA1, HILL, 0.0])
     pole, (gain, load, lead) = module.A[0, 0], module.B[0]
@@ -138,7 +138,7 @@ def simulate(fmu_path, kind, operating, controllers, signals):
     signals: reference and load_torque, shape (2, n).
     """
     start = {"omega1": OMEGA1, "load_torque": HILL}
-    with bridge.fmu_system(
+    with control.fmu_system(
         fmu_path, start_values(kind, operating), step=STEP, start=start, tolerance=1e-6, name="module",
         outputs=["omega_out"], state="whole" if kind == "elastic" else "motion",
     ) as plant:  # fmt: skip
@@ -157,7 +157,9 @@ def simulate(fmu_path, kind, operating, controllers, signals):
 def pi_in_full(gains, operating):
     """Sensor and PI controller with limits, and their states at the operating point."""
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
-    pi = loops.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command").to_control()
+    pi = driveline.pi_speed_controller(
+        STEP, *gains, LIMITS, measured="measured", command="command"
+    ).to_control()
     return [sensor, pi], [[operating], [OMEGA1]]
 
 
@@ -236,7 +238,7 @@ def responses(fmu_path, operating, gains):
 
 def measured_loop(fmu_path, operating, controller, frequencies):
     """The loop with the response of the rigid FMU, measured, in place of the averaged module."""
-    measured = bridge.measured_response(
+    measured = control.measured_response(
         fmu_path, start_values("rigid", operating), omega1=OMEGA1, load_torque=HILL, excited="omega1",
         amplitude=0.005 * OMEGA1, frequencies=frequencies, outputs=["omega_out"], step=1e-3, settling=8.0,
         record=10.0,
@@ -271,8 +273,8 @@ def main(fmu_path, folder):
     from speed_control_report import figure_of, report, step_numbers
 
     folder.mkdir(parents=True, exist_ok=True)
-    averaged = bridge.averaged_system(PLANTS["rigid"], outputs=("omega_out",))
-    operating = bridge.operating_point(averaged, OMEGA1, HILL, guess=60.0)
+    averaged = control.averaged_system(PLANTS["rigid"], outputs=("omega_out",))
+    operating = control.operating_point(averaged, OMEGA1, HILL, guess=60.0)
     linear = ct.linearize(averaged, [operating], [OMEGA1, HILL])
     controllers = controllers_of(operating)
     print(f"operating point: omega_out {operating:.3f} rad/s, pole {linear.A[0, 0]:.4f} /s,")

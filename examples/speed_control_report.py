@@ -4,7 +4,7 @@ import control as ct
 import numpy as np
 from matplotlib.figure import Figure
 
-from inertia_module.figures.scenes import BLACK, BLUE, VERMILION
+from inertia_module.plots.scenes import BLACK, BLUE, VERMILION
 
 
 def report(rows):

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from inertia_module import Fmu, loops
-from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module import Fmu, driveline
+from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 
 STEP = 0.01  # s
 MECHANISM = {
@@ -17,11 +17,11 @@ MECHANISM = {
     "input_hold": "linear",
 }
 
-car = loops.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
-surroundings = loops.connect(
+car = driveline.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
+surroundings = driveline.connect(
     [
-        loops.source("reference", loops.Table(CYCLE.time, CYCLE.speed), STEP),
-        loops.pi_speed_controller(
+        driveline.source("reference", driveline.Table(CYCLE.time, CYCLE.speed), STEP),
+        driveline.pi_speed_controller(
             STEP,
             proportional_gain=500.0,  # rad/m
             integral_gain=100.0,  # rad/m/s
@@ -29,13 +29,13 @@ surroundings = loops.connect(
             feedforward=13.8,  # rad/m
             measured="vehicle_speed",
         ),
-        loops.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
+        driveline.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
         car.system,
     ]
 )
 parameters = {**MECHANISM, "output_inertia": 0.05 + car.rigid_inertia}
-with Fmu(parameters=parameters, inputs=loops.initial_inputs(surroundings), tolerance=1e-7) as fmu:
-    loop = loops.ClosedLoop(fmu, surroundings, outputs=("omega_out", "output_torque_mean"))
+with Fmu(parameters=parameters, inputs=driveline.initial_inputs(surroundings), tolerance=1e-7) as fmu:
+    loop = driveline.ClosedLoop(fmu, surroundings, outputs=("omega_out", "output_torque_mean"))
     table = loop.run(CYCLE.duration)
 
 lower, upper = CYCLE.tolerance_band(table.time)

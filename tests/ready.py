@@ -9,8 +9,8 @@ from pathlib import Path
 
 from inertia_module.compiling.load import load
 from inertia_module.compiling.targets import TARGETS, here
-from inertia_module.contract.models import MODELS
 from inertia_module.fmu.builder import FMUS, WEB_KERNEL, build
+from inertia_module.interface.models import MODELS
 
 # targets whose code goes into the library that this process would load: of macOS two
 HERE = tuple(target for target in TARGETS if target.folder == here().folder)

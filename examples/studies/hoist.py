@@ -13,7 +13,7 @@ import numpy as np
 from launch import MECHANISM, stall_torque
 
 from inertia_module import Result, drive
-from inertia_module.harness.results import write_figure
+from inertia_module.fmi.results import write_figure
 
 LIFT = 0.01  # m a radian of the shaft: a drum of 0.2 m behind a gear of 20
 INERTIA = 0.2  # kg.m2, drum and load

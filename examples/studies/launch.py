@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from inertia_module import Result, drive
-from inertia_module.harness.results import write_figure
+from inertia_module.fmi.results import write_figure
 
 MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}

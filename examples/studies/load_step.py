@@ -14,8 +14,8 @@ import numpy as np
 from launch import MECHANISM
 
 from inertia_module import Result, drive, torque_converter_chart
-from inertia_module.figures.panels import smooth
-from inertia_module.harness.results import write_figure
+from inertia_module.fmi.results import write_figure
+from inertia_module.plots.panels import smooth
 
 OMEGA1 = 150.0  # rad/s
 INERTIA = 0.5  # kg.m2

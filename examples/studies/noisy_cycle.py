@@ -13,9 +13,9 @@ import control as ct
 import numpy as np
 from launch import MECHANISM
 
-from inertia_module import Fmu, Result, loops
-from inertia_module.harness.results import write_figure
-from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module import Fmu, Result, driveline
+from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.fmi.results import write_figure
 
 STEP = 0.01  # s
 SEED = 2026
@@ -37,7 +37,7 @@ def noise(deviation, smooth, rng):
     if smooth:
         width = round(smooth / HELD)
         values = np.convolve(values, np.ones(width) / np.sqrt(width), mode="same")
-    return loops.Table(time, deviation * values)
+    return driveline.Table(time, deviation * values)
 
 
 def disturbances(sensor, gust):
@@ -58,7 +58,7 @@ def disturbances(sensor, gust):
 def run(sensor, gust, fmu=None):
     """The cycle as a table."""
     measured, wind = disturbances(sensor, gust)
-    car = loops.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
+    car = driveline.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
     torque = ct.nlsys(
         None,
         lambda t, x, u, params: [u[0] + wind(t) * min(1.0, u[1])],
@@ -70,7 +70,7 @@ def run(sensor, gust, fmu=None):
     labels = ["car_torque" if label == "load_torque" else label for label in car.system.output_labels]
     vehicle = car.system.to_control()
     vehicle.set_outputs(labels)
-    controller = loops.pi_speed_controller(
+    controller = driveline.pi_speed_controller(
         STEP,
         proportional_gain=500.0,
         integral_gain=100.0,
@@ -78,19 +78,19 @@ def run(sensor, gust, fmu=None):
         feedforward=13.8,
         measured="measured_speed",
     )
-    surroundings = loops.connect(
+    surroundings = driveline.connect(
         [
-            loops.source("reference", loops.Table(CYCLE.time, CYCLE.speed), STEP),
+            driveline.source("reference", driveline.Table(CYCLE.time, CYCLE.speed), STEP),
             measured,
             controller,
-            loops.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
+            driveline.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
             vehicle,
             torque,
         ]
     )
     parameters = {**MECHANISM, "input_hold": "linear", "output_inertia": 0.05 + car.rigid_inertia}
-    with Fmu(fmu, parameters, loops.initial_inputs(surroundings), tolerance=1e-6) as instance:
-        loop = loops.ClosedLoop(instance, surroundings, outputs=("energy_in", "energy_residual"))
+    with Fmu(fmu, parameters, driveline.initial_inputs(surroundings), tolerance=1e-6) as instance:
+        loop = driveline.ClosedLoop(instance, surroundings, outputs=("energy_in", "energy_residual"))
         return loop.run(CYCLE.duration)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from launch import MECHANISM
 
 from inertia_module import Result, drive
-from inertia_module.harness.results import write_figure
+from inertia_module.fmi.results import write_figure
 
 INERTIA = 2.0  # kg.m2
 LOAD = 5.0  # N.m

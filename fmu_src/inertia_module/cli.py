@@ -228,7 +228,7 @@ def speed_of(text: str) -> float:
     Raises:
         ValueError: The value is no speed, is 0, or exceeds the maximum.
     """
-    from .contract.variables import LARGEST_SPEED
+    from .interface.variables import LARGEST_SPEED
 
     allowed = f"non-zero and at most {LARGEST_SPEED:g} rad/s, e.g. '3000 rpm'"
     message = must_be("--speed", allowed, repr(text))
@@ -286,7 +286,7 @@ def check(
     FMUs that support event mode are also simulated in event mode. The reference results inside the FMU
     follow FMI-LS-REF. The FMU runs in its own process with limits on time and memory. This is not a sandbox.
     """
-    from .harness.check import check_fmu
+    from .fmi.check import check_fmu
 
     limit = quantity_of("--timeout", timeout, "s", above=0.0)
     with progress_bar(f"check of {fmu.name}") as progress:
@@ -355,7 +355,7 @@ def _commands(source: Path, path: Path) -> list[str]:
     """Return the commands to run after an example has been copied, in order."""
     text = source.read_text(encoding="utf-8")
     if source.suffix == ".ipynb":
-        return ["pip install 'inertia-module[jobs,notebook]' jupyterlab", f"jupyter lab {path}"]
+        return ["pip install 'inertia-module[studies,notebook]' jupyterlab", f"jupyter lab {path}"]
     if source.suffix == ".py":
         return [*re.findall(r"Run `(.+?)` first", text), f"python {path}"]
     if match := re.match("# (inertia-module .*)", text):
@@ -382,8 +382,8 @@ def run(
 
     Writes table.csv, summary.json and plot.png. Default output folder: out/SCENE.
     """
-    from .contract.variables import COMPUTED
-    from .page.html import html_file, template
+    from .interface.variables import COMPUTED
+    from .viewer.html import html_file, template
 
     folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
     if view:
@@ -480,9 +480,9 @@ def view(
     The viewer contains the kernel and runs in a browser. Scenes with a controller, or with a load that
     depends on the motion, are simulated first and replayed.
     """
-    from .contract.variables import COMPUTED
-    from .page.html import checked_path, html_file, is_exact, template
+    from .interface.variables import COMPUTED
     from .scene import Scene
+    from .viewer.html import checked_path, html_file, is_exact, template
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "--output")
     template()
@@ -528,8 +528,8 @@ def report(
     chart, orders, loads, losses, freewheel loads and all warnings. It also contains the command that
     reproduces it.
     """
-    from .figures.report import RECORDED, report_file
-    from .page.html import checked_path
+    from .report.html_report import RECORDED, report_file
+    from .viewer.html import checked_path
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "--output")
     read, choice = _read_scene(scene, keys)
@@ -604,7 +604,7 @@ def chart(
     The figure then also shows the efficiency over speed ratio and input speed. Default output folder:
     out/chart.
     """
-    from .harness import chart as steady
+    from .analysis import converter_chart as steady
 
     folder = writable_folder(output or OUTPUT_FOLDER / "chart")
     names = [scene.stem for scene in scenes]
@@ -700,13 +700,13 @@ def orders(
     summary.json and orders.png. Default output folder: out/orders/SCENE.
     """
     from .common.extras import library
-    from .figures.jobs import order_figure
-    from .jobs.orders import BASES
+    from .plots.studies import order_figure
     from .scene.reading import speed_unit
+    from .studies.order_analysis import BASES
 
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     if uff:
-        library("pyuff", "jobs")  # before the run
+        library("pyuff", "studies")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
     with progress_bar(read.title) as progress:
@@ -843,7 +843,7 @@ def sweep(
     Writes sweep.parquet, sweep.csv and plot.png. Completed runs are stored in journal.jsonl and reused.
     Default output folder: out/SCENE_sweep.
     """
-    from .figures.jobs import sweep_figure
+    from .plots.studies import sweep_figure
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
@@ -887,7 +887,7 @@ def design(
     Writes pareto.csv, checked.csv (and .parquet), plot.png and each verified design as a scene
     (design_1.toml, ...). Default output folder: out/SPEC_design.
     """
-    from .jobs.design import read_spec
+    from .studies.design_search import read_spec
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:

@@ -10,8 +10,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2Error
 from scenes import ELASTIC, REFERENCE
 
+from inertia_module.fmi.loading import Log, Slave, callbacks_of
 from inertia_module.fmu.builder import FMUS
-from inertia_module.harness.loading import Log, Slave, callbacks_of
 
 # the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")

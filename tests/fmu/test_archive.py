@@ -19,13 +19,13 @@ from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
 from inertia_module.compiling import CompilationUnavailable, targets
 from inertia_module.compiling.load import SHIPPED
 from inertia_module.compiling.targets import LINUX_ARM, TARGETS
+from inertia_module.fmi.instance import Fmu
 from inertia_module.fmu import builder, native_fmu, python_fmu
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU, SHAFT_FMU, WEB_KERNEL, build
 from inertia_module.fmu.component import MANIFEST, PLATFORM
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.fmu.python_fmu import bundled_files
-from inertia_module.harness.fmu import Fmu
 from tests.packed import files_of, with_content, with_words
 from tests.ready import HERE
 from tests.system.programs import command, process
@@ -212,7 +212,7 @@ def test_fmu_that_is_not_as_it_would_be_built_now_is_not_current(built, tmp_path
 
 def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
     path, files = built / builder.PYTHON_FMU.file_name, python_fmu.bundled_files()
-    changed = files | {"contract/messages.py": b"# another build\n" + files["contract/messages.py"]}
+    changed = files | {"interface/messages.py": b"# another build\n" + files["interface/messages.py"]}
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: changed)
     assert not builder.is_current(path, builder.PYTHON_FMU)
 
@@ -331,7 +331,7 @@ vars(SHAFT_FMU.model)["records"] = (first[::-1], *others)
 # what is made anew after a change of a file of the package
 FILES = {
     "kernel/inertia.py": ALL,
-    "contract/records.py": ALL,
+    "interface/records.py": ALL,
     "compiling/translate.py": ALL,
     "compiling/c_compiler.py": ALL,
     "fmu/linking.py": LINKED,
@@ -340,7 +340,7 @@ FILES = {
     "fmu/shell/values.c": LINKED,
     "compiling/kernel.h": ALL,
     # the table of variables: by the fields that the records have of it, not by its words
-    "contract/variables.py": set(),
+    "interface/variables.py": set(),
 }
 # and with another tool, and the code that makes it another
 TOOLS = {

@@ -12,9 +12,9 @@ import pytest
 from inertia_module import __version__
 from inertia_module.compiling.c_compiler import with_kernel
 from inertia_module.compiling.targets import TARGETS
-from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.fmu.linking import header_folder
+from inertia_module.interface.models import DRIVEN_SHAFT
 from tests.ready import HERE
 
 lief.logging.disable()  # it tells of every table that is empty

@@ -12,12 +12,12 @@ from unittest.mock import Mock
 
 import pytest
 
-from inertia_module.harness import copies
-from inertia_module.harness.fmu import Fmu, FmuError
+from inertia_module.fmi import copies
+from inertia_module.fmi.instance import Fmu, FmuError
 from tests.packed import files_of, with_content
 from tests.system.programs import process
 
-OPENED = "from inertia_module.harness.fmu import Fmu; fmus = [Fmu({path!r}) for _ in range(3)]; "
+OPENED = "from inertia_module.fmi.instance import Fmu; fmus = [Fmu({path!r}) for _ in range(3)]; "
 FORK = (
     "import multiprocessing; child = multiprocessing.get_context('fork').Process(target={}); child.start(); "
 )

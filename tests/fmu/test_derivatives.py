@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 from scenes import ELASTIC, TUNED
 
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 from .conftest import BY_TORQUE, R1
 from .conftest import LEVELS as ALL_LEVELS

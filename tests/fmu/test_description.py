@@ -8,9 +8,9 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from lxml import etree
 
-from inertia_module.contract import variables
-from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variables import INPUT, PARAMETER, REAL
+from inertia_module.interface import variables
+from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.interface.variables import INPUT, PARAMETER, REAL
 
 from .conftest import MODELS
 

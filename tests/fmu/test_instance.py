@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from refused import REFUSED, assert_refused, refusal
 
-from inertia_module.harness.simulate import Fmu, FmuError, drive
+from inertia_module.fmi.simulate import Fmu, FmuError, drive
 
 from .conftest import R1
 

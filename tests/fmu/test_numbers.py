@@ -10,7 +10,7 @@ import pytest
 from fmpy import simulate_fmu
 from scenes import MECHANISMS, TUNED
 
-from inertia_module.memory import DrivenShaft, Module
+from inertia_module.model import DrivenShaft, Module
 
 from .conftest import BY_TORQUE, LEVELS, R1
 

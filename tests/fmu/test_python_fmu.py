@@ -11,11 +11,11 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackLoggerTYPE, fmi2Discard, fmi2Error, fmi2OK
 
+from inertia_module.fmi.instance import Fmu
+from inertia_module.fmi.loading import Log, callbacks_of
 from inertia_module.fmu import builder, python_fmu
 from inertia_module.fmu.slave import HEAD_SIZE
-from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.loading import Log, callbacks_of
-from inertia_module.memory import NO_STATE, Module
+from inertia_module.model import NO_STATE, Module
 from tests.system.programs import process
 
 from .conftest import R1
@@ -27,7 +27,7 @@ DRIVE = """
 import os, sys
 for name in {blocked!r}:
     sys.modules[name] = None
-from inertia_module.harness.fmu import FmuError, Fmu
+from inertia_module.fmi.instance import FmuError, Fmu
 try:
     fmu = Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}}, tolerance=1e-9)
     fmu.advance(0.1)
@@ -70,7 +70,7 @@ def test_an_unknown_kernel_and_a_folder_that_pythonfmu_cannot_read_are_refused(f
 
 def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_path):
     program = (
-        "import sys\nfrom inertia_module.harness.fmu import Fmu\n"
+        "import sys\nfrom inertia_module.fmi.instance import Fmu\n"
         "for _ in range(2):\n"
         "    with Fmu(sys.argv[1], {}, {'omega1': 100.0}) as fmu:\n"
         "        fmu.advance(0.01)\n"
@@ -82,9 +82,9 @@ def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_pat
 
 def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_path):
     files = python_fmu.bundled_files()
-    source = files["contract/variables.py"].decode()
+    source = files["interface/variables.py"].decode()
     assert '"inertia J2 of link 2", 0.005' in source
-    files["contract/variables.py"] = source.replace("0.005", "0.0075", 1).encode()
+    files["interface/variables.py"] = source.replace("0.005", "0.0075", 1).encode()
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: files)
     path = tmp_path / "InertiaModulePy.fmu"
     path.write_bytes(builder.content_of(builder.PYTHON_FMU))

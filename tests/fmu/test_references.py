@@ -14,18 +14,18 @@ from fmpy.cross_check.validate_vendor_repo import validate_repo
 from fmpy.fmi1 import FMICallException
 from lxml import etree
 
-from inertia_module.contract.models import MODELS
+from inertia_module.fmi import loading
+from inertia_module.fmi.examination import examine
+from inertia_module.fmi.experiments import experiments, read_table
+from inertia_module.fmi.instance import Ended, Fmu, read_description
+from inertia_module.fmi.replay import deviations
+from inertia_module.fmi.report import Journal
+from inertia_module.fmi.results import Result
+from inertia_module.fmi.simulate import drive
 from inertia_module.fmu.native_fmu import METADATA
-from inertia_module.harness import loading
-from inertia_module.harness.examination import examine
-from inertia_module.harness.experiments import experiments, read_table
-from inertia_module.harness.fmu import Ended, Fmu, read_description
-from inertia_module.harness.replay import deviations
-from inertia_module.harness.report import Journal
-from inertia_module.harness.results import Result
-from inertia_module.harness.simulate import drive
-from studies import compatibility
-from studies.reference.experiments import CARRIED, files, package_folder
+from inertia_module.interface.models import MODELS
+from verification import compatibility
+from verification.reference.experiments import CARRIED, files, package_folder
 
 FLAVOURS = ("InertiaModule", "InertiaModule3", "DrivenShaft3")
 

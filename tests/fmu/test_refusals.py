@@ -11,11 +11,11 @@ from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2LastSuccessfulTime, fmi2Termin
 from refused import REFUSED, assert_refused, sentence
 
 from inertia_module.common.errors import Refused
-from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.variables import BOOLEAN, PARAMETER, REAL
-from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.loading import Log, callbacks_of
-from inertia_module.memory import Module
+from inertia_module.fmi.instance import Fmu
+from inertia_module.fmi.loading import Log, callbacks_of
+from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.interface.variables import BOOLEAN, PARAMETER, REAL
+from inertia_module.model import Module
 from tests.packed import files_of, with_content
 from tests.system.programs import process
 
@@ -412,7 +412,7 @@ def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_pa
 
 def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
     content = files_of(built / "InertiaModulePy.fmu")
-    (table,) = (name for name in content if name.endswith("contract/variables.py"))
+    (table,) = (name for name in content if name.endswith("interface/variables.py"))
     assert b'evenly spaced", 1,' in content[table]
     # a start value that cannot be built, and that is not that of the references carried along
     content = {name: data for name, data in content.items() if not name.startswith("extra/")}

@@ -7,7 +7,7 @@ from ctypes import byref, c_double, c_int, c_size_t, c_uint32, c_void_p
 import pytest
 from fmpy.fmi2 import fmi2OK
 
-from inertia_module.contract.models import INERTIA_MODULE
+from inertia_module.interface.models import INERTIA_MODULE
 
 from .conftest import R1
 

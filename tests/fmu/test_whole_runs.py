@@ -10,10 +10,10 @@ from fmpy.fmi1 import FMICallException
 from refused import assert_refused, refusal
 
 from inertia_module.common.errors import Refused
-from inertia_module.contract.variables import COMPUTED
-from inertia_module.harness import fmu as harness
-from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.memory import Module, Plant, Run
+from inertia_module.fmi import instance
+from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.interface.variables import COMPUTED
+from inertia_module.model import Module, Plant, Run
 
 from .conftest import ELASTIC, R1
 
@@ -37,7 +37,7 @@ def by_loop(plant):
 
 def run(plant, inputs=RISING, outputs=OUTPUTS, **more):
     rows = np.full((TIMES.size, len(outputs)), np.nan)
-    harness.run(plant, np.diff(TIMES), inputs, outputs, rows, **more)
+    instance.run(plant, np.diff(TIMES), inputs, outputs, rows, **more)
     return rows
 
 
@@ -65,7 +65,7 @@ def test_run_has_the_bits_and_the_state_of_the_loop(twins, level):
         if isinstance(plant, Module):
             plant.set_rates(omega1=5.0)  # for the first step alone
         else:
-            assert getattr(plant._instance, harness.RUN) is not None
+            assert getattr(plant._instance, instance.RUN) is not None
     assert np.array_equal(run(one), run(by_loop(other)))
     assert one.save() == other.save()
     if isinstance(one, Fmu):
@@ -113,7 +113,7 @@ def test_null_pointers_are_refused(fmu_path, missing):
     for name, value in missing.items():
         setattr(asked, name, value)
     with Fmu(fmu_path, inputs=R1) as fmu:
-        call = getattr(fmu._instance, harness.RUN)
+        call = getattr(fmu._instance, instance.RUN)
         for given in (byref(asked), None):
             with pytest.raises(FMICallException):
                 call(fmu._instance.component, given)
@@ -129,7 +129,7 @@ def test_fmu_without_such_a_call_runs_by_the_loop(built):
         Fmu(built / "InertiaModulePy.fmu", inputs=R1) as theirs,
         Fmu(built / "InertiaModule.fmu", inputs=R1) as ours,
     ):
-        assert not hasattr(theirs._instance, harness.RUN)
+        assert not hasattr(theirs._instance, instance.RUN)
         np.testing.assert_allclose(run(theirs, outputs=names), run(ours, outputs=names), rtol=1e-9)
 
 
@@ -139,6 +139,6 @@ def test_fmu_without_such_a_call_runs_by_the_loop(built):
 def test_step_too_long_is_refused_in_one_call_as_by_itself(compiled):
     module, once = (Module(compiled).start(**R1) for _ in range(2))
     with pytest.raises(Refused, match="2000000"):
-        harness.run(module, np.array([0.01, 2e6]), {}, ("omega_out",), np.empty((3, 1)))
+        instance.run(module, np.array([0.01, 2e6]), {}, ("omega_out",), np.empty((3, 1)))
     once.advance(0.01)
     assert module.save() == once.save()

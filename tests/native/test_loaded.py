@@ -6,10 +6,10 @@ import pytest
 import scenes
 
 from inertia_module.compiling.targets import here
-from inertia_module.contract.variables import BOOLEAN, ENUMERATION, INTEGER, LOCAL, OUTPUT, REAL
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder
 from inertia_module.fmu.native_fmu import SOURCE, library, source_files
 from inertia_module.fmu.tables import generated
+from inertia_module.interface.variables import BOOLEAN, ENUMERATION, INTEGER, LOCAL, OUTPUT, REAL
 
 from ..fmu.test_binaries import read, required_by
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run, system_compiler

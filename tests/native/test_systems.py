@@ -11,10 +11,10 @@ from scenes import PLANAR
 from inertia_module.compiling.c_compiler import import_library, windows_headers, windows_runtime
 from inertia_module.compiling.targets import LINUX_ARM, WIN64
 from inertia_module.compiling.tools import ZIG, run_tool
-from inertia_module.contract.variables import REAL
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder
 from inertia_module.fmu.native_fmu import SOURCE, library, source_files
 from inertia_module.fmu.tables import generated
+from inertia_module.interface.variables import REAL
 
 from ..fmu.conftest import ELASTIC, R1, Instance
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.page.html import TEMPLATE
+from inertia_module.viewer.html import TEMPLATE
 from tests.system.chromium import COARSE, FLAGS, REFERENCE, SMALL, Opened
 from tests.system.programs import left
 

@@ -10,10 +10,10 @@ import pytest
 from refused import REFUSED, assert_refused
 from scenes import ELASTIC
 
-from inertia_module import bridge
-from inertia_module.contract import variables
-from inertia_module.harness.fmu import Fmu
-from studies.coupling import URBAN_MODULE
+from examples.coupling.study import URBAN_MODULE
+from inertia_module import control
+from inertia_module.fmi.instance import Fmu
+from inertia_module.interface import variables
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
@@ -76,12 +76,12 @@ def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolera
             fmu.advance(STEP)
     expected = np.array(rows).T
     given = {**KEYWORDS, "inputs": names, "outputs": outputs, "start": start}
-    with bridge.fmu_system(path, parameters, state="whole", **given) as plant:
+    with control.fmu_system(path, parameters, state="whole", **given) as plant:
         assert (run(plant.system, inputs, plant.start) == expected).all()
         if is_native:
             assert (run(plant.system, inputs, 0.0) == expected).all()
     if motion:
-        with bridge.fmu_system(path, parameters, **given) as plant:
+        with control.fmu_system(path, parameters, **given) as plant:
             assert plant.system.state_labels[: len(motion)] == motion
             found = run(plant.system, inputs, plant.start)
         scale = np.abs(expected).max(axis=1, keepdims=True)
@@ -102,8 +102,8 @@ def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolera
 def test_same_state_and_input_give_the_same_whatever_came_before(built, name, parameters, state):
     path = built / f"{name}.fmu"
     with (
-        bridge.fmu_system(path, parameters, state=state, **KEYWORDS) as one,
-        bridge.fmu_system(path, parameters, state=state, **KEYWORDS) as other,
+        control.fmu_system(path, parameters, state=state, **KEYWORDS) as one,
+        control.fmu_system(path, parameters, state=state, **KEYWORDS) as other,
     ):
         x, u = one.start, np.array([90.0, 12.0])
         for _ in range(30):
@@ -130,16 +130,16 @@ def test_rejected_input_is_reported_with_the_time_of_its_step(fmu, state, place,
     inputs = np.tile([[100.0], [10.0]], 200)
     inputs[place, 100] = 1e30
     start = {"omega1": 100.0, "load_torque": 10.0}
-    with bridge.fmu_system(fmu, step=0.01, start=start, outputs="omega_out", state=state) as plant:
+    with control.fmu_system(fmu, step=0.01, start=start, outputs="omega_out", state=state) as plant:
         respond = partial(ct.input_output_response, plant.system, 0.01 * np.arange(200), inputs, plant.start)
         assert_refused(f"^at time 1 s: {name} must be between .* .got 1e\\+30.$", respond)
 
 
 def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(fmu):
-    continuous = bridge.averaged_system()
-    speed = bridge.operating_point(continuous, 100.0, 10.0)
+    continuous = control.averaged_system()
+    speed = control.operating_point(continuous, 100.0, 10.0)
     exact = ct.sample_system(ct.linearize(continuous, [speed], [100.0, 10.0]), STEP, "zoh")
-    with bridge.fmu_system(fmu, {"fidelity": "averaged"}, step=STEP, start=START, tolerance=1e-10) as plant:
+    with control.fmu_system(fmu, {"fidelity": "averaged"}, step=STEP, start=START, tolerance=1e-10) as plant:
         guess = [20.0, 100.0, *plant.start[2:]]
         point = ct.find_operating_point(plant.system, guess, [100.0, 10.0])
         linear = ct.linearize(plant.system, point.states, point.inputs, eps=1e-3)
@@ -159,20 +159,20 @@ BOTH = ("omega_out", "output_torque_mean", "input_torque_mean")
 def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, excited, amplitude):
     """Up to a tenth of the pulse rate: gain within 5 %, phase within 5 degrees."""
     omega1, load = 200.0, 100.0
-    speed = bridge.operating_point(bridge.averaged_system(PLANAR), omega1, load, 60.0)
+    speed = control.operating_point(control.averaged_system(PLANAR), omega1, load, 60.0)
     point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": [0.2, 1.0, 4.4]}
-    measured = bridge.measured_response(
+    measured = control.measured_response(
         fmu, {**PLANAR, "omega_out_start": speed}, **point, amplitude=amplitude, outputs=BOTH,
         step=1e-3, settling=8.0, record=10.0,
     )  # fmt: skip
     assert measured.pulse_rate == pytest.approx(44.0, abs=1.0)
-    transient = bridge.transient_inertia(PLANAR, omega1, speed)
-    corrected = bridge.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0, transient=transient)
+    transient = control.transient_inertia(PLANAR, omega1, speed)
+    corrected = control.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0, transient=transient)
     gain, phase = measured.deviation_from(corrected)
     assert np.abs(gain).max() < 0.03
     assert np.abs(phase).max() < 1.5
     # the output speed needs no correction at this inertia
-    plain = bridge.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0)
+    plain = control.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0)
     gain, phase = measured.deviation_from(plain)
     assert np.abs(gain[0]).max() < 0.05
     assert np.abs(phase[0]).max() < 5.0
@@ -215,13 +215,13 @@ def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
 
 def measured(path, **change):
     good = {"parameters": {}, "excited": "omega1", "amplitude": 1.0, "settling": 0.1, "frequencies": 1.0}
-    return bridge.measured_response(path, **{**START, **good, **change})
+    return control.measured_response(path, **{**START, **good, **change})
 
 
 @pytest.mark.parametrize(
     "make, given, message",
     [
-        *((bridge.fmu_system, *case) for case in REFUSED["systems"]),
+        *((control.fmu_system, *case) for case in REFUSED["systems"]),
         *((measured, *case) for case in REFUSED["responses"]),
     ],
 )

@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 
 from inertia_module.common.errors import FmuError
-from inertia_module.harness import archive, check, copies
-from inertia_module.harness.check import check_fmu
-from inertia_module.harness.examination import examine
-from inertia_module.harness.report import Journal
+from inertia_module.fmi import archive, check, copies
+from inertia_module.fmi.check import check_fmu
+from inertia_module.fmi.examination import examine
+from inertia_module.fmi.report import Journal
 from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
 from tests.system.programs import command, is_one_line
 
@@ -85,7 +85,7 @@ def test_an_fmu_without_end_is_killed_with_its_children(fmu, harm):
     report = check_fmu(fmu(ENDLESS[harm]), LITTLE)
     assert report.problems == [f"{STAGE}: time limit of 3 s exceeded{ALLOWED}"]
     assert time.monotonic() - begin < LITTLE + 5.0
-    assert not processes_of("harness.examination")
+    assert not processes_of("fmi.examination")
 
 
 def test_a_flood_of_output_is_cut_off(fmu):
@@ -172,10 +172,10 @@ def test_a_signal_ends_the_check_and_its_process(fmu, tmp_path, monkeypatch, nam
         while not list(temporary.glob("*/begun")):
             assert running.poll() is None
             time.sleep(0.05)
-        assert len(processes_of("harness.examination")) == 1
+        assert len(processes_of("fmi.examination")) == 1
         running.send_signal(getattr(signal, name))
     deadline = time.monotonic() + 10.0
-    while processes_of("harness.examination"):
+    while processes_of("fmi.examination"):
         assert time.monotonic() < deadline
         time.sleep(0.05)
     assert running.returncode != 0

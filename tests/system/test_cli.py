@@ -21,10 +21,10 @@ from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
 from inertia_module.fidelity.trials import print_levels
+from inertia_module.fmi.results import Result
 from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
-from inertia_module.harness.results import Result
 from tests.packed import with_words
 from tests.system.programs import command, is_one_line, process, succeeded
 
@@ -152,7 +152,7 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
         told.update(options)
         raise RuntimeError("the work\nis not done")
 
-    monkeypatch.setattr(importlib.import_module(f"inertia_module.jobs.{name}"), name, stand_in)
+    monkeypatch.setattr(importlib.import_module(f"inertia_module.studies.{name}"), name, stand_in)
     arguments, expected = OPTIONS[name]
     if name in ("sweep", "design"):
         arguments = [*arguments, *CLUSTER]
@@ -201,7 +201,7 @@ COMMANDS = {
     "run": (["run", REFERENCE], "scene.run_scene"),
     "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
     "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
-    "chart": (["chart", REFERENCE], "harness.chart.torque_converter_chart"),
+    "chart": (["chart", REFERENCE], "analysis.converter_chart.torque_converter_chart"),
     "export": (["export", REFERENCE], "export.systems.export"),
 }
 

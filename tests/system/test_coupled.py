@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from refused import assert_refused
 
-from inertia_module import loops
-from inertia_module.harness.fmu import Fmu, FmuError
-from studies import coupling as study
-from studies.coupling import TORQUE, coupled_engine, course, planar, trial
-from studies.engine import SCHEMES, CoupledEngine, Engine, Scheme
+from examples.coupling import study
+from examples.coupling.engine import SCHEMES, CoupledEngine, Engine, Scheme
+from examples.coupling.study import TORQUE, coupled_engine, course, planar, trial
+from inertia_module import driveline
+from inertia_module.fmi.instance import Fmu, FmuError
 from tests.system.programs import DOCS
 
 TABLE = DOCS / "coupling_map.csv"
@@ -54,8 +54,8 @@ def characteristic(scheme, r, rho):
 def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
     """Changes of the engine's speed, step by step, after a step of torque; cut off where they are absurd."""
     inertia = INTERFACE / ratio
-    still = loops.Governor(0.0, 0.0, 1e9)
-    engine = Engine(inertia, loops.EngineMap((0.0,), (1e6,), (1e6,)), still, SPEED, SPEED, TORQUE_STEP)
+    still = driveline.Governor(0.0, 0.0, 1e9)
+    engine = Engine(inertia, driveline.EngineMap((0.0,), (1e6,), (1e6,)), still, SPEED, SPEED, TORQUE_STEP)
     changes = []
     with Fmu(fmu, PURE_INERTIA, {"omega1": SPEED, "load_torque": 0.0}, 1e-8) as module:
         coupled = CoupledEngine(module, engine, scheme, share * INTERFACE)
@@ -113,7 +113,7 @@ def test_changes_of_speed_tend_to_those_of_all_the_inertia(fmu, scheme):
 def test_interface_inertia_is_that_of_a_rolling_satellite():
     """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
-    found = loops.interface_inertia(study.URBAN_MODULE)
+    found = driveline.interface_inertia(study.URBAN_MODULE)
     assert found.least == pytest.approx(turned * 0.02**2, rel=1e-12)
     assert found.greatest == pytest.approx(turned * 0.10**2, rel=1e-12)
 
@@ -284,7 +284,7 @@ def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu)
 
 
 def test_parameters_add_the_rotor_to_link_1():
-    found = loops.torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
+    found = driveline.torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
     assert found == {"z2": 30.0, "input_inertia": pytest.approx(0.15), "drive": 1.0}
 
 

@@ -16,12 +16,12 @@ from fmpy.validation import validate_fmu
 from scenes import ELASTIC, MECHANISMS
 from scenes import REFERENCE as INPUTS
 
-from inertia_module.contract.variables import REAL
 from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
+from inertia_module.fmi.instance import Fmu
 from inertia_module.fmu.builder import FMUS
 from inertia_module.fmu.native_fmu import Build
-from inertia_module.harness.fmu import Fmu
+from inertia_module.interface.variables import REAL
 from inertia_module.scene import load_scene
 from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan

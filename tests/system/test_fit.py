@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from refused import assert_refused
 
-from inertia_module import jobs
+from inertia_module import studies
 from inertia_module.common.errors import Refused
-from inertia_module.harness.results import Result, read_columns, write_columns
-from inertia_module.jobs.candidates import TIE
-from inertia_module.jobs.measurement import Rig, measurement
+from inertia_module.fmi.results import Result, read_columns, write_columns
 from inertia_module.scene import load_scene, run_scene
+from inertia_module.studies.candidates import TIE
+from inertia_module.studies.measurement import Rig, measurement
 from tests.system.programs import command, is_one_line, left
 
 pytest.importorskip("tomli_w")
@@ -28,7 +28,7 @@ SETS = 16
 @pytest.fixture(scope="module")
 def rig():
     """The script that made the data of the example."""
-    from studies import fit_rig_data
+    from benchmarks import fit_rig_data
 
     return fit_rig_data
 
@@ -42,7 +42,7 @@ def known(rig):
 @pytest.fixture(scope="module")
 def found(fmu, tmp_path_factory):
     free = {**RANGES, "shaft_stiffness": None}
-    return jobs.fit(MEASURED, SCENE, free, starts=2, output=tmp_path_factory.mktemp("fit"), fmu=fmu)
+    return studies.fit(MEASURED, SCENE, free, starts=2, output=tmp_path_factory.mktemp("fit"), fmu=fmu)
 
 
 # --- what is found ---
@@ -68,7 +68,7 @@ def test_ends_of_an_interval_are_where_the_profile_reaches_the_squared_quantile(
     for name, other in (FREE, FREE[::-1]):
         for end in found[name].interval_if_exact:
             free = {name: f"{end!r} +- 0", other: None}
-            fit = jobs.fit(MEASURED, found.scene, free, output=tmp_path, fmu=fmu)
+            fit = studies.fit(MEASURED, found.scene, free, output=tmp_path, fmu=fmu)
             # the squared quantile of Student's t is 3.86
             assert 3.0 < squares(fit) - squares(found) < 4.7
 
@@ -99,7 +99,7 @@ def test_intervals_are_as_wide_as_the_values_scatter(fmu, rig, tmp_path, monkeyp
     inside, named = np.zeros(2), 0
     for seed in range(SETS):
         file = write_columns(tmp_path / "measured.csv", rig.measured(true, seed))
-        fit = jobs.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
+        fit = studies.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
         off.append([(fit[name].value - rig.TRUE[name]) / fit[name].error for name in FREE])
         named += bool(fit.causes)
         inside += [
@@ -116,7 +116,7 @@ def test_intervals_are_as_wide_as_the_values_scatter(fmu, rig, tmp_path, monkeyp
 
 def test_two_keys_of_which_the_data_determine_a_combination_are_not_identifiable(fmu, tmp_path):
     free = {"imbalance_mass": (0.5, 2.0), "wheel_radius": (0.07, 0.1)}
-    fit = jobs.fit(MEASURED, SCENE, free, starts=0, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, SCENE, free, starts=0, output=tmp_path, fmu=fmu)
     assert fit.correlations["mechanism.imbalance_mass", "mechanism.wheel_radius"] < -0.99
     assert [
         line for line in fit.warnings if line.startswith("only a combination of mechanism.imbalance_mass")
@@ -133,7 +133,7 @@ def test_masses_that_set_their_own_scale_are_not_identifiable(fmu, rig, tmp_path
         "load.torque": (2.0, 300.0),
         "link2_inertia": (0.001, 0.2),
     }
-    fit = jobs.fit(MEASURED, SCENE, free, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, SCENE, free, output=tmp_path, fmu=fmu)
     assert [line for line in fit.warnings if line.startswith("only ratios of mechanism.imbalance_mass")]
     for name, true in {**rig.TRUE, "load.torque": 10.0}.items():
         assert "not identifiable" in fit[name].doubt
@@ -142,7 +142,7 @@ def test_masses_that_set_their_own_scale_are_not_identifiable(fmu, rig, tmp_path
 
 def test_parameter_that_alone_sets_the_scale_is_named(fmu, tmp_path):
     free = {"imbalance_mass": (0.5, 2.0), "output_inertia": (0.2, 1.0), "load.torque": (2.0, 30.0)}
-    fit = jobs.fit(MEASURED, SCENE, free, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, SCENE, free, output=tmp_path, fmu=fmu)
     assert fit.scale == ["mechanism.link2_inertia"]
     assert "mechanism.link2_inertia" in fit.inseparable
     words = "are identifiable: the result scales with mechanism.link2_inertia, which is taken as exact"
@@ -158,7 +158,7 @@ def test_parameter_that_alone_sets_the_scale_is_named(fmu, tmp_path):
     ],
 )
 def test_range_that_is_too_narrow_or_elsewhere_has_a_warning(fmu, known, tmp_path, name, limits, doubt):
-    fit = jobs.fit(MEASURED, known, {name: limits}, starts=0, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, known, {name: limits}, starts=0, output=tmp_path, fmu=fmu)
     assert fit[name].doubt.startswith(doubt)
     assert [line for line in fit.warnings if line.startswith(f"mechanism.{name}: {doubt}")]
     outside = not limits[0] <= known.parameters()[name] <= limits[1]
@@ -168,7 +168,7 @@ def test_range_that_is_too_narrow_or_elsewhere_has_a_warning(fmu, known, tmp_pat
 
 def test_a_scene_that_lacks_something_is_told_by_its_residuals(fmu, tmp_path):
     wrong = load_scene(SCENE).with_keys({"load.torque": "15 N.m"})
-    fit = jobs.fit(MEASURED, wrong, ["imbalance_mass"], output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, wrong, ["imbalance_mass"], output=tmp_path, fmu=fmu)
     assert any("residuals of omega_out are autocorrelated" in line for line in fit.warnings)
 
 
@@ -177,7 +177,7 @@ def test_noise_that_is_known_weighs_and_judges(fmu, known, tmp_path):
     rows = len(columns["time"])
     noisy = {**columns, "omega2_noise": [0.5] * rows, "omega_out_noise": [0.05] * rows}
     units = {**units, "omega2_noise": "rad/s", "omega_out_noise": "rad/s"}
-    fit = jobs.fit(Result.from_columns(noisy, units), known, FREE[:1], output=tmp_path, fmu=fmu)
+    fit = studies.fit(Result.from_columns(noisy, units), known, FREE[:1], output=tmp_path, fmu=fmu)
     assert fit.estimated == []
     # half of what it is in one of two columns: (1 + 4) / 2
     assert fit.chi_squared == pytest.approx(2.5, rel=0.1)
@@ -187,10 +187,10 @@ def test_noise_that_is_known_weighs_and_judges(fmu, known, tmp_path):
 def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known, tmp_path):
     scene = known.with_keys({"drive.omega1": "75 rad/s"})
     free = {"drive.omega1": (50.0, 150.0)}
-    alone = jobs.fit(MEASURED, scene, free, columns=["omega2"], starts=0, output=tmp_path / "a", fmu=fmu)
+    alone = studies.fit(MEASURED, scene, free, columns=["omega2"], starts=0, output=tmp_path / "a", fmu=fmu)
     assert alone["omega1"].value < 90.0
     assert any("residuals of omega2 are autocorrelated" in line for line in alone.warnings)
-    several = jobs.fit(MEASURED, scene, free, columns=["omega2"], output=tmp_path / "b", fmu=fmu)
+    several = studies.fit(MEASURED, scene, free, columns=["omega2"], output=tmp_path / "b", fmu=fmu)
     low, high = several["omega1"].interval_if_exact
     assert low <= 100.0 <= high < low + 0.1
     assert several["omega1"].value == pytest.approx(100.0, abs=0.03)
@@ -199,15 +199,15 @@ def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known,
 
 
 def test_a_search_that_is_broken_off_is_told(fmu, known, tmp_path, monkeypatch):
-    monkeypatch.setattr(importlib.import_module("inertia_module.jobs.least_squares"), "MAX_EVALUATIONS", 2)
+    monkeypatch.setattr(importlib.import_module("inertia_module.studies.least_squares"), "MAX_EVALUATIONS", 2)
     scene = known.with_keys({"mechanism.imbalance_mass": 0.5})
-    found = jobs.fit(MEASURED, scene, FREE, output=tmp_path, fmu=fmu)
+    found = studies.fit(MEASURED, scene, FREE, output=tmp_path, fmu=fmu)
     assert "the search did not converge within the maximum number of iterations" in found.warnings
 
 
 def test_same_seed_same_result(fmu, known, tmp_path):
     settings = {"free": {"imbalance_mass": (0.5, 2.0)}, "starts": 2, "seed": 5, "fmu": fmu}
-    fit, again = (jobs.fit(MEASURED, known, **settings, output=tmp_path / name) for name in "ab")
+    fit, again = (studies.fit(MEASURED, known, **settings, output=tmp_path / name) for name in "ab")
     assert fit.as_dict() == again.as_dict()
 
 
@@ -227,8 +227,8 @@ def measured():
 def offset(fmu, measured, tmp_path_factory):
     given = with_column(measured, omega_out=measured["omega_out"] + np.pi / 3.0)
     folder = tmp_path_factory.mktemp("offset")
-    found = jobs.fit(given, SCENE, FREE, output=folder, fmu=fmu)
-    return found, jobs.fit(given, SCENE, [*FREE, "offset.omega_out"], output=folder, fmu=fmu)
+    found = studies.fit(given, SCENE, FREE, output=folder, fmu=fmu)
+    return found, studies.fit(given, SCENE, [*FREE, "offset.omega_out"], output=folder, fmu=fmu)
 
 
 def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(found):
@@ -274,23 +274,23 @@ def test_an_offset_of_a_sensor_is_named_and_freed_it_gives_the_truth(offset, rig
 def test_a_clock_that_is_late_is_named_and_found(fmu, known, measured, tmp_path):
     late = with_column(measured, time=measured.time + 3e-3)
     scene = known.with_keys({"run.stop_time": 0.6})
-    found = jobs.fit(late, scene, FREE[:1], output=tmp_path, fmu=fmu)
+    found = studies.fit(late, scene, FREE[:1], output=tmp_path, fmu=fmu)
     assert found.causes[0].name == "shift.time"
     assert any(
         line.startswith("a time shift of 3") and " ms (late) in the clock of the file would explain" in line
         for line in found.warnings
     )
-    freed = jobs.fit(late, scene, [FREE[0], "shift.time=-5 ms:5 ms"], output=tmp_path, fmu=fmu)
+    freed = studies.fit(late, scene, [FREE[0], "shift.time=-5 ms:5 ms"], output=tmp_path, fmu=fmu)
     assert freed["shift.time"].value == pytest.approx(3e-3, abs=1e-4)
     assert freed.warnings == []
 
 
 def test_a_wrong_unit_is_named_of_one_column_and_of_all(fmu, measured, tmp_path):
     wrong = {name: measured[name] * 30.0 / np.pi for name in ("omega2", "omega_out")}
-    one = jobs.fit(with_column(measured, omega2=wrong["omega2"]), SCENE, FREE, output=tmp_path, fmu=fmu)
+    one = studies.fit(with_column(measured, omega2=wrong["omega2"]), SCENE, FREE, output=tmp_path, fmu=fmu)
     assert one.causes[0].name == "gain.omega2"
     assert any("its numbers are in rpm, not in rad/s" in line for line in one.warnings)
-    all_wrong = jobs.fit(with_column(measured, **wrong), SCENE, FREE, output=tmp_path, fmu=fmu)
+    all_wrong = studies.fit(with_column(measured, **wrong), SCENE, FREE, output=tmp_path, fmu=fmu)
     for name in wrong:
         words = "the unfitted scene computes; possible cause: its numbers are in rpm, not in rad/s"
         assert any(line.startswith(f"{name} is ") and line.endswith(words) for line in all_wrong.warnings)
@@ -306,14 +306,14 @@ def lossy(rig):
 
 
 def test_a_loss_that_is_not_modelled_is_named_and_what_is_known_of_others_widens(fmu, rig, lossy, tmp_path):
-    found = jobs.fit(lossy, SCENE, FREE, output=tmp_path, fmu=fmu)
+    found = studies.fit(lossy, SCENE, FREE, output=tmp_path, fmu=fmu)
     mass = found["imbalance_mass"]
     assert mass.interval_if_exact[0] > 1.15
     assert mass.interval[0] < 1.13 < mass.interval[1]
     assert "mechanism.output_friction" in [one.name for one in found.causes]
     known = {"mesh_efficiency": "0.97 +- 0.01", "link2_friction": "0.02 +- 0.02"}
     free = {**dict.fromkeys(FREE), "output_friction": (0.0, 0.2), **known}
-    freed = jobs.fit(lossy, SCENE, free, output=tmp_path, fmu=fmu)
+    freed = studies.fit(lossy, SCENE, free, output=tmp_path, fmu=fmu)
     for name, true in {"imbalance_mass": 1.13, "link2_inertia": 0.0062, "output_friction": 0.05}.items():
         low, high = freed[name].interval
         assert low <= true <= high
@@ -325,7 +325,7 @@ def test_a_loss_that_is_not_modelled_is_named_and_what_is_known_of_others_widens
 
 def test_what_is_known_and_not_told_by_the_data_stays_as_it_was_known(fmu, known, tmp_path):
     free = {"imbalance_mass": None, "output_inertia": "0.5 +- 0.001"}
-    fit = jobs.fit(MEASURED, known, free, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, known, free, output=tmp_path, fmu=fmu)
     inertia = fit["output_inertia"]
     assert inertia.value == pytest.approx(0.5, abs=1e-3)
     assert inertia.error == pytest.approx(0.001, rel=0.1)
@@ -333,7 +333,7 @@ def test_what_is_known_and_not_told_by_the_data_stays_as_it_was_known(fmu, known
 
 def test_what_is_known_to_be_so_is_no_suspect_and_sets_no_end(fmu, known, tmp_path):
     so = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
-    fit = jobs.fit(MEASURED, known, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, known, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
     assert [one.name for one in fit.parameters] == ["mechanism.imbalance_mass"]
     names = {one.name for one in fit.candidates}
     assert not names & {"mechanism.output_inertia", "load.torque", "offset.omega2"}
@@ -342,16 +342,16 @@ def test_what_is_known_to_be_so_is_no_suspect_and_sets_no_end(fmu, known, tmp_pa
     measured = fit.measurement.table["omega2"]
     assert np.mean(fit.computed["omega2"] - measured) == pytest.approx(0.5, abs=0.1)
     with pytest.raises(Refused, match="at least one key must be free; a deviation of 0 fixes a key"):
-        jobs.fit(MEASURED, known, so, output=tmp_path, fmu=fmu)
+        studies.fit(MEASURED, known, so, output=tmp_path, fmu=fmu)
 
 
 def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
-    from studies.benchmarks import fit as benchmark
+    from benchmarks import fit as benchmark
 
     one = benchmark.wrong_radius(rig.true_speeds(), 0, np.random.default_rng(0))
     scene = load_scene(SCENE).with_keys(dict(one.changes))
     file = write_columns(tmp_path / "measured.csv", one.columns)
-    fit = jobs.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
+    fit = studies.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
     assert "mechanism.sun_radius" in [cause.name for cause in fit.causes]
     likelihoods = [cause.likelihood_ratio for cause in fit.causes]
     assert max(likelihoods) - min(likelihoods) < TIE
@@ -360,7 +360,7 @@ def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(10))
 def test_fits_are_right_or_report_that_they_may_not_be(fmu, tmp_path, number):
-    from studies.benchmarks import fit as benchmark
+    from benchmarks import fit as benchmark
 
     verdicts = benchmark.run(benchmark.KINDS[number], 20, tmp_path, fmu)
     assert sum(one.is_correct for one in verdicts) >= 19
@@ -428,7 +428,7 @@ def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
         (MEASURED, idle, {}, r"no free parameter .*shaft_damping.* has an influence on omega2, omega_out"),
         (MEASURED, FREE, {"starts": -1}, "starts must be at least 0 .got -1"),
     ):
-        assert_refused(words, jobs.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
+        assert_refused(words, studies.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
     assert list(tmp_path.iterdir()) == []
 
 

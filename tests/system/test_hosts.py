@@ -5,7 +5,7 @@ Those programs run the FMUs and systems of them in these hosts and others (test_
 
 import pytest
 
-from inertia_module.harness.fmu import Fmu
+from inertia_module.fmi.instance import Fmu
 from tests.system.programs import needs, printed
 
 STEP, EVERY = 0.01, 10

@@ -7,11 +7,11 @@ import control
 import numpy as np
 import pytest
 
-from inertia_module import loops
+from inertia_module import driveline
 from inertia_module.common.examples import example
-from inertia_module.loops import cycles
-from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.memory import Module, Plant
+from inertia_module.driveline import cycles
+from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.model import Module, Plant
 from inertia_module.scene import load_scene
 
 KMH = 1.0 / 3.6
@@ -37,12 +37,12 @@ class Shaft(Plant):
 
 
 def spin(plant, load, stop_time, *others):
-    surroundings = loops.connect([load.system, *others])
-    return loops.ClosedLoop(plant, surroundings, ["omega_out"]).run(stop_time)
+    surroundings = driveline.connect([load.system, *others])
+    return driveline.ClosedLoop(plant, surroundings, ["omega_out"]).run(stop_time)
 
 
 def no_brake(step):
-    return loops.source("brake_force", 0.0, step)
+    return driveline.source("brake_force", 0.0, step)
 
 
 # --- shaft load ---
@@ -50,11 +50,11 @@ def no_brake(step):
 
 def test_friction_spins_the_coasting_shaft_down_exponentially(compiled):
     """Through the module, to first order in the step."""
-    loops.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # which a lighter shaft is refused
+    driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # which a lighter shaft is refused
     friction, own, driven = 0.4, 0.1, 0.9
     errors = []
     for step in (0.02, 0.01):
-        load = loops.shaft_load(step, driven, friction)
+        load = driveline.shaft_load(step, driven, friction)
         inertia = own + load.rigid_inertia
         plant = Module(compiled).start(omega1=0.0, omega_out_start=50.0, output_inertia=inertia)
         table = spin(plant, load, 2.0)
@@ -68,7 +68,7 @@ def test_elastic_load_follows_a_turning_shaft_exactly():
     """Sampled exactly: an inertia on a spring behind a shaft of constant speed, any step."""
     inertia, stiffness = 0.5, 200.0
     natural = math.sqrt(stiffness / inertia)
-    load = loops.shaft_load(0.03, inertia, coupling=loops.Coupling(stiffness, 0.0))
+    load = driveline.shaft_load(0.03, inertia, coupling=driveline.Coupling(stiffness, 0.0))
     assert load.rigid_inertia == 0.0
     table = spin(Shaft(1e30, speed=10.0), load, 3.0)
     np.testing.assert_allclose(
@@ -84,7 +84,7 @@ def test_elastic_load_follows_a_turning_shaft_exactly():
     [(500.0, 0.0, True), (500.0, 5.0, True), (500.0, 2000.0, False), (60000.0, 0.0, False)],
 )
 def test_check_coupling_tells_what_a_run_shows(stiffness, damping, stable):
-    load = loops.shaft_load(0.005, 0.5, coupling=loops.Coupling(stiffness, damping))
+    load = driveline.shaft_load(0.005, 0.5, coupling=driveline.Coupling(stiffness, damping))
     table = spin(Shaft(0.5, speed=1.0), load, 1.0)
     assert bool(np.abs(table["omega_out"]).max() < 3.0) == stable
     if stable:
@@ -99,14 +99,14 @@ def test_check_coupling_tells_what_a_run_shows(stiffness, damping, stable):
 
 
 def test_elastic_friction_settles_at_the_torque_of_the_friction():
-    load = loops.shaft_load(0.01, 0.2, 0.3, torque=2.0, coupling=loops.Coupling(50.0, 2.0))
+    load = driveline.shaft_load(0.01, 0.2, 0.3, torque=2.0, coupling=driveline.Coupling(50.0, 2.0))
     table = spin(Shaft(1e30, speed=10.0), load, 20.0)
     assert table["load_speed"][-1] == pytest.approx(10.0, rel=1e-9)
     assert table["load_torque"][-1] == pytest.approx(0.3 * 10.0 + 2.0, rel=1e-9)
 
 
 def test_torque_source_follows_its_table():
-    load = loops.Load(loops.source("load_torque", loops.Table([0.0, 1.0], [0.0, 8.0]), 0.1))
+    load = driveline.Load(driveline.source("load_torque", driveline.Table([0.0, 1.0], [0.0, 8.0]), 0.1))
     table = spin(Shaft(1.0), load, 2.0)
     np.testing.assert_allclose(table["load_torque"], np.minimum(8.0 * table.time, 8.0))
 
@@ -116,7 +116,7 @@ def test_torque_source_follows_its_table():
 
 def vehicle(step, **values):
     given = {"mass": 1000.0, "wheel_radius": 0.3, "final_drive": 3.0, **values}
-    return loops.vehicle_load(step, **given)
+    return driveline.vehicle_load(step, **given)
 
 
 @pytest.mark.parametrize("one_way", [True, False])
@@ -125,7 +125,7 @@ def test_vehicle_comes_to_rest_and_stays_there(one_way, brake):
     step, ratio = 0.01, 0.1
     load = vehicle(step, rolling_resistance=0.02, one_way=one_way)
     plant = Shaft(load.rigid_inertia, speed=5.0 / ratio, one_way=one_way)
-    table = spin(plant, load, 30.0, loops.source("brake_force", brake, step))
+    table = spin(plant, load, 30.0, driveline.source("brake_force", brake, step))
     deceleration = 0.02 * 9.80665 + brake / 1000.0
     exact = np.maximum(5.0 - deceleration * table.time, 0.0)
     np.testing.assert_allclose(table["vehicle_speed"], exact, atol=deceleration * step + 1e-9)
@@ -135,12 +135,12 @@ def test_vehicle_comes_to_rest_and_stays_there(one_way, brake):
 
 def test_elastic_vehicle_comes_to_rest_and_stays_there():
     step = 0.01
-    load = vehicle(step, rolling_resistance=0.02, coupling=loops.Coupling(2000.0, 10.0))
+    load = vehicle(step, rolling_resistance=0.02, coupling=driveline.Coupling(2000.0, 10.0))
     table = spin(Shaft(0.2, speed=0.0, drive=0.0), load, 5.0, no_brake(step))
     assert np.abs(table["vehicle_speed"]).max() == 0.0
     # pulled away against the friction, then left alone
     plant = Shaft(0.2, drive=60.0)
-    loop = loops.ClosedLoop(plant, loops.connect([load.system, no_brake(step)]), ["omega_out"])
+    loop = driveline.ClosedLoop(plant, driveline.connect([load.system, no_brake(step)]), ["omega_out"])
 
     def let_go(share):
         if share >= 500 / 4000:
@@ -158,7 +158,7 @@ def test_brake_holds_on_a_hill_and_without_it_the_vehicle_rolls_down(compiled, s
     """At standstill the load never pushes the shaft: with the brake on, downhill neither."""
     load = vehicle(0.01, slope=slope)
     plant = Module(compiled).start(output_inertia=load.rigid_inertia, omega1=0.0)
-    table = spin(plant, load, 2.0, loops.source("brake_force", brake, 0.01))
+    table = spin(plant, load, 2.0, driveline.source("brake_force", brake, 0.01))
     angle = math.atan(0.1)
     pull = 0.0 if brake else 9.80665 * (math.sin(angle) - 0.01 * math.cos(angle))
     assert table["vehicle_speed"][-1] == pytest.approx(2.0 * pull, rel=1e-6)
@@ -180,7 +180,7 @@ def test_distance_is_the_integral_of_the_speed_by_the_trapezoidal_rule(start):
 def test_slope_over_distance_and_terminal_speed():
     """Down a hill that begins after 50 m, to the speed at which drag and rolling hold the balance."""
     step = 0.05
-    slope = loops.Table([0.0, 50.0, 51.0], [0.0, 0.0, -0.1])
+    slope = driveline.Table([0.0, 50.0, 51.0], [0.0, 0.0, -0.1])
     load = vehicle(step, slope=slope, drag_area=2.0, rolling_resistance=0.01)
     table = spin(Shaft(load.rigid_inertia, speed=100.0, one_way=True), load, 300.0, no_brake(step))
     angle = math.atan(0.1)
@@ -201,7 +201,7 @@ def pi(**values):
         "command": "torque",
         **values,
     }
-    return loops.pi_speed_controller(**given)
+    return driveline.pi_speed_controller(**given)
 
 
 def follow(controller, reference, stop_time=20.0):
@@ -252,7 +252,7 @@ def test_integral_of_a_controller_faster_than_its_step_is_led_back_within_one():
 
 
 def test_driver_brakes_only_beyond_the_margin():
-    brake = loops.driver_brake(0.01, gain=1000.0, greatest=500.0, margin=0.2)
+    brake = driveline.driver_brake(0.01, gain=1000.0, greatest=500.0, margin=0.2)
     forces = [brake.output(0.0, [], [10.0, speed])[0] for speed in (9.0, 10.2, 10.5, 12.0)]
     np.testing.assert_allclose(forces, [0.0, 0.0, 300.0, 500.0], atol=1e-9)
 
@@ -261,8 +261,8 @@ def test_driver_brakes_only_beyond_the_margin():
 
 
 def run_to(stop_time):
-    load = loops.source("load_torque", 1.0, 0.1)
-    return loops.ClosedLoop(Shaft(1.0), loops.connect([load])).run(stop_time)
+    load = driveline.source("load_torque", 1.0, 0.1)
+    return driveline.ClosedLoop(Shaft(1.0), driveline.connect([load])).run(stop_time)
 
 
 @pytest.mark.parametrize(
@@ -272,15 +272,17 @@ def run_to(stop_time):
         (lambda: pi(integral_gain=math.nan), r"integral_gain must be finite and at least 0 \(got nan\)$"),
         (lambda: pi(limits=(5.0, 5.0)), r"limits must be a minimum below a maximum \(got 5 and 5\)$"),
         (
-            lambda: loops.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.1),
+            lambda: driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.1),
             r"the step must be at most inertia / friction = 0.05 s with viscous_friction = 12 .*got 0.1 s\)$",
         ),
         (
-            lambda: loops.connect([loops.source("load_torque", torque, 0.1) for torque in (1.0, 2.0)]),
+            lambda: driveline.connect(
+                [driveline.source("load_torque", torque, 0.1) for torque in (1.0, 2.0)]
+            ),
             r"load_torque must be the output of one system only \(got .* and .*\)$",
         ),
         (
-            lambda: loops.ClosedLoop(Shaft(1.0), loops.connect([no_brake(0.1)])),
+            lambda: driveline.ClosedLoop(Shaft(1.0), driveline.connect([no_brake(0.1)])),
             "no output drives an input of the FMU .omega1, load_torque, drive_torque.; outputs: brake_force",
         ),
         (
@@ -292,14 +294,14 @@ def run_to(stop_time):
             r"stop_time must be a positive multiple of the communication step 0.1 s \(got -1 s\)$",
         ),
         (
-            lambda: loops.Table([0.0, 1.0], [1.0]),
+            lambda: driveline.Table([0.0, 1.0], [1.0]),
             r"^a table must have one value for each point, and at least one \(got 2 points and 1 values\)$",
         ),
         (
-            lambda: loops.Table([1.0, 0.0], [1.0, 2.0]),
+            lambda: driveline.Table([1.0, 0.0], [1.0, 2.0]),
             r"^points of a table must be increasing, or equal for a step \(got 0 after 1\)$",
         ),
-        (lambda: loops.Table([0.0], [math.nan]), r"^numbers of a table must be finite \(got nan\)$"),
+        (lambda: driveline.Table([0.0], [math.nan]), r"^numbers of a table must be finite \(got nan\)$"),
     ],
 )
 def test_what_cannot_be_run_is_refused(make, sentence):
@@ -311,7 +313,7 @@ def test_systems_of_python_control_connect_to_the_same_loop_and_one_that_follows
     scene = load_scene(example("urban"))
     own = list(scene.systems())
     x, u = [10.0, 0.3], [2.0]
-    connected = loops.connect([*own[:-1], own[-1].to_control()])
+    connected = driveline.connect([*own[:-1], own[-1].to_control()])
     assert isinstance(connected, control.InterconnectedSystem)
     assert connected.input_labels == scene.surroundings.input_labels
     for time in (0.0, 13.0, 60.0):
@@ -320,24 +322,24 @@ def test_systems_of_python_control_connect_to_the_same_loop_and_one_that_follows
                 getattr(system, kind)(time, x, np.array(u)) for system in (scene.surroundings, connected)
             ]
             np.testing.assert_array_equal(*found)
-    ring = [loops.Sampled(a, 0.1, [b], [a], lambda _, __, u: ([u[0] + 1.0], ())) for a, b in ("xy", "yx")]
+    ring = [driveline.Sampled(a, 0.1, [b], [a], lambda _, __, u: ([u[0] + 1.0], ())) for a, b in ("xy", "yx")]
     with pytest.raises(ValueError, match=r"^algebraic loop among x, y$"):
-        loops.connect(ring).output(0.0, [], [])
+        driveline.connect(ring).output(0.0, [], [])
     with pytest.raises(ValueError, match=r"^steps of the systems must be equal \(got a_source 0"):
-        loops.connect([loops.source("a", 1.0, 0.1), loops.source("b", 1.0, 0.2)])
+        driveline.connect([driveline.source("a", 1.0, 0.1), driveline.source("b", 1.0, 0.2)])
 
 
 def test_initial_inputs_are_those_of_the_first_row():
-    load = loops.shaft_load(0.1, 1.0, 0.5, torque=2.0)
-    surroundings = loops.connect([load.system, loops.source("omega1", 7.0, 0.1)])
-    assert loops.initial_inputs(surroundings, {"omega_out": 4.0}) == {"load_torque": 4.0, "omega1": 7.0}
+    load = driveline.shaft_load(0.1, 1.0, 0.5, torque=2.0)
+    surroundings = driveline.connect([load.system, driveline.source("omega1", 7.0, 0.1)])
+    assert driveline.initial_inputs(surroundings, {"omega_out": 4.0}) == {"load_torque": 4.0, "omega1": 7.0}
 
 
 def test_progress_and_units():
     seen = []
     load = vehicle(0.1)
-    surroundings = loops.connect([load.system, no_brake(0.1)])
-    table = loops.ClosedLoop(Shaft(1.0), surroundings, ["omega_out"]).run(5.0, seen.append)
+    surroundings = driveline.connect([load.system, no_brake(0.1)])
+    table = driveline.ClosedLoop(Shaft(1.0), surroundings, ["omega_out"]).run(5.0, seen.append)
     assert seen[0] == 0.0
     assert seen[-1] == 1.0
     assert {"vehicle_speed": "m/s", "load_torque": "N.m", "omega_out": "rad/s"}.items() <= table.units.items()
@@ -382,7 +384,7 @@ def test_car_follows_the_cycle_and_its_momentum_and_power_are_balanced():
     parameters = {**scene.parameters(), "tolerance": 1e-8}
     outputs = ["omega_out", "output_torque_mean", "energy_in", "energy_out", "energy_residual"]
     plant = Module("compiled").start(**parameters)
-    table = loops.ClosedLoop(plant, loops.connect(list(scene.systems())), outputs).run(CYCLE.duration)
+    table = driveline.ClosedLoop(plant, driveline.connect(list(scene.systems())), outputs).run(CYCLE.duration)
     lower, upper = CYCLE.tolerance_band(table.time)
     speed = table["vehicle_speed"]
     assert np.mean((speed < lower) | (speed > upper)) < 0.02

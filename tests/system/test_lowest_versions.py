@@ -1,4 +1,4 @@
-"""The lowest versions that pyproject.toml allows, installed together: they run scenes and jobs."""
+"""The lowest versions that pyproject.toml allows, installed together: they run scenes and studies."""
 
 import os
 import re
@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-EXTRAS = ("fast", "jobs", "notebook")
+EXTRAS = ("fast", "studies", "notebook")
 # a requirement: the name, the operator, the version
 REQUIREMENT = re.compile(r"([\w.-]+)(>=|==)([\d.]+?)(\.\*)?(,<[\d.]+)?$")
 LIGHT = ROOT / "tests" / "system" / "light_module.toml"

@@ -16,9 +16,9 @@ from inertia_module import __version__
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
 from inertia_module.compiling import CompilationUnavailable, load
-from inertia_module.contract.models import MODELS
 from inertia_module.fmu import builder
-from inertia_module.memory import Module, choose_kernel
+from inertia_module.interface.models import MODELS
+from inertia_module.model import Module, choose_kernel
 from inertia_module.scene import load_scene
 from tests.system.programs import command, is_one_line, left, process
 
@@ -123,7 +123,7 @@ def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
 # memory that is asked for and never used; then the kernel is loaded and runs
 FAR_APART = """
 import numpy
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 held = [numpy.empty(3 * 2**30, "u1"), *(numpy.empty(200 * 2**20, "u1") for _ in range(20))]
 module = Module("compiled").start(omega1=100.0, load_torque=10.0)
@@ -142,7 +142,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
     (tmp_path / "zig").symlink_to(cache_folder() / "zig")
     before = set(tmp_path.iterdir())
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
-    code = "from inertia_module.memory import DrivenShaft; DrivenShaft('compiled').load_kernel()"
+    code = "from inertia_module.model import DrivenShaft; DrivenShaft('compiled').load_kernel()"
     running = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(2)]
     assert [process.wait() for process in running] == [0, 0]
     assert len(set(tmp_path.iterdir()) - before) == 1

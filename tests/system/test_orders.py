@@ -12,18 +12,18 @@ import pytest
 from refused import REFUSED, assert_refused, refusal
 from scipy.io import loadmat
 
-from inertia_module import example, jobs
+from inertia_module import example, studies
 from inertia_module.common.errors import Refused
-from inertia_module.figures.jobs import order_figure
-from inertia_module.harness.results import Result, read_columns
-from inertia_module.jobs.orders import HARMONICS, spectra
+from inertia_module.fmi.results import Result, read_columns
 from inertia_module.kernel.inertia import reduced_inertia
-from inertia_module.memory import Module
+from inertia_module.model import Module
+from inertia_module.plots.studies import order_figure
 from inertia_module.scene import load_scene
 from inertia_module.scene.reading import speed_unit
+from inertia_module.studies.order_analysis import HARMONICS, spectra
 from tests.system.programs import left
 
-order_run = sys.modules["inertia_module.jobs.orders"]
+order_run = sys.modules["inertia_module.studies.order_analysis"]
 OMEGA1 = 100.0
 # the output is too heavy to move much: link 2 is nearly at rest
 HELD = {"mechanism.output_inertia": 1e5, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
@@ -214,7 +214,7 @@ def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
 
 def test_orders_of_r1_held_follow_from_its_teeth(fmu):
     """Its reduced inertia is made of functions of q, twice a turn, and of s q, with s = z17 / z6."""
-    found = jobs.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
+    found = studies.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
     s = 1.7
     lines = by_order(found.largest(5)["mesh_torque"])
     assert set(lines) == {s, 2.0, round(2.0 + s, 6), 2.0 * s, round(2.0 + 2.0 * s, 6)}
@@ -228,7 +228,7 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
     scene = held(**PLANAR)
     k, expected = imbalance_lines(scene, 1)
     (sine,) = expected.values()
-    found = jobs.orders(scene, fmu, signals=["output_torque"], turns=30.0, highest=9.0)
+    found = studies.orders(scene, fmu, signals=["output_torque"], turns=30.0, highest=9.0)
     first, second, fourth = found.largest(3)["output_torque"]
     for line, times, share in (
         (first, 1, 1.0 / 2.0),
@@ -243,16 +243,16 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
 def test_over_the_drive_angle_the_pulse_of_a_planar_module_is_order_1_whatever_the_output_does(fmu, omega1):
     scene = held(1.0, omega1, **PLANAR, output_inertia=3.0)
-    found = jobs.orders(scene, fmu, of="drive_angle", signals=["mesh_torque"], turns=8.0, end=0.9)
+    found = studies.orders(scene, fmu, of="drive_angle", signals=["mesh_torque"], turns=8.0, end=0.9)
     assert found.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
-    over_turns = jobs.orders(scene, fmu, signals=["mesh_torque"], turns=6.0, end=0.9)
+    over_turns = studies.orders(scene, fmu, signals=["mesh_torque"], turns=6.0, end=0.9)
     order = over_turns.largest(1)["mesh_torque"][0].order
     # over turns of link 1 it moves away from sun radius over satellite radius as the shaft comes along
     assert abs(order - 5.0 / 3.0) > 0.07
 
 
 def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
-    found = jobs.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
+    found = studies.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
     twist = found.largest(1)["shaft_twist"][0]
     assert twist.order == pytest.approx(5.0 / 3.0, rel=0.05)
     # the twist is greatest on the way, the force at the top
@@ -265,8 +265,8 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
 def test_pulses_faster_than_the_steps_of_a_scene_are_recorded_in_shorter_ones(fmu):
     """Steps of 10 ms alias the pulses of 27 to 53 Hz; the car and the control unit keep these steps."""
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
-    coarse = jobs.orders(scene, fmu, signals=["output_torque"], turns=16.0)
-    fine = jobs.orders(
+    coarse = studies.orders(scene, fmu, signals=["output_torque"], turns=16.0)
+    fine = studies.orders(
         scene.replaced(run={"communication_step": 5e-4}), fmu, signals=["output_torque"], turns=16.0
     )
     assert coarse.step < 7e-4
@@ -289,9 +289,9 @@ def test_the_module_in_shorter_steps_moves_as_in_the_steps_of_the_scene(fmu):
 def test_aliases_stay_below_the_least_line_that_is_listed(fmu):
     """A step twice as short moves no line by more than the share below which lines are left out."""
     scene = held(2.0, **PLANAR)
-    first = jobs.orders(scene, fmu, signals=["output_torque"], highest=8.0)
+    first = studies.orders(scene, fmu, signals=["output_torque"], highest=8.0)
     shorter = scene.replaced(run={"communication_step": 0.5 * first.step})
-    second = jobs.orders(shorter, fmu, signals=["output_torque"], highest=8.0)
+    second = studies.orders(shorter, fmu, signals=["output_torque"], highest=8.0)
     size = min(first.order.size, second.order.size)
     a, b = first.amplitude["output_torque"][:size], second.amplitude["output_torque"][:size]
     assert np.abs(a - b).max() < order_run.MIN_SHARE * b.max()
@@ -300,9 +300,9 @@ def test_aliases_stay_below_the_least_line_that_is_listed(fmu):
 def test_a_signal_that_the_scene_computes_too_seldom_is_refused_with_the_step_that_would_do(fmu):
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
     words = r"= ([\d.]+) ms or less .got 0.01 s.: the scene computes drive_torque once per communication step"
-    step = float(re.search(words, refusal(jobs.orders, scene, fmu, signals=["drive_torque"]))[1])
+    step = float(re.search(words, refusal(studies.orders, scene, fmu, signals=["drive_torque"]))[1])
     shorter = scene.replaced(run={"communication_step": 4.0 / math.ceil(4e3 / step)})
-    assert jobs.orders(shorter, fmu, signals=["drive_torque"]).step <= 1.001e-3 * step
+    assert studies.orders(shorter, fmu, signals=["drive_torque"]).step <= 1.001e-3 * step
 
 
 def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
@@ -322,9 +322,9 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
     scene = held(1.0, **PLANAR)
     swing = {"input_torque", "output_torque", "satellite_force_y", "satellite_force_z"}
     # The heavy output moves a little
-    assert set(jobs.orders(scene, fmu).amplitude) == swing | {"omega_out"}
+    assert set(studies.orders(scene, fmu).amplitude) == swing | {"omega_out"}
     for in_hz, names in ((True, ["input_torque", "shaking_force_x", "omega1"]), (False, ["omega1"])):
-        found = jobs.orders(scene, fmu, signals=names)
+        found = studies.orders(scene, fmu, signals=names)
         assert list(found.amplitude) == names
         assert found.largest()["omega1"] == []
         figure = order_figure(found, "title", in_hz)
@@ -342,7 +342,7 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
 def test_a_run_up_from_rest_begins_where_it_turns(fmu):
     ramp = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 100.0, "start": 0.5, "duration": 2.0}
     scene = held(2.5, **PLANAR).replaced(drive=ramp)
-    found = jobs.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
+    found = studies.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
     # 2 turns are the middle of the first window, and so on
     middle = 0.5 + np.sqrt(2.0 * math.tau * 2.0 * np.arange(1, found.time.size + 1) / 50.0)
     assert found.time == pytest.approx(middle, abs=0.01)
@@ -355,14 +355,14 @@ def test_a_run_up_from_rest_begins_where_it_turns(fmu):
             "drive_torque": [0.0, 0.0, 20.0, 20.0],
         }
     )
-    assert jobs.orders(torque, fmu, signals=["mesh_torque"], turns=4.0).time[0] > 0.1
+    assert studies.orders(torque, fmu, signals=["mesh_torque"], turns=4.0).time[0] > 0.1
 
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
 def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
     """Planar, link 2 held: the satellite goes round at omega1 and turns at (1 + R0 / r) omega1."""
     scene = held(2.0, omega1, **PLANAR)
-    found = jobs.orders(
+    found = studies.orders(
         scene, fmu, signals=["satellite_force_x", "satellite_force_y", "satellite_force_z"], turns=15.0
     )
     k, mass = PLANAR["sun_radius"] / PLANAR["satellite_radius"], scene.parameters().get("imbalance_mass", 1.0)
@@ -389,17 +389,17 @@ RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration
 )
 def test_orders_that_cannot_be_are_refused_in_a_sentence(fmu, drive, options, words):
     scene = held(1.0, input_inertia=0.1).replaced(drive=drive)
-    assert_refused(words, jobs.orders, scene, fmu, **options)
+    assert_refused(words, studies.orders, scene, fmu, **options)
 
 
 def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeypatch):
     monkeypatch.setattr(order_run, "SIGNALS", ("omega1", "input_speed"))
-    assert_refused("all signals are constant: omega1, input_speed", jobs.orders, held(stop=1.0), fmu)
+    assert_refused("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
     with pytest.raises(Refused, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"):
-        jobs.orders(held(fidelity="averaged"), fmu)
+        studies.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     words = r"must be increasing .got constant or decreasing at .* s.; choose another time range"
-    assert_refused(words, jobs.orders, locked, fmu, of="drive_angle", signals=["omega2"])
+    assert_refused(words, studies.orders, locked, fmu, of="drive_angle", signals=["omega2"])
 
 
 def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
@@ -407,7 +407,7 @@ def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
     said = left("orders", scene, *options, "--to", "600 ms")
-    found = jobs.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
+    found = studies.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
     first = found.largest()["input_torque"][0]
     assert f"order {first.order:.4g}" in said
     told = json.loads((tmp_path / "summary.json").read_text())

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.contract.variables import LOCAL, OUTPUT, with_causality
-from inertia_module.harness.fmu import Fmu, FmuError
-from inertia_module.harness.results import Result
-from inertia_module.page import html
-from inertia_module.page.html import TEMPLATE
+from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.fmi.results import Result
+from inertia_module.interface.variables import LOCAL, OUTPUT, with_causality
 from inertia_module.scene import load_scene
+from inertia_module.viewer import html
+from inertia_module.viewer.html import TEMPLATE
 from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
 from tests.system.programs import command, is_one_line, left
 from tests.unit import scenes
@@ -282,7 +282,7 @@ def test_converter_chart_is_that_of_the_package(page):
 
 # --- on a phone and a desk, in light and dark, for a screen reader; and how quick it is ---
 
-AXE = ROOT / "page" / "node_modules" / "axe-core" / "axe.min.js"
+AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 

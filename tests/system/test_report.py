@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scenes import MECHANISMS
 
-from inertia_module.figures import report
-from inertia_module.figures.mechanism import mechanism_figure
-from inertia_module.figures.report import RECORDED
 from inertia_module.kernel import layout
-from inertia_module.memory import Module
+from inertia_module.model import Module
+from inertia_module.plots import report
+from inertia_module.plots.mechanism import mechanism_figure
+from inertia_module.report.html_report import RECORDED
 from inertia_module.scene import Scene, load_any_scene, run_scene, run_shaft_scene
 from tests.system.chromium import FONTS, REFERENCE, set_font
 from tests.system.programs import left

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.page.html import TEMPLATE
+from inertia_module.viewer.html import TEMPLATE
 from tests.system.chromium import FONTS, set_font
 from tests.system.programs import process
 

@@ -14,15 +14,15 @@ from unittest.mock import Mock
 import pytest
 from refused import assert_refused
 
-from inertia_module import jobs
+from inertia_module import studies
 from inertia_module.common.errors import Refused
-from inertia_module.figures.jobs import design_figure
-from inertia_module.jobs.axes import axes_of, grid
-from inertia_module.jobs.design import read_spec
-from inertia_module.jobs.evaluation import Task, evaluate, summaries
-from inertia_module.jobs.workers import evaluations, pool
+from inertia_module.plots.studies import design_figure
 from inertia_module.scene import SceneError, load_scene, run_scene
 from inertia_module.scene.run import Quantity, SceneRunner
+from inertia_module.studies.axes import axes_of, grid
+from inertia_module.studies.design_search import read_spec
+from inertia_module.studies.evaluation import Task, evaluate, summaries
+from inertia_module.studies.workers import evaluations, pool
 from tests.system.conftest import Cluster
 from tests.system.programs import process
 
@@ -30,7 +30,7 @@ dask, cloudpickle = pytest.importorskip("dask"), pytest.importorskip("cloudpickl
 Client = pytest.importorskip("distributed").Client
 psutil = pytest.importorskip("psutil")
 pytest.importorskip("pyarrow")
-workers = pytest.importorskip("inertia_module.jobs.workers")
+workers = pytest.importorskip("inertia_module.studies.workers")
 
 REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 SHORT = {"load": {"kind": "shaft", "torque": None, "inertia": 0.5}, "run": {"stop_time": 0.1}}
@@ -65,7 +65,7 @@ def evaluated(read, fmu, points):
 def found(scene, fmu, cluster, tmp_path_factory):
     """The sweep on the cluster."""
     folder = tmp_path_factory.mktemp("sweep")
-    return jobs.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
+    return studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
 
 
 def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
@@ -101,12 +101,12 @@ def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_se
 def test_what_is_done_is_not_done_again(scene, fmu, found):
     folder = found.files["csv"].parent
     # nothing listens there: no worker is asked for
-    again = jobs.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
+    again = studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
     assert again.rows == found.rows
     other = scene.replaced(run={"stop_time": 0.2})
     with pytest.raises(Refused, match="another scene"):
-        jobs.sweep(other, VARY, output=folder, fmu=fmu)
+        studies.sweep(other, VARY, output=folder, fmu=fmu)
 
 
 def deadly(settings, runner):
@@ -176,7 +176,7 @@ def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
     client.wait()
     done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().split("\n")[1:-1])
     assert 0 < done < 60
-    found = jobs.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
+    found = studies.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
     assert found.new == 60 - done
     assert len(found.rows) == 60
     assert not found.refused
@@ -191,7 +191,7 @@ def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
         if victims:
             os.kill(victims.pop().pid, signal.SIGKILL)
 
-    found = jobs.sweep(
+    found = studies.sweep(
         slow_scene, SLOW, output=tmp_path, fmu=fmu, scheduler=cluster.address, progress=kill_one
     )
     assert not victims
@@ -225,7 +225,7 @@ def test_scheduler_of_another_version_is_one_line(scene, fmu, cluster, tmp_path,
     monkeypatch.setattr(workers.distributed, "__version__", "2024.8.0")
     words = rf"version of distributed at {cluster.address} must be 2024.8.0 .got {dask.__version__}.: "
     with pytest.raises(workers.ClusterError, match=words):
-        jobs.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        studies.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
 
 
 def test_worker_without_the_package_is_one_line(scene, fmu, empty_cluster, tmp_path):
@@ -234,7 +234,7 @@ def test_worker_without_the_package_is_one_line(scene, fmu, empty_cluster, tmp_p
         client.wait_for_workers(1, timeout=60)
     words = f"^the workers of {empty_cluster.address} cannot do the task: .*inertia_module"
     with pytest.raises(workers.ClusterError, match=words):
-        jobs.sweep(scene, VARY, output=tmp_path / "out", fmu=fmu, scheduler=empty_cluster.address)
+        studies.sweep(scene, VARY, output=tmp_path / "out", fmu=fmu, scheduler=empty_cluster.address)
 
 
 def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluster, tmp_path, monkeypatch):
@@ -243,7 +243,7 @@ def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluste
     monkeypatch.setattr(workers, "__version__", "0.1.0")
     words = "cannot do the task: .*version of inertia-module on the worker must be 0.1.0 .got 0"
     with pytest.raises(workers.ClusterError, match=words):
-        jobs.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        studies.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
 
 
 def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
@@ -255,7 +255,7 @@ def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
 
 def test_file_that_is_no_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
     (tmp_path / "x.fmu").write_text("no FMU")
-    sweep = partial(jobs.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
+    sweep = partial(studies.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
     assert_refused("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
 
 
@@ -263,7 +263,7 @@ def test_file_that_is_no_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
 def test_number_of_workers_is_at_least_one(scene, fmu, tmp_path, number):
     assert_refused(
         f"workers must be at least 1 .got {number}.$",
-        partial(jobs.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
+        partial(studies.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
     )
 
 
@@ -324,7 +324,7 @@ def spec(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def designs(spec, fmu, tmp_path_factory):
-    return jobs.design(spec, output=tmp_path_factory.mktemp("one"), fmu=fmu, workers=1)
+    return studies.design(spec, output=tmp_path_factory.mktemp("one"), fmu=fmu, workers=1)
 
 
 def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
@@ -343,7 +343,7 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
 
 
 def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
-    two = jobs.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+    two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert told(two.rows) == told(designs.rows)
     assert told(one.checked for one in two.finalists) == told(one.checked for one in designs.finalists)
 
@@ -377,7 +377,7 @@ def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
 def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
     harder = read_spec(spec, ["figures.stall_torque.minimum=2 kN.m"])
     folder = designs.files["checked csv"].parent
-    stopped = jobs.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
+    stopped = studies.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
     assert stopped.chosen == []
     assert stopped.verdict().startswith("0 of ")
@@ -392,12 +392,12 @@ def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec,
     far = ["figures.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
         keys = [*far, f"search.seed={seed}"]
-        found = jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
         assert found.chosen, seed
         assert len(found.rows) > 12
         assert not found.cut
     short = read_spec(spec, [*far, "search.seed=1", "search.longest=0.001 ms"])
-    cut = jobs.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+    cut = studies.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
     assert "search.longest = 1e-06 s ended the search" in cut.verdict()
@@ -408,7 +408,7 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
     given = [[], [*short, "search.seed=7"]]
     long, brief = (
-        jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
         for keys in given
     )
     told = "dominated by another search"
@@ -424,7 +424,7 @@ def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
     lone = ["figures.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
-        found = jobs.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
         assert bool(found.chosen) == (starts == 50)
 
 
@@ -434,4 +434,4 @@ def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
     with pytest.raises(
         SceneError, match=r"figures: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
     ):
-        jobs.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        studies.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.harness.fmu import Fmu
-from inertia_module.harness.simulate import drive
+from inertia_module.fmi.instance import Fmu
+from inertia_module.fmi.simulate import drive
 
 EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "two_fmus.py"))
 SHAFT, JACOBI, WITH_DERIVATIVES = (EXAMPLE[name] for name in ("SHAFT", "advance", "advance_with_derivatives"))

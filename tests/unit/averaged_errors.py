@@ -5,8 +5,8 @@ Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
 
 from scenes import MECHANISMS, PARTS
 
-from inertia_module.harness.chart import SteadyMachine
-from inertia_module.memory import Module
+from inertia_module.analysis.converter_chart import SteadyMachine
+from inertia_module.model import Module
 
 REALISTIC = PARTS["realistic"]
 

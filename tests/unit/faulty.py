@@ -1,6 +1,6 @@
 """Modules with one fault each, which what judges them has to find."""
 
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 
 def faulty(after_step=None, told=None, after_restore=None):

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from studies.reference.geometry import positions, ratio, satellite_ratio, turn
-from studies.reference.virtual_work import VirtualWork
+from verification.reference.geometry import positions, ratio, satellite_ratio, turn
+from verification.reference.virtual_work import VirtualWork
 
 __all__ = ["ratio", "satellite_ratio", "turn"]
 

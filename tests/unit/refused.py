@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 from inertia_module.common.errors import Refused
-from inertia_module.memory import ModelInstance
+from inertia_module.model import ModelInstance
 
 # by what is refused, rows of what is given and words of the sentence
 REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from inertia_module.contract.variables import PARAMETER, with_causality
-from inertia_module.memory import Module
-from studies.reference.motion import Reference
+from inertia_module.interface.variables import PARAMETER, with_causality
+from inertia_module.model import Module
+from verification.reference.motion import Reference
 
 # the table of scenes beside this file
 TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import SCENES, advanced, drive_angle, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.accumulate import wrap_drive_angle, wrap_input_angle
 from inertia_module.kernel.inertia import reduced_inertia

@@ -8,7 +8,7 @@ from refused import assert_refused
 from scenes import DRIVEN, MECHANISMS, PLANAR, SCENES, advanced, passed, started
 
 from inertia_module.kernel.inertia import reduced_inertia
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 AVERAGED = {"fidelity": 1}
 BY_TORQUE = {"fidelity": 1, "drive": 1}

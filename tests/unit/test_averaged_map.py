@@ -10,12 +10,12 @@ import pytest
 from scenes import MECHANISMS, PLANAR, advanced, started
 from scipy.interpolate import PchipInterpolator
 
-from inertia_module import memory
-from inertia_module.contract.variables import MAP_KEY
-from inertia_module.harness.chart import SteadyMachine
+from inertia_module import model
+from inertia_module.analysis.converter_chart import SteadyMachine
+from inertia_module.interface.variables import MAP_KEY
 from inertia_module.kernel import fields
 from inertia_module.kernel.averaged import torque_map
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 SHAPES = {
     **MECHANISMS,
@@ -101,8 +101,8 @@ def test_freewheels_that_rounding_makes_switch_hold_up_no_map(compiled, settings
 
 
 def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
-    kept = lru_cache(3)(memory._map_of.__wrapped__)
-    monkeypatch.setattr(memory, "_map_of", kept)
+    kept = lru_cache(3)(model._map_of.__wrapped__)
+    monkeypatch.setattr(model, "_map_of", kept)
     first = Module(compiled).start(fidelity=1, omega1=100.0)
     assert first.derived.map_evaluations > 0.0
     (known,) = kept(tuple(first[name] for name in MAP_KEY))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 PLANAR = {
     **{"layout": "planar", "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02},

@@ -8,13 +8,13 @@ from refused import REFUSED, assert_refused
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
-from inertia_module.figures.jobs import sweep_figure
-from inertia_module.harness.results import Result
-from inertia_module.jobs.axes import Free, axes_of, free_keys, grid, of_shares, shares_sampled
-from inertia_module.jobs.evaluation import Row
-from inertia_module.jobs.measurement import measurement
-from inertia_module.jobs.sweep import SweepResult, indices
+from inertia_module.fmi.results import Result
+from inertia_module.plots.studies import sweep_figure
 from inertia_module.scene import load_scene
+from inertia_module.studies.axes import Free, axes_of, free_keys, grid, of_shares, shares_sampled
+from inertia_module.studies.evaluation import Row
+from inertia_module.studies.measurement import measurement
+from inertia_module.studies.parameter_sweep import SweepResult, indices
 
 
 @pytest.fixture(scope="module")

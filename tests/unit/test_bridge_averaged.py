@@ -9,10 +9,10 @@ from averaged_errors import REALISTIC
 from refused import REFUSED
 from scenes import MECHANISMS, started
 
-from inertia_module import bridge
-from inertia_module.bridge.fmu_system import bytes_of, numbers_of
-from inertia_module.bridge.small_signal import fit_sine
-from inertia_module.memory import Module
+from inertia_module import control
+from inertia_module.control.fmu_system import bytes_of, numbers_of
+from inertia_module.control.small_signal import fit_sine
+from inertia_module.model import Module
 
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01, "output_inertia": 4.78}
@@ -24,7 +24,7 @@ NAMES = ("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", 
 @pytest.mark.parametrize("mechanism", [{}, LOSSY], ids=["ideal", "losses"])
 def test_every_output_is_that_of_the_module_at_this_instant(compiled, mechanism, omega1, load, speed):
     module = started(compiled, mechanism, fidelity=1, omega_out_start=speed, omega1=omega1, load_torque=load)
-    system = bridge.averaged_system(mechanism, outputs=NAMES, kernel=compiled)
+    system = control.averaged_system(mechanism, outputs=NAMES, kernel=compiled)
     assert system.output(0.0, [speed], [omega1, load]) == pytest.approx([module[name] for name in NAMES])
     resisting = load + module["output_friction"] * speed
     rate = (module["output_torque"] - resisting) / module["output_inertia"]
@@ -35,7 +35,7 @@ def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled
     module = Module(compiled).start(fidelity=1, omega_out_start=20.0, omega1=100.0, load_torque=10.0)
     module.set_rates(omega1=50.0)
     module.advance(1e-9)
-    system = bridge.averaged_system(
+    system = control.averaged_system(
         inputs=("omega1", "load_torque", "omega1_rate"), outputs=("input_torque",), kernel=compiled
     )
     ramped = system.output(0.0, [20.0], [100.0, 10.0, 50.0])
@@ -44,20 +44,20 @@ def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled
 
 
 def test_a_load_beyond_stall_holds_the_shaft_at_rest_and_has_no_operating_point(compiled):
-    system = bridge.averaged_system(kernel=compiled)
+    system = control.averaged_system(kernel=compiled)
     for speed in (0.0, -1e-12):
         assert system.dynamics(0.0, [speed], [100.0, 1000.0])[0] == 0.0
     with pytest.raises(ValueError, match=r"load_torque must be between .* N.m .* .got 1000000"):
-        bridge.operating_point(system, 100.0, 1e6)
+        control.operating_point(system, 100.0, 1e6)
 
 
 @pytest.mark.parametrize("parameters, omega1, load", [({}, 100.0, 10.0), (PLANAR, 200.0, 100.0)])
 def test_transient_inertias_depend_on_the_speed_ratio_alone(compiled, parameters, omega1, load):
-    system = bridge.averaged_system(parameters, outputs=("omega_out",), kernel=compiled)
-    speed = bridge.operating_point(system, omega1, load, 0.3 * omega1)
-    found = bridge.transient_inertia(parameters, omega1, speed, compiled)
+    system = control.averaged_system(parameters, outputs=("omega_out",), kernel=compiled)
+    speed = control.operating_point(system, omega1, load, 0.3 * omega1)
+    found = control.transient_inertia(parameters, omega1, speed, compiled)
     assert found == pytest.approx(
-        bridge.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
+        control.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
     )
     # of the order of the moving inertias, and small against the output
     assert 0.0 < found.input < 0.02
@@ -65,9 +65,9 @@ def test_transient_inertias_depend_on_the_speed_ratio_alone(compiled, parameters
 
 
 def test_transient_inertia_adds_to_that_of_the_output(compiled):
-    added = bridge.TransientInertia(0.0, 0.5)
-    plain = bridge.averaged_system(kernel=compiled)
-    heavier = bridge.averaged_system(kernel=compiled, transient=added)
+    added = control.TransientInertia(0.0, 0.5)
+    plain = control.averaged_system(kernel=compiled)
+    heavier = control.averaged_system(kernel=compiled, transient=added)
     at = 0.0, [10.0], [100.0, 10.0]
     assert heavier.dynamics(*at) == pytest.approx(0.5 * plain.dynamics(*at))
 
@@ -75,12 +75,12 @@ def test_transient_inertia_adds_to_that_of_the_output(compiled):
 @pytest.mark.parametrize("arguments, message", REFUSED["averaged_systems"])
 def test_what_has_no_averaged_system_is_refused(compiled, arguments, message):
     with pytest.raises(ValueError, match=message):
-        bridge.averaged_system(**arguments, kernel=compiled)
+        control.averaged_system(**arguments, kernel=compiled)
 
 
 def test_transient_inertia_needs_a_shaft_that_is_slower_than_its_input(compiled):
     with pytest.raises(ValueError, match=r"must be above 0 and below omega1 = 100 rad/s .got 120"):
-        bridge.transient_inertia({}, 100.0, 120.0, compiled)
+        control.transient_inertia({}, 100.0, 120.0, compiled)
 
 
 def test_a_sine_is_found_among_pulses_and_drift():
@@ -147,10 +147,10 @@ def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_t
 def test_all_balances_are_listed_with_their_stability(compiled):
     """Where the torque rises with the speed the shaft leaves the balance, to either side."""
     omega1 = 100.0
-    system = bridge.averaged_system({}, outputs=("output_torque",))
-    low, high = bridge.carried_range(system, omega1)
+    system = control.averaged_system({}, outputs=("output_torque",))
+    low, high = control.carried_range(system, omega1)
     points = {
-        load: bridge.operating_points(system, omega1, load) for load in np.linspace(low, high, 23)[1:-1]
+        load: control.operating_points(system, omega1, load) for load in np.linspace(low, high, 23)[1:-1]
     }
     assert {point.is_stable for found in points.values() for point in found} == {True, False}
     for load, found in points.items():
@@ -163,19 +163,19 @@ def test_all_balances_are_listed_with_their_stability(compiled):
             assert bool(rates[0] > 0.0 > rates[1]) == point.is_stable
         stable = [point.omega_out for point in found if point.is_stable]
         if len(stable) == 1:
-            assert bridge.operating_point(system, omega1, load) == stable[0]
+            assert control.operating_point(system, omega1, load) == stable[0]
         else:
             words = r"guess must be close to one of the operating points .*rad/s .(un)?stable"
             with pytest.raises(ValueError, match=words):
-                bridge.operating_point(system, omega1, load)
+                control.operating_point(system, omega1, load)
         for point in found:
-            assert bridge.operating_point(system, omega1, load, point.omega_out) == point.omega_out
+            assert control.operating_point(system, omega1, load, point.omega_out) == point.omega_out
 
 
 @pytest.mark.parametrize("share", [1.01, -0.5])
 def test_a_load_out_of_range_is_refused_with_the_range(compiled, share):
-    system = bridge.averaged_system({}, outputs=("output_torque",))
-    low, high = bridge.carried_range(system, 100.0)
+    system = control.averaged_system({}, outputs=("output_torque",))
+    low, high = control.carried_range(system, 100.0)
     words = f"load_torque must be between {low:.4g} and {high:.4g} N.m at omega1 = 100 rad/s"
     with pytest.raises(ValueError, match=words):
-        bridge.operating_point(system, 100.0, share * high)
+        control.operating_point(system, 100.0, share * high)

@@ -8,9 +8,9 @@ import pytest
 from inertia_module.common import files
 from inertia_module.compiling import CompilationUnavailable, c_compiler
 from inertia_module.compiling.targets import LINUX64, TARGETS, here
-from inertia_module.contract.models import DRIVEN_SHAFT
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
+from inertia_module.interface.models import DRIVEN_SHAFT
 
 NAME, CONTENT = "kernel-linux.so", bytes(range(256)) * 40
 DAMAGES = {

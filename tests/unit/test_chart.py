@@ -12,11 +12,17 @@ from refused import assert_refused
 from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
-from inertia_module.figures.jobs import chart_figure
-from inertia_module.harness import chart as charts
-from inertia_module.harness.chart import MAPPED, UNITS, SteadyMachine, converter_table, torque_converter_chart
-from inertia_module.harness.results import read_columns
-from inertia_module.memory import Refused
+from inertia_module.analysis.converter_chart import (
+    MAPPED,
+    UNITS,
+    SteadyMachine,
+    converter_table,
+    torque_converter_chart,
+)
+from inertia_module.fmi import chart as charts
+from inertia_module.fmi.results import read_columns
+from inertia_module.model import Refused
+from inertia_module.plots.studies import chart_figure
 from tests.system.programs import left, succeeded
 
 PLANAR = MECHANISMS["planar"]
@@ -237,8 +243,8 @@ SPEEDS, FEW = charts.MAP_SPEEDS[[0, 3, 7]], charts.RATIOS[::2]
 @pytest.fixture
 def small_maps(monkeypatch):
     """Maps of three speeds and every second ratio."""
-    monkeypatch.setattr("inertia_module.harness.chart.MAP_SPEEDS", SPEEDS)
-    monkeypatch.setattr("inertia_module.harness.chart.RATIOS", FEW)
+    monkeypatch.setattr("inertia_module.analysis.converter_chart.MAP_SPEEDS", SPEEDS)
+    monkeypatch.setattr("inertia_module.analysis.converter_chart.RATIOS", FEW)
 
 
 @pytest.mark.usefixtures("small_maps")

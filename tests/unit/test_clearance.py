@@ -8,8 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from refused import REFUSED
 
-from inertia_module.memory import DrivenShaft, Module
-from studies.papers.karetin import Geometry
+from inertia_module.model import DrivenShaft, Module
+from papers.karetin import Geometry
 
 PLANAR = {"layout": 1, "sun_radius": 0.05, "satellite_radius": 0.03, "eccentricity": 0.02}
 INTERNAL = {"z17": 20, "z6": 60, "shaft_angle": 2.5, "a": 1.2}

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import FOUND, SCENES, advanced, mechanism, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.events.error import error_norm, write_scales
 

@@ -7,7 +7,7 @@ import pytest
 from test_scene_runs import car
 
 from inertia_module.common.examples import example
-from inertia_module.loops.cycles import (
+from inertia_module.driveline.cycles import (
     CYCLES,
     ELEMENTARY_URBAN_CYCLE,
     FTP_75,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from differences import assert_rates
 
-from inertia_module.memory import DrivenShaft
+from inertia_module.model import DrivenShaft
 
 # J4, c, d, f: the corners of what is allowed, and ordinary shafts in each damping regime
 SHAFTS = {

@@ -6,8 +6,8 @@ import re
 import pytest
 from scipy.integrate import solve_ivp
 
-from inertia_module.loops import EngineMap, Governor
-from studies.engine import Engine
+from examples.coupling.engine import Engine
+from inertia_module.driveline import EngineMap, Governor
 
 MAP = EngineMap((0.0, 100.0, 300.0), (80.0, 150.0, 120.0), (5.0, 10.0, 30.0))
 STILL = Governor(0.0, 0.0, 1e6)

@@ -5,7 +5,7 @@ import math
 import pytest
 from scenes import SCENES, advanced, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import tableau
 from inertia_module.kernel.events import guards, location
 from inertia_module.kernel.fields import WORKSPACE

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pytest
 
-from studies.stability.verdicts import Cell, chosen_cases, read_rows, rows_of, run_study
+from verification.stability.verdicts import Cell, chosen_cases, read_rows, rows_of, run_study
 
 MAP = Path(__file__).parents[2] / "docs" / "stability.csv"
 

@@ -11,10 +11,10 @@ from refused import assert_refused
 
 from inertia_module.common import files
 from inertia_module.common.examples import example
-from inertia_module.contract.variables import BY_NAME, COMPUTED
 from inertia_module.fidelity import trials
 from inertia_module.fidelity.trials import Row, event, recommend, run_in_process, window_errors
-from inertia_module.harness.simulate import Result
+from inertia_module.fmi.simulate import Result
+from inertia_module.interface.variables import BY_NAME, COMPUTED
 from inertia_module.scene import load_scene, run_scene
 
 SCENE = load_scene(example("reference")).replaced(

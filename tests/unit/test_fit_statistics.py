@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import brentq
 from scipy.stats import f, t
 
-from inertia_module.harness.results import Result
-from inertia_module.jobs.axes import Free
-from inertia_module.jobs.candidates import collinearity, f_test, likelihood_ratio, released
-from inertia_module.jobs.least_squares import Problem
-from inertia_module.jobs.measurement import Measurement, autocorrelation
-from inertia_module.jobs.profile_likelihood import profile_end
+from inertia_module.fmi.results import Result
+from inertia_module.studies.axes import Free
+from inertia_module.studies.candidates import collinearity, f_test, likelihood_ratio, released
+from inertia_module.studies.least_squares import Problem
+from inertia_module.studies.measurement import Measurement, autocorrelation
+from inertia_module.studies.profile_likelihood import profile_end
 
 ROWS = 400
 TIME = np.linspace(0.0, 1.0, ROWS)

@@ -6,7 +6,7 @@ import math
 import pytest
 from refused import assert_refused
 
-from inertia_module.jobs.evaluation import Batch, Evaluator, Row, Task, write_tables
+from inertia_module.studies.evaluation import Batch, Evaluator, Row, Task, write_tables
 
 pytest.importorskip("distributed")
 ROWS = [

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from inertia_module.contract.variables import ENUMERATIONS
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.fmu.description import model_description, terminals
+from inertia_module.interface.variables import ENUMERATIONS
 
 WORDS = tomllib.loads(Path(__file__).with_name("keywords.toml").read_text(encoding="utf-8"))
 KEYWORDS = {language: set(words.split()) for language, words in WORDS.items()}

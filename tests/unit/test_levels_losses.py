@@ -10,8 +10,8 @@ from scenes import ALL_LOSSES, GEARS, PLAY, WIND_UP
 
 from inertia_module.common.errors import Refused
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC
-from inertia_module.memory import Module
-from studies.stability.motion import LEVELS
+from inertia_module.model import Module
+from verification.stability.motion import LEVELS
 
 PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
 MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}

@@ -9,10 +9,10 @@ import pytest
 import scenes
 from scenes import advanced, motions, passed, started
 
-from inertia_module.contract.variables import BY_NAME
+from inertia_module.interface.variables import BY_NAME
 from inertia_module.kernel import codes
 from inertia_module.kernel.equations import satellites
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start": 100.0}
 

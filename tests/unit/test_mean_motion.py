@@ -8,7 +8,7 @@ import pytest
 from differences import assert_rates
 from scenes import ENGINE, PLANAR, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.averaged import integrate, mean_motion
 

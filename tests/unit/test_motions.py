@@ -8,7 +8,7 @@ from refused import assert_refused
 from scenes import ACCOUNTS, LEVELS, MEANS, MOTION, advanced, motions, passed, started
 
 from inertia_module.kernel import codes
-from inertia_module.memory import DrivenShaft, Module
+from inertia_module.model import DrivenShaft, Module
 
 EVENTS = ("rigid", "elastic")
 STEPS = [0.01] * 5 + [1e-3] * 20 + [0.05] * 5

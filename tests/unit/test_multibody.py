@@ -7,13 +7,13 @@ import pytest
 from geometry import ratio, satellite_ratio
 from scenes import LAYOUTS, parameters, started, vector
 
+from benchmarks.peers.mujoco_model import mechanism
 from inertia_module.kernel.equations.motion import evaluate
 from inertia_module.kernel.equations.states import RATIO_PRESCRIBED
 from inertia_module.kernel.layout import imbalance_motion
 from inertia_module.kernel.links import kinetic_energy
 from inertia_module.kernel.loads import write_loads
-from studies.peers.mujoco_model import mechanism
-from studies.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
+from verification.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
 
 mujoco = pytest.importorskip("mujoco")
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from refused import REFUSED, assert_refused
 
-from inertia_module.figures.scenes import scene_figure
+from inertia_module.plots.scenes import scene_figure
 from inertia_module.scene import load_any_scene, load_scene, run_scene, run_shaft_scene
-from studies.papers.karetin import Geometry, dynamic_mode, exact
-from studies.papers.lysenko import EXAMPLE
-from studies.papers.lysenko import exact as lysenko_at
-from studies.papers.stelmashchuk import Criteria, response
+from papers.karetin import Geometry, dynamic_mode, exact
+from papers.lysenko import EXAMPLE
+from papers.lysenko import exact as lysenko_at
+from papers.stelmashchuk import Criteria, response
 from tests.system.programs import command, is_one_line, left
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"

@@ -6,12 +6,12 @@ import pytest
 from differences import assert_rates
 from scenes import ENGINE, FOUND, MECHANISMS, mechanism, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.averaged import periodic_orbit
 from inertia_module.kernel.links import inertia_at_input
-from inertia_module.memory import Module, Refused
-from studies.stability.motion import solve_at
+from inertia_module.model import Module, Refused
+from verification.stability.motion import solve_at
 
 PLANAR = MECHANISMS["planar"]
 SHAPES = {

@@ -4,7 +4,7 @@ import pytest
 from scenes import LOSSES, PLAY, SCENES, advanced, mechanism, reference, started
 
 from inertia_module.kernel import codes
-from studies.reference.cases import OMEGA3
+from verification.reference.cases import OMEGA3
 
 # drags of both freewheels, one of which turns back within its engagement angle
 DRAGGED = mechanism("""z16=47 output_inertia=.04 housing_drag_viscous=.2 output_drag=2

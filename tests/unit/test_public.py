@@ -20,8 +20,8 @@ from inertia_module import PUBLIC, Result
 from inertia_module.common.equality import ByContent
 from inertia_module.common.errors import Refused, unknown
 from inertia_module.common.examples import example
-from inertia_module.contract.variables import BY_NAME
-from inertia_module.memory import Module
+from inertia_module.interface.variables import BY_NAME
+from inertia_module.model import Module
 from inertia_module.scene import SceneResult, load_scene
 from inertia_module.scene.run import Quantity
 

@@ -13,10 +13,17 @@ from faulty import faulty, raising, showing
 from scenes import PLAY, mechanism
 
 from inertia_module.kernel.codes import ELASTIC, RIGID
-from inertia_module.memory import Module
-from studies.stability import random_motions as campaign
-from studies.stability.motion import LEVELS, Figure, Motion, Segment, run
-from studies.stability.random_motions import REFERENCE, VIRTUAL_WORK, Finding, Outcome, draw_motion, examine
+from inertia_module.model import Module
+from verification.stability import random_motions as campaign
+from verification.stability.motion import LEVELS, Figure, Motion, Segment, run
+from verification.stability.random_motions import (
+    REFERENCE,
+    VIRTUAL_WORK,
+    Finding,
+    Outcome,
+    draw_motion,
+    examine,
+)
 
 SEED = 1
 EACH, WITH_REFERENCE = 8, 5

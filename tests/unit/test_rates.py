@@ -12,7 +12,7 @@ import pytest
 from differences import difference
 from scenes import ENGINE, FRICTION, LAYOUTS, SCENES, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations.choice import select_mode
 from inertia_module.kernel.equations.states import LOCKED, OVERRUNNING
@@ -22,7 +22,7 @@ from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, ma
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.links import prescribed_at_input
 from inertia_module.kernel.tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGES, fit_dense_output
-from studies.stability.motion import solve_at
+from verification.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
 # phase of the highest harmonic in a step, rad: its inside is as exact as differences of it

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from inertia_module.compiling import stubs
-from inertia_module.contract.records import place, record_type, size
+from inertia_module.interface.records import place, record_type, size
 from inertia_module.kernel import records
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 FIELDS = ("first", ("row", 3), ("inner", ("left", "right")), ("several", ("left", "right"), 2), "last")
 

@@ -1,6 +1,6 @@
 """The kernel's machine does what the independent reference says, case by case of one table.
 
-Nothing of the kernel takes part in the reference (studies.reference: virtual work on its own geometry).
+Nothing of the kernel takes part in the reference (verification.reference: virtual work on its own geometry).
 Angles, speeds, energies, torques and their means are compared. Closed forms of losses are in test_losses.py,
 other equations for them in tests/studies/test_lysenko.py.
 """
@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from scenes import ALL_LOSSES, DRIVEN, ELASTIC, LOSSES, PLAY, SCENES, advanced, reference, started
 
 from inertia_module.kernel.inertia import reduced_inertia
-from studies.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA3, OMEGA4, THETA1, TWIST, Q
+from verification.reference.cases import CAUSES, OMEGA1, OMEGA2, OMEGA3, OMEGA4, THETA1, TWIST, Q
 
 OUTPUTS = {"rigid": {}, "elastic": {**ELASTIC, "driven_friction": 0.03, "balancer": 0.2}}
 TABLE = tomllib.loads(Path(__file__).with_name("reference.toml").read_text(encoding="utf-8"))

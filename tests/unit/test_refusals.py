@@ -6,9 +6,9 @@ import pytest
 from refused import REFUSED, refusal, sentence
 from scenes import ENGINE, advanced, started
 
-from inertia_module.contract import variables
-from inertia_module.contract.variables import BY_NAME, LOCAL, OUTPUT, PARAMETER, with_causality
-from inertia_module.memory import DrivenShaft, Module
+from inertia_module.interface import variables
+from inertia_module.interface.variables import BY_NAME, LOCAL, OUTPUT, PARAMETER, with_causality
+from inertia_module.model import DrivenShaft, Module
 
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
 

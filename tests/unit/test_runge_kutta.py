@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import tableau
 from inertia_module.kernel.events import advance, stages
 from inertia_module.kernel.fields import WORKSPACE

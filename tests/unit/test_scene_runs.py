@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from inertia_module.analysis.converter_chart import SteadyMachine, torque_converter_chart
 from inertia_module.common.errors import Refused, UnknownName
-from inertia_module.contract.variables import BY_NAME, LOSSES
+from inertia_module.driveline import EngineMap, Governor
+from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.fidelity.trials import run_in_process, time_of
-from inertia_module.figures.jobs import chart_figure
-from inertia_module.figures.scenes import FLOWS, end_of_run, losses, plot, scene_figure
-from inertia_module.harness.chart import SteadyMachine, torque_converter_chart
-from inertia_module.harness.results import Result
-from inertia_module.loops import EngineMap, Governor
-from inertia_module.loops.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
+from inertia_module.fmi.results import Result
+from inertia_module.interface.variables import BY_NAME, LOSSES
+from inertia_module.plots.scenes import FLOWS, end_of_run, losses, plot, scene_figure
+from inertia_module.plots.studies import chart_figure
 from inertia_module.scene import load_scene, run, run_scene
 from inertia_module.scene.run import SUMMARISED, summarise
 

@@ -7,9 +7,14 @@ from types import SimpleNamespace
 import pytest
 from refused import REFUSED, assert_refused
 
+from inertia_module.analysis.converter_chart import torque_converter_chart
 from inertia_module.common.examples import example
-from inertia_module.harness.chart import torque_converter_chart
-from inertia_module.jobs.design import (
+from inertia_module.kernel.layout import imbalance_position
+from inertia_module.model import Module
+from inertia_module.scene import Scene, load_scene, run_scene
+from inertia_module.scene.keys import validated
+from inertia_module.scene.run import Quantity
+from inertia_module.studies.design_search import (
     NAMED,
     DesignResult,
     Finalist,
@@ -21,14 +26,9 @@ from inertia_module.jobs.design import (
     limits_of,
     read_spec,
 )
-from inertia_module.jobs.evaluation import Row
-from inertia_module.jobs.search import DesignSearch, Searched, Start
-from inertia_module.jobs.sweep import unreached
-from inertia_module.kernel.layout import imbalance_position
-from inertia_module.memory import Module
-from inertia_module.scene import Scene, load_scene, run_scene
-from inertia_module.scene.keys import validated
-from inertia_module.scene.run import Quantity
+from inertia_module.studies.evaluation import Row
+from inertia_module.studies.parameter_sweep import unreached
+from inertia_module.studies.search import DesignSearch, Searched, Start
 
 SPEC = Path(__file__).with_name("specification.toml").read_text(encoding="utf-8")
 UNITS = {"stall_torque": "N.m", "omega_out_final": "rad/s", "total_imbalance_mass": "kg"}

@@ -5,11 +5,11 @@ import math
 import pytest
 from scenes import PLANAR, SCENES, advanced, started
 
-from inertia_module.contract.records import record_type
+from inertia_module.interface.records import record_type
 from inertia_module.kernel import tableau
 from inertia_module.kernel.events import advance, error, stages, step_size
 from inertia_module.kernel.fields import WORKSPACE
-from inertia_module.memory import Module
+from inertia_module.model import Module
 
 # link 2 overtakes the output within its engagement angle; the error estimate of one step is far too small
 OVERTAKING = {

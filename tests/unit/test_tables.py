@@ -10,7 +10,7 @@ from refused import REFUSED
 
 from inertia_module.common.errors import Refused
 from inertia_module.common.examples import example
-from inertia_module.harness.results import Result, TableError
+from inertia_module.fmi.results import Result, TableError
 from inertia_module.scene import SceneError, load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
@@ -270,7 +270,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
 
 
 def test_every_error_of_the_package_is_of_one_kind():
-    from inertia_module.harness.simulate import FmuError
+    from inertia_module.fmi.simulate import FmuError
 
     for kind in (FmuError, TableError, SceneError):
         assert issubclass(kind, Refused)

@@ -15,8 +15,8 @@ from inertia_module.compiling.c_types import DOUBLE, INT
 from inertia_module.compiling.python_source import NotInLanguage
 from inertia_module.compiling.targets import here
 from inertia_module.compiling.translate import HEAD, INLINED, KernelTranslator, c_name, translate
-from inertia_module.contract.models import DRIVEN_SHAFT, INERTIA_MODULE
-from inertia_module.contract.records import record_type
+from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
+from inertia_module.interface.records import record_type
 
 KERNEL_HEADER = b"#include <stdint.h>\n"
 EXPORTED = '__attribute__((visibility("default"))) double run_{name}(double a, double b, int64_t n, {record})'

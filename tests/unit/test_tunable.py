@@ -5,9 +5,9 @@ from geometry import direct_sums, ratio
 from refused import assert_refused
 from scenes import FRICTION, SCENES, SHAFT, TUNED, advanced, motions, parameters, reference, started
 
-from inertia_module.contract.models import DRIVEN_SHAFT
-from inertia_module.memory import DrivenShaft, Module
-from studies.reference.cases import OMEGA1, OMEGA2, OMEGA4
+from inertia_module.interface.models import DRIVEN_SHAFT
+from inertia_module.model import DrivenShaft, Module
+from verification.reference.cases import OMEGA1, OMEGA2, OMEGA4
 
 ELASTIC = {"fidelity": 3, "output_inertia": 0.02, "shaft_damping": 0.05}
 LOSSES = {

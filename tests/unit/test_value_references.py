@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from inertia_module.contract.models import MODELS
 from inertia_module.fmu.description import model_description
 from inertia_module.fmu.tables import generated, rows_by_reference
+from inertia_module.interface.models import MODELS
 
 PINNED = tomllib.loads(Path(__file__).with_name("value_references.toml").read_text(encoding="utf-8"))
 

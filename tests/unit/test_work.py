@@ -8,7 +8,7 @@ from refused import refusal
 from scenes import advanced, motions, started
 
 from inertia_module.kernel.inputs import MIN_STEP
-from inertia_module.memory import NO_STATE, DrivenShaft, Module
+from inertia_module.model import NO_STATE, DrivenShaft, Module
 
 AT_ONCE = 0.2  # s of CPU time; a step that is given up takes some seconds
 TOO_SHORT = (5e-324, 1e-300, 0.99 * MIN_STEP)

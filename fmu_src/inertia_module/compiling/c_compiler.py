@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..common.files import kept, sources
-from ..contract.models import Model
+from ..interface.models import Model
 from . import CompilationUnavailable
 from .targets import WIN_ARM, Target, here
 from .tools import ZIG, compiler, run_tool
@@ -47,7 +47,7 @@ def dependencies(model: Model) -> dict[str, bytes]:
     """
     return (
         model.source
-        | sources("compiling/*.py", "compiling/*.[ch]", "contract/records.py")
+        | sources("compiling/*.py", "compiling/*.[ch]", "interface/records.py")
         | compiler().version
     )
 

@@ -8,7 +8,7 @@ import zipfile
 from pathlib import Path
 
 from ..common.files import PACKAGE_FOLDER, kept, ready_made
-from ..contract.models import Model
+from ..interface.models import Model
 from . import CompilationUnavailable
 from .targets import here
 

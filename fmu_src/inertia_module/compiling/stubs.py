@@ -6,7 +6,7 @@ Run: python -m inertia_module.compiling.stubs (after each change of the fields o
 from __future__ import annotations
 
 from ..common.files import PACKAGE_FOLDER, write_text
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .c_types import BOOL, DOUBLE, INT, Array, Record, TupleType, Type
 from .translate import KernelTranslator, record_names
 

@@ -27,7 +27,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .. import kernel
-from ..contract.models import MODELS, Model
+from ..interface.models import MODELS, Model
 from ..kernel import fields
 from .c_expression import HELPERS, PRIMARY, Expression
 from .c_function import INDENT, FunctionTranslator, wrapped

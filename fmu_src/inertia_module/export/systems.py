@@ -19,12 +19,12 @@ import fmpy.container_fmu
 
 from .. import __version__
 from ..common.files import write_atomically
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from ..contract.variables import PARAMETER, UNITS, Variable
 from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_date, guid_of
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import Build, NativeFmu
+from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..interface.variables import PARAMETER, UNITS, Variable
 from ..kernel.codes import ELASTIC, RIGID
 
 MODULE, SHAFT = "module", "shaft"

@@ -27,14 +27,14 @@ from ..common.equality import ByContent
 from ..common.errors import Refused
 from ..common.files import kept, sources
 from ..common.terminal import Progress, terminal
-from ..contract.variables import COMPUTED, ENUMERATIONS, VARIABLES
-from ..harness import results
-from ..harness.results import TIME
-from ..harness.simulate import Result, whole_steps
+from ..driveline import ClosedLoop
+from ..driveline.closed_loop import PLANT_INPUTS
+from ..fmi import results
+from ..fmi.results import TIME
+from ..fmi.simulate import Result, whole_steps
+from ..interface.variables import COMPUTED, ENUMERATIONS, VARIABLES
 from ..kernel.codes import AVERAGED, ELASTIC, RIGID
-from ..loops import ClosedLoop
-from ..loops.closed_loop import PLANT_INPUTS
-from ..memory import Module
+from ..model import Module
 from ..scene import Scene
 from ..scene.run import start_of
 from ..scene.schema import at_fidelity, is_elastic
@@ -687,7 +687,7 @@ def measured_from(scene: Scene) -> dict[str, bytes]:
     chosen = {"mechanism": {"fidelity", "method", "max_step"}, "accuracy": {"tolerance", "error"}}
     others: dict[str, Any] = {"title": True, "description": True, "run": {"outputs"}}
     content = scene.model_dump_json(exclude_none=True, exclude=chosen | others)
-    return sources("kernel/**/*.py", "loops/*.py", "fidelity/*.py") | {"scene": content.encode()}
+    return sources("kernel/**/*.py", "driveline/*.py", "fidelity/*.py") | {"scene": content.encode()}
 
 
 def candidates(scene: Scene) -> list[Level]:

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 from ..common.files import cache_folder, ready_made, writable_folder, write_atomically
 from ..compiling import CompilationUnavailable
 from ..compiling.targets import TARGETS, Target, here
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE
+from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
 from .linking import Progress
 from .native_fmu import Build, NativeFmu

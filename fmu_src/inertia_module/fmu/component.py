@@ -12,7 +12,7 @@ from pathlib import Path
 from ..common.files import sources
 from ..compiling.c_compiler import link, object_file
 from ..compiling.targets import BROWSERS
-from ..contract.models import Model
+from ..interface.models import Model
 from .linking import header_folder, shell_files
 
 FOLDER = Path(__file__).parent / "wasm"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .. import __version__
-from ..contract import variables as table
-from ..contract.models import Model
+from ..interface import variables as table
+from ..interface.models import Model
 from .archive import TEMPLATES, filled_xml
 
 # names of types in FMI 3.0, if they differ from FMI 2.0

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .. import __version__
-from ..contract import variables as table
-from ..contract.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
+from ..interface import variables as table
+from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
 from .archive import TEMPLATES, filled
 
 # sections of the guides

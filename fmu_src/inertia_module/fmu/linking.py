@@ -14,7 +14,7 @@ from ..compiling import CompilationUnavailable
 from ..compiling.c_compiler import link
 from ..compiling.targets import Target
 from ..compiling.tools import tool_versions
-from ..contract.models import Model
+from ..interface.models import Model
 from .archive import TEMPLATES, filled
 from .tables import generated
 

@@ -15,7 +15,7 @@ from ..common.files import kept, sources
 from ..compiling import CompilationUnavailable
 from ..compiling.c_compiler import dependencies, kernel_source, with_kernel
 from ..compiling.targets import TARGETS, Target
-from ..contract.models import Model
+from ..interface.models import Model
 from .archive import DESCRIPTION, TEMPLATES, archive, filled, filled_xml, generation_date, guid_of
 from .component import FOLDER, MANIFEST, PLATFORM, component
 from .description import FLANGE, model_description, terminals

@@ -17,7 +17,7 @@ from ..common.files import content_hash, sources
 from ..compiling.load import SHIPPED
 from ..compiling.targets import LINUX64, WIN64, Target
 from ..compiling.tools import tool_versions
-from ..contract.models import Model
+from ..interface.models import Model
 from .archive import DESCRIPTION, archive, generation_date, guid_of
 from .description import model_description
 from .linking import link_front
@@ -27,10 +27,10 @@ BUNDLED = (
     "__init__.py",
     *("common/__init__.py", "common/errors.py", "common/files.py", "common/units.py"),
     *("compiling/__init__.py", "compiling/load.py", "compiling/targets.py"),
-    "contract/*.py",
+    "interface/*.py",
     *("fmu/__init__.py", "fmu/slave.py"),
     "kernel/**/*.py",
-    "memory.py",
+    "model.py",
 )
 
 # name of pythonfmu's library; the front library has the name that an importer loads

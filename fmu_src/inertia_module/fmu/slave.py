@@ -16,9 +16,9 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from ..common.errors import Refused, must_be
-from ..contract.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
+from ..interface.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..memory import NO_STATE, ModelInstance, Module
+from ..model import NO_STATE, ModelInstance, Module
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"

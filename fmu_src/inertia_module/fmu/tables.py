@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 from string import Formatter
 
-from ..contract.models import Model
-from ..contract.records import place
-from ..contract.variables import INPUT, PARAMETER, Variable
+from ..interface.models import Model
+from ..interface.records import place
+from ..interface.variables import INPUT, PARAMETER, Variable
 from ..kernel import codes
 from .archive import TEMPLATES, filled
 

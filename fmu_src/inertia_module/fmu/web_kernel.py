@@ -7,7 +7,7 @@ from typing import NamedTuple
 from ..common.files import kept, sources
 from ..compiling.c_compiler import dependencies, link, object_file
 from ..compiling.targets import BROWSERS
-from ..contract.models import Model
+from ..interface.models import Model
 from .native_fmu import Build
 
 # bytes; sufficient for two hundred instances at the same time

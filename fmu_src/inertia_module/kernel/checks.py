@@ -1,4 +1,4 @@
-"""Checks of parameters that are invalid only in combination; messages are in contract/messages.py."""
+"""Checks of parameters that are invalid only in combination; messages are in interface/messages.py."""
 
 from . import codes
 from .averaged.torque_map import is_light_input

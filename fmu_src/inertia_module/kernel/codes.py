@@ -45,7 +45,7 @@ BEVEL_OUTSIDE = 8
 GEAR_TOO_FLAT = 16
 METHOD_DEPRECATED = 32
 
-# Status codes; contract/messages.py has a message for each
+# Status codes; interface/messages.py has a message for each
 OK = 0
 # Parameters
 SINGULAR = 3

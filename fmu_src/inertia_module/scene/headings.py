@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ..contract.variables import LOSSES, LOST_TO
+from ..interface.variables import LOSSES, LOST_TO
 
 # heading of a metric by its name; other metrics are printed by their name with spaces instead of underscores
 HEADINGS: Mapping[str, str] = {

@@ -19,8 +19,8 @@ from ..common.equality import hash_of
 from ..common.errors import Refused, hint, must_be, suggestion
 from ..common.time_range import time_warnings
 from ..common.units import allowed_number, number_of, with_reason
-from ..contract.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
-from ..loops.sources import Signal, Table
+from ..driveline.sources import Signal, Table
+from ..interface.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variable
 
 # --- quantities, alone, in lists and in columns ---
 

@@ -13,14 +13,14 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
-from .. import loops
+from .. import driveline
 from ..common.errors import must_be
-from ..contract.variables import LARGEST_SPEED
+from ..driveline.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
+from ..driveline.engine import check_drag, check_rising
+from ..driveline.loads import STANDARD_GRAVITY
+from ..driveline.sources import Sampled, Signal, Table
+from ..interface.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
-from ..loops.cycles import CYCLES, KILOMETRE_PER_HOUR, Cycle
-from ..loops.engine import check_drag, check_rising
-from ..loops.loads import STANDARD_GRAVITY
-from ..loops.sources import Sampled, Signal, Table
 from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, checked, quantity
 
 # --- drives ---
@@ -59,7 +59,7 @@ class AnyDrive(Strict):
             step: Communication step, s.
         """
         signal = self.signal()
-        return [] if signal is None else [loops.source(self.INPUT, signal, step)]
+        return [] if signal is None else [driveline.source(self.INPUT, signal, step)]
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of the module, including the contribution of the drive.
@@ -280,12 +280,12 @@ class EngineDrive(ConstantOrTable, AnyDrive):
         """Return the initial speed of link 1, rad/s."""
         return self.governor.idle if self.omega1 is None else self.omega1
 
-    def torque_map(self) -> loops.EngineMap:
+    def torque_map(self) -> driveline.EngineMap:
         """Return the limits of the torque over the speed."""
         full, drag = self.full_load, self.drag or DragOverSpeed(speed=[0.0], torque=[0.0])
         speeds = np.union1d(full.speed, drag.speed)
         torques = (np.interp(speeds, table.speed, table.torque).tolist() for table in (full, drag))
-        return loops.EngineMap(tuple(speeds.tolist()), *map(tuple, torques))
+        return driveline.EngineMap(tuple(speeds.tolist()), *map(tuple, torques))
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of the module with the inertia of the rotor added to link 1.
@@ -293,7 +293,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
         Args:
             parameters: Parameters of the mechanism, SI, by name.
         """
-        return loops.torque_driven(parameters, self.inertia)
+        return driveline.torque_driven(parameters, self.inertia)
 
     def check_step(self, step: float, inertia: float) -> None:
         """Reject a step in which the constant governor torque would reverse the sign of the speed error.
@@ -322,7 +322,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
             step: Communication step, s.
         """
         limits, settings = self.torque_map(), self.governor
-        governor = loops.Governor(settings.proportional_gain, settings.integral_gain, step)
+        governor = driveline.Governor(settings.proportional_gain, settings.integral_gain, step)
 
         def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
             """Return torque and integrals: the throttle torque, raised at idle speed, cut at top speed."""
@@ -335,7 +335,7 @@ class EngineDrive(ConstantOrTable, AnyDrive):
 
         signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
         engine = Sampled("engine", step, signals, ["drive_torque"], law, integrals)
-        return [loops.source("throttle", self.one_signal(), step), engine]
+        return [driveline.source("throttle", self.one_signal(), step), engine]
 
 
 Drive = Annotated[
@@ -366,8 +366,8 @@ class Coupling(Strict):
     damping: Annotated[float, quantity("N.m.s/rad", 0.0)] = 0.0
 
 
-def _coupling(table: Coupling | None) -> loops.Coupling | None:
-    return None if table is None else loops.Coupling(table.stiffness, table.damping)
+def _coupling(table: Coupling | None) -> driveline.Coupling | None:
+    return None if table is None else driveline.Coupling(table.stiffness, table.damping)
 
 
 class TorqueOverTime(Tabulated):
@@ -408,7 +408,7 @@ class TorqueLoad(ConstantOrTable):
     torque: Torque | None = None
     torque_over_time: TorqueOverTime | None = None
 
-    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> driveline.Load:
         """Make the load as a system.
 
         Args:
@@ -416,7 +416,7 @@ class TorqueLoad(ConstantOrTable):
             prevents_reverse: True if the shaft cannot rotate backward.
             start_speed: Initial speed of the shaft, rad/s.
         """
-        return loops.Load(loops.source("load_torque", self.one_signal(), step))
+        return driveline.Load(driveline.source("load_torque", self.one_signal(), step))
 
 
 class ShaftLoad(Strict):
@@ -435,7 +435,7 @@ class ShaftLoad(Strict):
     torque: Torque = 0.0
     coupling: Coupling | None = None
 
-    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> driveline.Load:
         """Make the shaft as a load as a system.
 
         Args:
@@ -443,7 +443,7 @@ class ShaftLoad(Strict):
             prevents_reverse: True if the shaft cannot rotate backward.
             start_speed: Initial speed of the shaft, rad/s.
         """
-        return loops.shaft_load(
+        return driveline.shaft_load(
             step, self.inertia, self.viscous_friction, self.torque, _coupling(self.coupling)
         )
 
@@ -502,7 +502,7 @@ class VehicleLoad(Strict):
             return None
         return self.friction_coefficient * (self.driven_axle_load or self.mass * STANDARD_GRAVITY)
 
-    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> loops.Load:
+    def build(self, step: float, prevents_reverse: bool, start_speed: float) -> driveline.Load:
         """Make the vehicle as a load as a system.
 
         Args:
@@ -514,7 +514,7 @@ class VehicleLoad(Strict):
         others = {"kind", "slope", "slope_over_distance", "coupling", "times_to"}
         own = self.model_dump(exclude=others | {"friction_coefficient", "driven_axle_load"})
         slope = self.slope if table is None else table.signal()
-        return loops.vehicle_load(
+        return driveline.vehicle_load(
             step, **own, slope=slope, one_way=prevents_reverse, coupling=coupling, start_speed=start_speed
         )
 
@@ -587,7 +587,7 @@ class CycleReference(Strict):
 
     def signal(self) -> Signal:
         """Return the speed of the vehicle, m/s, over time, s."""
-        return loops.Table(CYCLES[self.cycle].time, CYCLES[self.cycle].speed)
+        return driveline.Table(CYCLES[self.cycle].time, CYCLES[self.cycle].speed)
 
     def driving_cycle(self) -> Cycle | None:
         """Return the published driving cycle."""
@@ -651,8 +651,8 @@ class PiController(Strict):
             measured: Name of the controlled speed.
         """
         systems = [
-            loops.source("reference", self.reference.signal(), step),
-            loops.pi_speed_controller(
+            driveline.source("reference", self.reference.signal(), step),
+            driveline.pi_speed_controller(
                 step,
                 self.proportional_gain,
                 self.integral_gain,
@@ -663,7 +663,9 @@ class PiController(Strict):
             ),
         ]
         if self.brake is not None:
-            systems.append(loops.driver_brake(step, self.brake.gain, self.brake.maximum, self.brake.margin))
+            systems.append(
+                driveline.driver_brake(step, self.brake.gain, self.brake.maximum, self.brake.margin)
+            )
         return systems
 
 

@@ -119,11 +119,11 @@ def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
 def scene_text(scene: Scene) -> str:
     """Return a scene as TOML: the keys that differ from their defaults, in SI with their units.
 
-    load_scene reads the text as the same scene. The function requires the extra ``jobs``.
+    load_scene reads the text as the same scene. The function requires the extra ``studies``.
 
     Args:
         scene: The scene.
     """
     tables = scene.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
-    text: str = library("tomli_w", "jobs").dumps(tables, multiline_strings=True)
+    text: str = library("tomli_w", "studies").dumps(tables, multiline_strings=True)
     return text

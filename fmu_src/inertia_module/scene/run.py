@@ -18,13 +18,13 @@ from .. import __version__
 from ..common.equality import ByContent
 from ..common.errors import Named, Refused
 from ..common.terminal import Progress
-from ..contract.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
-from ..harness.fmu import RestartedFmu
-from ..harness.results import html_table
-from ..harness.simulate import Fmu, Result
+from ..driveline import ClosedLoop, initial_inputs
+from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
+from ..fmi.instance import RestartedFmu
+from ..fmi.results import html_table
+from ..fmi.simulate import Fmu, Result
+from ..interface.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
 from ..kernel.codes import ELASTIC, RIGID
-from ..loops import ClosedLoop, initial_inputs
-from ..loops.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from .headings import heading
 from .keys import SceneError, scene_time_warnings
 from .parts import VehicleLoad
@@ -682,7 +682,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     revolutions = abs(speed) * float(np.ptp(record.time)) / math.tau
     if has_brake or revolutions < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
         return {}
-    from ..harness.chart import SteadyMachine  # imports scipy
+    from ..analysis.converter_chart import SteadyMachine  # imports scipy
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from ..common.errors import must_be
 from ..common.units import allowed_number
-from ..contract.variables import default_parameters
+from ..interface.variables import default_parameters
 from .keys import InUnit, SceneError, Strict, checked, quantity
 
 # density, kg/m3; tungsten is the heavy alloy that balance weights are made of

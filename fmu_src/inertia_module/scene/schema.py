@@ -8,16 +8,16 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from .. import loops
+from .. import driveline
 from ..common.errors import Refused, must_be, unknown
-from ..contract import variables
-from ..contract.variables import BY_NAME, with_causality
-from ..harness.simulate import check_number_of_steps, whole_steps
+from ..driveline.closed_loop import PLANT_INPUTS
+from ..driveline.cycles import Cycle
+from ..driveline.sources import Signal, Sources
+from ..fmi.simulate import check_number_of_steps, whole_steps
+from ..interface import variables
+from ..interface.variables import BY_NAME, with_causality
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
-from ..loops.closed_loop import PLANT_INPUTS
-from ..loops.cycles import Cycle
-from ..loops.sources import Signal, Sources
-from ..memory import Module
+from ..model import Module
 from .keys import (
     AUTO,
     Duration,
@@ -226,7 +226,7 @@ class Scene(Strict):
         return self.controller.maximum if isinstance(self.controller, PiTorqueController) else None
 
     @cached_property
-    def built_load(self) -> loops.Load:
+    def built_load(self) -> driveline.Load:
         """Return the load as a system."""
         # Two freewheels prevent the output shaft from rotating backward.
         prevents_reverse = all(
@@ -243,7 +243,7 @@ class Scene(Strict):
     @cached_property
     def surroundings(self) -> Any:
         """Return the environment of the FMU: load, drive and controller as one connected system."""
-        return loops.connect(list(self.systems()))
+        return driveline.connect(list(self.systems()))
 
     def systems(self) -> Iterator[Any]:
         """Yield load, controller and drive as systems to connect."""
@@ -255,7 +255,7 @@ class Scene(Strict):
         yield from self.drive.systems(step)
         has_brake = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not has_brake:
-            yield loops.source("brake_force", 0.0, step)
+            yield driveline.source("brake_force", 0.0, step)
 
     @property
     def prescribed(self) -> dict[str, Signal]:

@@ -13,11 +13,11 @@ from pydantic import BaseModel, Field, create_model, model_validator
 
 from ..common.errors import Refused, must_be
 from ..common.terminal import Progress
-from ..contract.models import DRIVEN_SHAFT
-from ..contract.variables import LOCAL, OUTPUT, PARAMETER
-from ..harness.simulate import communication_points, drive
-from ..loops.sources import evaluate
-from ..memory import DrivenShaft
+from ..driveline.sources import evaluate
+from ..fmi.simulate import communication_points, drive
+from ..interface.models import DRIVEN_SHAFT
+from ..interface.variables import LOCAL, OUTPUT, PARAMETER
+from ..model import DrivenShaft
 from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
 from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy

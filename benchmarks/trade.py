@@ -1,0 +1,31 @@
+"""The trade of speed for accuracy, written into docs/tradeoff_*.csv and a plot.
+
+`inertia-module tradeoff SCENE` measures a scene alike.
+"""
+
+from benchmarks.figures import DOCS
+from benchmarks.peers import PEERS
+from benchmarks.trade_off import R1, R1_ELASTIC, converged, measure
+from inertia_module.common.examples import example
+from inertia_module.fidelity.trials import failure_lines, trial_rows, work_precision, write_rows
+from inertia_module.fmi.results import write_figure
+from inertia_module.fmi.simulate import progress_bar
+from inertia_module.scene import load_scene
+
+
+def main():
+    with progress_bar("scene R1 and the peers") as progress:
+        rigid = measure(R1, converged(R1), peers=PEERS, progress=progress)
+    with progress_bar("scene R1 with an elastic output") as progress:
+        elastic = measure(R1_ELASTIC, converged(R1_ELASTIC), progress=progress)
+    with progress_bar("urban scene") as progress:
+        urban = trial_rows(load_scene(example("urban")), progress)
+    write_rows(DOCS / "tradeoff_r1.csv", rigid)
+    write_rows(DOCS / "tradeoff_elastic.csv", elastic)
+    write_rows(DOCS / "tradeoff_urban.csv", urban)
+    write_figure(DOCS / "tradeoff_r1.png", work_precision(rigid, ["omega_out_worst"], "Scene R1"))
+    print("\n".join(failure_lines([*rigid, *elastic])))
+
+
+if __name__ == "__main__":
+    main()

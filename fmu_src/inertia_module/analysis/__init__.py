@@ -1,0 +1,1 @@
+"""Analyses of the mechanism itself: steady state and torque converter charts."""

@@ -1,1 +1,0 @@
-"""Figures of mechanisms, scenes and jobs, and the HTML report."""

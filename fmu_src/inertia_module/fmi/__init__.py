@@ -1,0 +1,1 @@
+"""Simulation of FMUs with access by name: instances, runs, results, checks."""

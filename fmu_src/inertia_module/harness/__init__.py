@@ -1,1 +1,0 @@
-"""Simulation of FMUs with access by name: instances, runs, checks, charts."""

@@ -1,0 +1,1 @@
+"""Figures of mechanisms, scenes and studies."""

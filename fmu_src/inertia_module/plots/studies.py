@@ -1,0 +1,367 @@
+"""Figures of charts, sweeps, designs, fits and order analyses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import LogLocator, NullFormatter
+from numpy.typing import NDArray
+
+from ..analysis.converter_chart import TorqueConverterChart
+from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..common.units import factor_between
+from ..studies.axes import Axis
+from ..studies.design_search import DesignResult
+from ..studies.evaluation import Row
+from ..studies.fit_result import FitResult
+from ..studies.order_analysis import BASES, Orders
+from ..studies.parameter_sweep import SweepResult, varies
+from .panels import SIZE, Array, dress, plain, sheet, titled
+
+# --- torque converter charts, one curve per mechanism ---
+
+COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
+LARGEST_TORQUE_RATIO = 6.0
+# efficiencies of the contour lines
+EFFICIENCY_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
+# title and unit of the panels of a chart; the last two panels require engagements
+PANELS = (
+    ("torque ratio, efficiency (dashed)", ""),
+    ("mean output torque{per_square}; bar: lock-up torque", "{torque}"),
+    ("mean input torque{per_square}", "{torque}"),
+    ("output torque ripple (RMS) / mean", "-"),
+    ("engagements: output, housing (dashed), limit (dotted)", "{engagements}"),
+    ("maximum output freewheel torque{per_square}", "{torque}"),
+)
+UNITS_PER_SPEED = {"per_square": " / ω1²", "torque": "N·m·s²", "engagements": "per input revolution"}
+UNITS_AT_SPEED = {"per_square": "", "torque": "N·m", "engagements": "Hz"}
+
+
+def chart_figure(
+    charts: Mapping[str, TorqueConverterChart],
+    maps: Mapping[str, Mapping[str, Array]] | None = None,
+    speed_unit: str = "rad/s",
+    allowed: Mapping[str, float] = MappingProxyType({}),
+    omega1: float | None = None,
+) -> Figure:
+    """Draw torque ratio and efficiency, output and input torque, ripple and engagements over the speed ratio.
+
+    Args:
+        charts: Charts by the names in the legend.
+        maps: Results of steady_map by name, for efficiency maps.
+        speed_unit: Unit of the input speed.
+        allowed: Maximum engagements of a freewheel per revolution of the input, by chart.
+        omega1: Input speed, rad/s, for torques in N.m; None for torques divided by the square of the speed.
+
+    Returns:
+        A matplotlib Figure of 1200 x 900 pixels, half as high again for engagements and for maps.
+    """
+    has_engagements = any(chart.output_engagements is not None for chart in charts.values())
+    height = 1.0 + 0.5 * has_engagements
+    torque_factor, frequency_factor = (1.0, 1.0) if omega1 is None else (omega1**2, abs(omega1) / math.tau)
+    units, at = UNITS_PER_SPEED, ""
+    if omega1 is not None:
+        units = UNITS_AT_SPEED
+        at = f" at {omega1 * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
+    figure = sheet(f"Torque converter chart{at}", (height + 0.5 * bool(maps)) * SIZE[1])
+    upper: Figure | SubFigure = figure
+    if maps:
+        parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0 * height, 1))
+        upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
+        for axes, (name, steady_map) in zip(below.flat, maps.items(), strict=True):
+            axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
+            _efficiency(axes, steady_map, speed_unit)
+    panels = upper.subplots(2 + has_engagements, 2, sharex=True)
+    ratio, output, input_torque, ripple, *duty = panels.flat
+    for number, (name, chart) in enumerate(charts.items()):
+        colour = COLOURS[number % len(COLOURS)]
+        speed, torque = chart.speed_ratio, chart.output_torque
+        # Torque ratio and ripple are drawn only within a limited range.
+        in_range = chart.input_torque * LARGEST_TORQUE_RATIO > torque
+        has_torque = torque > 1e-3 * max(chart.stall_torque, 1e-300)
+        ratio.plot(speed[in_range], torque[in_range] / chart.input_torque[in_range], color=colour, label=name)
+        ratio.plot(speed, chart.efficiency, "--", color=colour)
+        output.plot(speed, torque_factor * torque, color=colour, label=name)
+        if chart.lock_up_torque[0] > 0.0:
+            bar = [0.0, torque_factor * chart.lock_up_torque[0]]
+            output.plot([1.0, 1.0], bar, color=colour, linewidth=3.0, alpha=0.5)
+        input_torque.plot(speed, torque_factor * chart.input_torque, color=colour, label=name)
+        ripple.plot(
+            speed[has_torque], chart.ripple[has_torque] / torque[has_torque], color=colour, label=name
+        )
+        if chart.output_engagements is not None and chart.housing_engagements is not None:
+            duty[0].plot(speed, frequency_factor * chart.output_engagements, color=colour, label=name)
+            duty[0].plot(speed, frequency_factor * chart.housing_engagements, "--", color=colour)
+            duty[1].plot(speed, torque_factor * chart.peak, color=colour, label=name)
+            if name in allowed:
+                duty[0].axhline(frequency_factor * allowed[name], color=colour, linestyle=":")
+    for axes, (title, unit) in zip(panels.flat, PANELS, strict=False):
+        axes.set_title(title.format(**units), loc="left", fontsize=11)
+        axes.set_ylabel(unit.format(**units))
+        axes.set_ylim(bottom=0.0)
+        axes.legend(fontsize=9, frameon=False)
+        plain(axes)
+    ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
+    if all(chart.lossless for chart in charts.values()):
+        ratio.set_title(f"{PANELS[0][0]}: 1, no losses", loc="left", fontsize=11)
+    for axes in panels[-1]:
+        axes.set_xlabel("speed ratio, output / input")
+    return figure
+
+
+def _efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
+    """Draw lines of equal efficiency over speed ratio and input speed."""
+    ratios, efficiency = steady_map["speed_ratio"], steady_map["efficiency"]
+    end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
+    speeds = np.abs(steady_map["omega1"]) * factor_between("rad/s", unit)
+    curves = ratios, speeds, efficiency, EFFICIENCY_LEVELS
+    contours = axes.contourf(*curves, cmap="viridis")
+    axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
+    axes.figure.colorbar(contours, ax=axes)
+    axes.set_xlim(0.0, ratios[min(end, ratios.size - 1)])
+    axes.set_xlabel("speed ratio, output / input")
+    axes.set_ylabel(f"input speed [{unit}]")
+
+
+# --- sweeps ---
+
+# metrics of the default selection, if they vary
+USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_mean", "satellite_force_peak")
+MAX_METRICS = 3
+
+
+def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
+    """Draw a sweep: maps over two keys, otherwise each metric over each key.
+
+    Args:
+        sweep: Result of the sweep.
+        figures: Names of metrics; without names up to MAX_METRICS metrics that vary.
+
+    Raises:
+        Refused: The sweep has no metric of this name.
+    """
+    names = list(figures)
+    if not names:
+        candidates = sorted(sweep.figures, key=lambda name: name not in USUAL)
+        names = [name for name in candidates if varies(sweep.figure(name))][:MAX_METRICS]
+    rows, columns = max(len(names), 1), 1 if len(sweep.axes) == 2 else len(sweep.axes)
+    picture = sheet(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
+    panels = picture.subplots(rows, columns, sharey="row", squeeze=False)
+    for row, name in zip(panels, names, strict=False):
+        values, label = sweep.figure(name), titled(name, sweep.units.get(name, ""))
+        if len(sweep.axes) == 2:
+            _map(row[0], sweep, values, label)
+            continue
+        row[0].set_ylabel(label)
+        for panel, axis in zip(row, sweep.axes, strict=True):
+            places = _places(sweep, axis)
+            order = np.argsort(places, kind="stable")
+            panel.plot(places[order], values[order], ".-" if columns == 1 else ".", linewidth=1.2)
+            plain(panel)
+            _scale(panel, sweep, axis, "x")
+    return picture
+
+
+def _places(sweep: SweepResult, axis: Axis) -> NDArray[Any]:
+    """Return the values of the samples on an axis: numbers, or names, which matplotlib spaces equally."""
+    return np.array([row.point[axis.name] for row in sweep.rows])
+
+
+def _scale(panel: Axes, sweep: SweepResult, axis: Axis, side: str) -> None:
+    """Set label and scale of one side, x or y, of a panel for an axis of the sweep."""
+    getattr(panel, f"set_{side}label")(titled(axis.name, sweep.units.get(axis.name, "")))
+    if axis.logarithmic:
+        getattr(panel, f"set_{side}scale")("log")
+
+
+def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
+    """Draw a grid as a map, other samples as dots; failed samples stay white."""
+    x, y = (_places(sweep, axis) for axis in sweep.axes)
+    across, up = np.unique(x), np.unique(y)
+    if across.size * up.size == values.size:
+        table = np.full((up.size, across.size), np.nan)
+        table[np.searchsorted(up, y), np.searchsorted(across, x)] = values
+        artist: Any = panel.pcolormesh(across, up, table, shading="nearest")
+    else:
+        artist = panel.scatter(x, y, c=values, s=14)
+    panel.figure.colorbar(artist, ax=panel, label=label)
+    for axis, side in zip(sweep.axes, "xy", strict=True):
+        _scale(panel, sweep, axis, side)
+
+
+# --- designs ---
+
+
+def design_figure(result: DesignResult) -> Figure:
+    """Draw a design: a single goal over the number of the design, or the other goals over the first.
+
+    Args:
+        result: Result of design.
+    """
+    names = list(result.judge.spec.goals)
+    across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
+    picture = sheet(result.judge.spec.title, 1.0 + 4.8 * len(up))
+    for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
+        _goals(panel, result, across, name)
+    return picture
+
+
+def _goals(panel: Axes, result: DesignResult, across: str | None, up: str) -> None:
+    """Draw one goal over another, or over the number of the design."""
+    place = {str(row.point): n for n, row in enumerate(result.rows, 1)}
+
+    def points(rows: Sequence[Row]) -> tuple[Array, Array]:
+        """Return the coordinates of rows; NaN for missing metrics."""
+        x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
+        return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
+
+    meets = [result.judge.meets(row) for row in result.rows]
+    groups = ("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")
+    for label, is_group, colour in groups:
+        rows = [row for row, is_valid in zip(result.rows, meets, strict=True) if is_valid is is_group]
+        panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
+    style = "k*" if across is None else "k-"
+    panel.plot(*points(result.front), style, linewidth=1.0, markersize=9, label="Pareto front")
+    for number, finalist in enumerate(result.finalists):
+        is_valid = result.judge.meets(finalist.checked)
+        (x,), (y,) = points([finalist.checked])
+        panel.plot(x, y, "o" if is_valid else "x", color="tab:green" if is_valid else "tab:red", markersize=8)
+        # Labels of neighbours are on opposite sides.
+        shift = (-14, -14) if number % 2 else (6, 6)
+        panel.annotate(
+            finalist.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points"
+        )
+    panel.plot([], [], "o", color="tab:green", label=f"verified ({result.judge.spec.search.check})")
+    dress(panel, titled(up, result.judge.unit(up)))
+    x, y = points(result.rows)
+    _stretch(panel.set_yscale, panel.yaxis, y)
+    panel.set_xlabel("design number")
+    if across is not None:
+        _stretch(panel.set_xscale, panel.xaxis, x)
+        panel.set_xlabel(titled(across, result.judge.unit(across)))
+    panel.margins(0.03)
+
+
+def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
+    """Make an axis logarithmic, with plain numbers, because the first designs are far from the best."""
+    if (values < 0.0).any():
+        set_scale("symlog")
+        return
+    set_scale("log")
+    axis.set_major_formatter("{x:g}")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+# --- fits ---
+
+# half width of the band with 95 % of normally distributed noise, in standard deviations
+BAND_95 = 1.96
+
+
+def fit_figure(result: FitResult) -> Figure:
+    """Draw measured and computed values over time, and residuals over noise with a band of 95 %.
+
+    Args:
+        result: Result of fit.
+    """
+    data, table = result.measurement, result.table()
+    figure = sheet(result.scene.title, 1.0 + 4.0 * len(data.columns))
+    panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
+    for n, name in enumerate(data.columns):
+        curves, residuals = panels[2 * n : 2 * n + 2]
+        is_used, time = data.counted[:, n], table.time
+        curves.plot(time, table[f"{name}_measured"], ".", color=GREY, markersize=4, label="measured")
+        curves.plot(time, table[f"{name}_computed"], color=VERMILION, linewidth=1.2, label="computed")
+        dress(curves, titled(name, data.table.units.get(name, "")))
+        normalised = table[f"{name}_residual"] / data.noise.get(name, result.noise[name])
+        residuals.axhspan(-BAND_95, BAND_95, color=BLUE, alpha=0.12)
+        residuals.plot(time[is_used], normalised[is_used], ".", color=BLUE, markersize=4)
+        dress(residuals, "residual / noise")
+    panels[-1].set_xlabel("time [s]")
+    return figure
+
+
+# --- orders ---
+
+# number of labelled lines in a panel
+NAMED = 3
+# signals share a row if their amplitudes differ by less than this fraction of the maximum
+SAME_RTOL = 1e-6
+
+
+def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: str = "rad/s") -> Figure:
+    """Draw the spectrum of each signal and its waterfall, over the speed in a run-up, otherwise over time.
+
+    Constant signals are omitted. Signals with equal amplitudes share a row.
+
+    Args:
+        result: Result of orders.
+        title: Title of the figure.
+        in_hz: True for waterfalls over Hz and rpm instead of orders.
+        speed_unit: Unit of the speed of link 1 in waterfalls over orders.
+    """
+    rows = _rows_of(result)
+    figure = sheet(title, 1.2 + 2.6 * max(len(rows), 1))
+    if not rows:
+        figure.text(0.5, 0.5, "all signals are constant", ha="center")
+        return figure
+    panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
+    for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
+        _spectrum(left, result, name, label)
+        mesh = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
+        if mesh is not None:
+            figure.colorbar(mesh, ax=right, label=result.units[name])
+    for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
+        axes.set_xlim(0.0, result.highest * (1.0 if in_order else float(result.rate.max())))
+        axes.set_xlabel(f"order [cycles per {BASES[result.of]}]" if in_order else "frequency [Hz]")
+    return figure
+
+
+def _rows_of(result: Orders) -> dict[str, str]:
+    """Return the label of each oscillating signal, with the names of signals of equal amplitudes."""
+    labels: dict[str, list[str]] = {}
+    for name, amplitude in result.amplitude.items():
+        if not amplitude.any():
+            continue
+        maximum = float(amplitude.max())
+        equal_signals = (
+            other
+            for other in labels
+            if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * maximum)
+        )
+        labels.setdefault(next(equal_signals, name), []).append(name.replace("_", " "))
+    return {name: titled(", ".join(names), result.units[name]) for name, names in labels.items()}
+
+
+def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
+    """Draw the mean spectrum of a signal and label the orders of its main lines."""
+    amplitude = result.amplitude[name]
+    axes.plot(result.order, amplitude, color=VERMILION, linewidth=1.2)
+    for line in result.largest(NAMED)[name]:
+        place = (line.order, float(np.interp(line.order, result.order, amplitude)))
+        axes.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
+    axes.set_ylim(0.0, 1.15 * float(amplitude.max()))
+    dress(axes, label)
+
+
+def _waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: str) -> Any:
+    """Draw the amplitudes of a signal in each window; return None if there is only one window."""
+    over, label = result.time, "time [s]"
+    if result.time.size > 1 and (np.diff(result.speed) > 1e-3 * result.speed[0]).all():
+        over, label = result.speed * factor_between("rad/s", speed_unit), f"speed of link 1 [{speed_unit}]"
+    axes.set_ylabel(label)
+    if over.size < 2:
+        axes.text(0.5, 0.5, "one window", ha="center", transform=axes.transAxes)
+        return None
+    maximum = float(result.waterfall[name].max())
+    norm = LogNorm(1e-3 * maximum, maximum, clip=True)
+    across = result.frequency if in_hz else result.order
+    return axes.pcolormesh(across, over, result.waterfall[name], norm=norm, cmap="viridis", shading="nearest")

@@ -1,0 +1,316 @@
+"""Report of a scene as one HTML file, to send or to print: inputs, results, and the command that repeats it.
+
+The results are the results of the commands run, chart and orders. A section that is not available for the
+scene contains the reason.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+import platform
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import date
+from functools import partial
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .. import __version__
+from ..analysis.converter_chart import torque_converter_chart
+from ..common.errors import Refused
+from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
+from ..common.terminal import Progress
+from ..fmi.instance import read_description
+from ..fmu.archive import filled_xml
+from ..interface.variables import LOST_TO, PARAMETER, Group, with_causality
+from ..kernel.codes import ELASTIC
+from ..plots.mechanism import mechanism_figure
+from ..plots.scenes import scene_figure
+from ..plots.studies import NAMED, chart_figure, order_figure
+from ..scene import Scene, SceneResult
+from ..scene.keys import in_range, keys_of
+from ..scene.reading import speed_unit
+from ..scene.run import DUTY, FREEWHEELS, input_speed, start_of
+from ..studies.order_analysis import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
+
+TEMPLATE = Path(__file__).parent / "templates" / "report.html"
+# variables that a run for a report records in addition to the outputs of the scene
+RECORDED = (
+    *(BEARING.get(name, name) for name in SIGNALS),
+    *ANGLES,
+    *("satellite_force", "satellite_force_peak", "shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
+    "housing_torque",
+)
+# resolution of figures, and their size over the size on the screen, so that text is legible on paper
+DPI, PRINT_SIZE = 190, 0.8
+# maximum number of values of a list; of longer lists the report contains the ends
+MAX_VALUES = 16
+
+
+class Part(NamedTuple):
+    """Content of a section.
+
+    Attributes:
+        texts: Sentences.
+        columns: Headings of the table.
+        rows: Rows of the table.
+        picture: Data URI of a figure; "" for none.
+    """
+
+    texts: Sequence[str] = ()
+    columns: Sequence[str] = ()
+    rows: Sequence[Sequence[str]] = ()
+    picture: str = ""
+
+
+def report_file(
+    file: Path,
+    keys: Sequence[str],
+    result: SceneResult,
+    fmu: Path,
+    command: str,
+    chosen: Sequence[str] = (),
+    progress: Progress = lambda fraction: None,
+) -> bytes:
+    """Make the report of a run.
+
+    Args:
+        file: Scene file.
+        keys: Values that replace values of the file, KEY=VALUE each.
+        result: Result of the run; for a module with the variables in RECORDED.
+        fmu: FMU file of the run.
+        command: Command that repeats the report.
+        chosen: Lines about the choice of the fidelity.
+        progress: Function called with the completed fraction, 0 to 1.
+
+    Returns:
+        The HTML file.
+    """
+    content = read_file(file, MAX_TEXT_SIZE)
+    text = content.decode("utf-8-sig")
+    remarks = [f"warning: {warning}" for warning in result.warnings]
+    remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
+    remarks += chosen
+    inputs, *parameters = _input_sections(result.scene, text, keys).items()
+    sections = {
+        "Warnings and remarks": Part(remarks or ["None."]),
+        "Results": _summary(result),
+    }
+    sections |= dict([inputs])
+    parts = PARTS | {"Orders": partial(_orders, fmu=fmu, speed_unit=speed_unit(file, keys))}
+    for number, (title, make) in enumerate(parts.items()):
+        progress(number / len(PARTS))
+        try:
+            sections[title] = make(result)
+        except Refused as reason:
+            sections[title] = Part([f"Not available: {reason}."])
+    origin = {
+        "scene file": f"{file.name}, SHA-256 {hashlib.sha256(content).hexdigest()}",
+        "FMU": f"{fmu.name} {read_description(fmu, validate=False).guid}",
+        "version": f"inertia-module {__version__}, Python {platform.python_version()}, {platform.platform()}",
+        "date": f"{date.today()}",
+        "command": command,
+    }
+    sections |= dict(parameters)
+    return filled_xml(TEMPLATE, {"scene": result.scene, "sections": sections, "origin": origin, "text": text})
+
+
+def _picture(figure: Figure, size: float = PRINT_SIZE) -> str:
+    """Return a figure without its title as a data URI, because the section has a heading."""
+    figure.suptitle("")
+    figure.set_size_inches(*(size * figure.get_size_inches()))
+    figure.set_dpi(DPI)
+    return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+# --- inputs ---
+
+
+def _flat(tables: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys and values of nested tables."""
+    for name, value in tables.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", value
+
+
+def _text_of(value: Any) -> str:
+    """Return a value of a scene as text: numbers with six digits, of a long list the ends."""
+    if isinstance(value, list):
+        texts = [_text_of(element) for element in value]
+        ends = [*texts[:3], f"… ({len(texts)} in all)", texts[-1]]
+        return ", ".join(texts if len(texts) <= MAX_VALUES else ends)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return re.sub(r"\d+\.\d{6,}", lambda digits: f"{float(digits[0]):.6g}", str(value))
+
+
+def _input_sections(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
+    """Return sections with the keys of a scene, their values and sources.
+
+    Args:
+        scene: The scene.
+        text: Text of the scene file.
+        keys: Values that replace values of the file, KEY=VALUE each.
+
+    Returns:
+        Section of the inputs, then a section of the model's parameters for each group.
+    """
+    sources = {key: ("scene file", source_value) for key, source_value in _flat(tomllib.loads(text))}
+    sources |= {key: ("--set", source_value) for key, source_value in _flat(keys_of(keys))}
+
+    def source(key: str, value_text: str, default: str) -> str:
+        """Return the source of a value, with the text in the source if it differs from the value."""
+        table = key.rpartition(".")[0]
+        place, source_value = sources.get(key) or sources.get(f"{table}.file") or (default, value_text)
+        return place if _text_of(source_value) == value_text else f"{place}: {_text_of(source_value)}"
+
+    is_module = isinstance(scene, Scene)
+    table, values = ("mechanism", start_of(scene)[0]) if is_module else ("shaft", scene.parameters())
+    unused_groups = {Group.BEVEL if values.get("layout") else Group.PLANAR}
+    unused_groups |= {Group.ELASTIC} if is_module and values.get("fidelity") != ELASTIC else set()
+    parameter_keys, rows = set[str](), {group: list[Sequence[str]]() for group in ("", *Group)}
+    for variable in with_causality(PARAMETER, table=scene.VARIABLES.values()):
+        name, group = variable.name, variable.group
+        key = "accuracy.tolerance" if is_module and name == "tolerance" else f"{table}.{name}"
+        value = values.get(name, variable.start)
+        value_text = _text_of(in_range(variable).written(value))
+        origin = source(key, value_text, "default" if value == variable.start else "other keys")
+        parameter_keys.add(key)
+        if origin != "default" or group not in unused_groups:
+            rows[group].append((name, value_text, origin, variable.description))
+    for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)):
+        if key not in parameter_keys and key.rpartition(".")[2] not in ("title", "description"):
+            rows[""].append((key, _text_of(value), source(key, _text_of(value), "default")))
+    columns = ("parameter", "value", "source", "meaning")
+    parts = {f"Parameters: {group}": Part([], columns, rows[group]) for group in Group if rows[group]}
+    note = (
+        "A value that differs from its source includes contributions of other keys, such as the inertia of a"
+        " load."
+    )
+    return {"Inputs": Part([note], ("key", "value", "source"), rows[""]), **parts}
+
+
+# --- results ---
+
+
+def _summary(result: SceneResult) -> Part:
+    """Return the section of the summary, in two columns."""
+    lines = list(result.lines().items())
+    half = -(-len(lines) // 2)
+    pairs = zip_longest(lines[:half], lines[half:], fillvalue=("", ""))
+    return Part([], ("number", "value") * 2, [(*left, *right) for left, right in pairs])
+
+
+def _module(result: SceneResult) -> Scene:
+    """Return the scene of a run; reject a scene of a driven shaft."""
+    if isinstance(result.scene, Scene):
+        return result.scene
+    raise Refused("the scene is a driven shaft without satellites and freewheels")
+
+
+def _mechanism(result: SceneResult) -> Part:
+    """Return the section with the sketch of one module."""
+    text = (
+        "One module, to scale. The sketch shows pitch circles or pitch cones; other dimensions are not"
+        " parameters."
+    )
+    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
+
+
+def _chart(result: SceneResult) -> Part:
+    """Return the section with the chart at the maximum speed of link 1 in the run."""
+    scene, speeds = _module(result), input_speed(result.record)
+    omega1 = float(speeds[np.abs(speeds).argmax()])
+    if omega1 == 0.0:
+        raise Refused("link 1 does not turn")
+    chart = torque_converter_chart(scene.parameters(), omega1, engagements=True)
+    limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
+    numbers = chart.summary(omega1, limits).items()
+    rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
+    allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
+    figure = chart_figure({"mechanism": chart}, allowed=allowed, omega1=omega1)
+    at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
+    limit = scene.drive_torque_limit(omega1)
+    beyond = "" if limit is None else chart.beyond_drive(omega1, limit)
+    texts = [f"Steady-state means over the speed ratio, {at}."]
+    texts += [f"{beyond[0].upper()}{beyond[1:]}."] if beyond else []
+    return Part(texts, ("number", "value"), rows, _picture(figure))
+
+
+def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad/s") -> Part:
+    """Return the section with the main orders from the first to the last revolution of link 1.
+
+    Args:
+        result: Result of the run.
+        fmu: FMU file of the run, for a run in shorter steps.
+        speed_unit: Unit of the speed of link 1.
+    """
+    scene, record = _module(result), result.record
+    moving_rows = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
+    if not moving_rows.size:
+        raise Refused("link 1 does not turn")
+    begin, end = record.time[moving_rows[0]], record.time[moving_rows[-1] + 1]
+    spectra = orders(scene, fmu, record=record, begin=begin, end=end)
+    lines = spectra.lines(NAMED, speed_unit=speed_unit)
+    rows = [(_words(name), *line) for name, texts in lines.items() for line in texts.items()]
+    text = f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."
+    text += f" They were recorded in steps of {spectra.step * 1e3:.3g} ms."
+    picture = _picture(order_figure(spectra, "", speed_unit=speed_unit))
+    return Part([text], ("signal", "order", "amplitude"), rows, picture)
+
+
+def _energy(result: SceneResult) -> Part:
+    """Return the section of energies, their mean power, and the fraction of each cause of losses."""
+    time, losses = (result.quantities[name].value for name in ("simulated_time", "energy_lost"))
+    rows = []
+    for name, (value, unit) in result.quantities.items():
+        if name.startswith("energy_") or name == "efficiency":
+            power = f"{value / time:.4g} W" if unit == "J" else ""
+            share = f"{100.0 * value / losses:.3g} %" if name.startswith(LOST_TO) else ""
+            rows.append((_words(name), f"{value:.6g} {unit}", power, share))
+    texts = [] if losses else ["The mechanism is ideal: no losses."]
+    return Part(texts, ("energy", "value", "mean power", "share of the losses"), rows)
+
+
+def _duty(result: SceneResult) -> Part:
+    """Return the section of the freewheel duty: engagement frequencies, maximum torque and slip."""
+    _module(result)
+    if DUTY in result.remarks:
+        raise Refused(f"it {result.remarks[DUTY]}")
+    lines = result.lines()
+    frequencies = ("engagement frequency mean", "engagement frequency maximum")
+    rows = [
+        (number, *(lines.get(f"{name} {number}", "not present") for name in FREEWHEELS))
+        for number in (*frequencies, "torque peak", "slip peak")
+    ]
+    text = (
+        "The mean frequency covers the whole run. The maximum covers ten consecutive engagements, because"
+        " manufacturers limit the indexing frequency of sprags. Slip is the overrunning speed."
+    )
+    return Part([text], ("number", *(f"{name} freewheel" for name in FREEWHEELS)), rows)
+
+
+# sections of the results by title
+PARTS: dict[str, Callable[[SceneResult], Part]] = {
+    "Mechanism": _mechanism,
+    "Curves": lambda result: Part(picture=_picture(scene_figure(result), size=1.0)),
+    "Torque converter chart": _chart,
+    "Orders": _orders,
+    "Energy and losses": _energy,
+    "Freewheel duty": _duty,
+}

@@ -1,0 +1,10 @@
+"""Engineering tasks: sweep, design, fit, orders, batch; the commands have the same arguments."""
+
+from .batch_run import batch
+from .design_search import DesignResult, design
+from .fit_result import FitResult
+from .order_analysis import Orders, orders
+from .parameter_fit import fit
+from .parameter_sweep import SweepResult, sweep
+
+__all__ = ["DesignResult", "FitResult", "Orders", "SweepResult", "batch", "design", "fit", "orders", "sweep"]

@@ -1,0 +1,294 @@
+"""Result of a fit: numbers, the wording of all verdicts, and files."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic_core import to_jsonable_python
+
+from ..common.equality import ByContent
+from ..common.errors import listed
+from ..common.files import write_text
+from ..fmi.simulate import Result
+from ..scene import Scene
+from ..scene.reading import scene_text
+from .axes import Free
+from .candidates import SIGNIFICANCE, Candidate, causes
+from .measurement import N_DEVIATIONS, Measurement, autocorrelation
+from .profile_likelihood import END_RTOL
+
+# correlation from which there is a warning
+MAX_CORRELATION = 0.95
+# number of candidates that are printed
+N_CANDIDATES = 8
+
+NO_INFLUENCE = "has no influence on the measured columns and keeps its start value"
+SYSTEMATIC = "the residuals are systematic: no interval is reliable until their cause is known"
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted key.
+
+    Attributes:
+        name: dotted name.
+        value: estimate, SI.
+        unit: of the value, "" for none.
+        error: its standard error in the linear model, SI; infinite without influence.
+        interval: 95 % interval by profile likelihood, with each plausible candidate released in turn, SI.
+        interval_if_exact: 95 % interval by profile likelihood if everything else is exact, SI.
+        released: candidates whose release sets the ends of the interval.
+        is_excluded: whether a candidate explains the residuals, so that the value does not apply.
+        doubt: a remark on the estimate, or "".
+    """
+
+    name: str
+    value: float
+    unit: str
+    error: float = math.inf
+    interval: Interval = (-math.inf, math.inf)
+    interval_if_exact: Interval = (-math.inf, math.inf)
+    released: tuple[str, ...] = ()
+    is_excluded: bool = False
+    doubt: str = ""
+
+    @property
+    def text(self) -> str:
+        """Value, interval, released candidates and doubt, in a line."""
+        text, (low, high) = f"{self.value:.6g} {self.unit}".rstrip(), self.interval
+        released = f" with {' or '.join(self.released)} released" if self.released else ""
+        if self.is_excluded:
+            text = f"{f'from {low:.6g} to {high:.6g} {self.unit}'.rstrip()}{released}"
+        elif math.isfinite(high - low):
+            text = f"{text}, from {low:.6g} to {high:.6g}{released}"
+        return f"{text}; {self.doubt}" if self.doubt else text
+
+
+def is_at_end(key: Free, value: float) -> bool:
+    """Return True if a value is at an end of the range of its key."""
+    return key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size
+
+
+def doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
+    """Return a remark on a key that is not identifiable or at the end of its range, or "".
+
+    Args:
+        key: with its range.
+        value: estimate, SI.
+        is_open: whether the profile meets no limit, at the lower and at the upper end.
+    """
+    if not any(is_open):
+        return ""
+    if all(is_open):
+        return "not identifiable from the data: the profile likelihood has no limit within the ranges"
+    if is_at_end(key, value):
+        return "is at the end of its range"
+    side = "lower" if is_open[0] else "upper"
+    return f"not identifiable from the data: they set no {side} limit within the ranges"
+
+
+def unit_remark(name: str, gain: float, unit: str) -> str:
+    """Return a warning on a column, measured over computed by the unfitted scene, and on its unit."""
+    return f"{name} is {gain:.3g} times the value that the unfitted scene computes; possible cause: {unit}"
+
+
+def combination_remark(names: Sequence[str], singular: float) -> str:
+    """Return a warning on the keys of the weakest direction and its singular value."""
+    return (
+        f"only a combination of {', '.join(names)} is identifiable: along the weakest direction of the scaled"
+        f" Jacobian (singular value {singular:.2g}) re-fits meet no limit"
+    )
+
+
+def scale_remark(free: Sequence[str], scale: Sequence[str]) -> str:
+    """Return a warning if one fixed parameter or none sets the scale of the free ones, else ""."""
+    ratios = f"only ratios of {', '.join(free)} are identifiable:"
+    if not scale:
+        return f"{ratios} a common factor changes nothing, because no mass, inertia or torque is fixed"
+    alone = f"{ratios} the result scales with {scale[0]}, which is taken as exact"
+    return alone if len(scale) == 1 else ""
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult(ByContent):
+    """Result of a fit.
+
+    Attributes:
+        scene: with the fitted values.
+        parameters: fitted keys.
+        correlations: by pairs of names.
+        measurement: the data.
+        computed: columns of the fitted scene at the measured times, SI.
+        noise: standard deviation of each column, SI, RMS.
+        estimated: columns whose noise is estimated from the residuals.
+        chi_squared: reduced chi-squared.
+        candidates: fixed parameters and sensor errors, released in turn; the most significant first.
+        inseparable: candidates that the data cannot separate from the fitted keys, taken as exact.
+        scale: fixed parameters that set the scale of all masses and torques.
+        remarks: warnings on units, ranges, scale and combinations.
+        searches: number that converged to the optimum, and number of all.
+        runs: of the scene.
+        converged: whether the last search converged.
+        files: written files, by kind.
+    """
+
+    scene: Scene
+    parameters: list[Fitted]
+    correlations: dict[tuple[str, str], float]
+    measurement: Measurement
+    computed: Result
+    noise: dict[str, float]
+    estimated: list[str]
+    chi_squared: float
+    candidates: list[Candidate]
+    inseparable: list[str]
+    scale: list[str]
+    remarks: list[str]
+    searches: tuple[int, int]
+    runs: int
+    converged: bool
+    files: dict[str, Path] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> Fitted:
+        """Return a fitted key by its dotted name or, of the mechanism, by its bare name."""
+        return next(one for one in self.parameters if name in (one.name, one.name.rpartition(".")[2]))
+
+    @property
+    def causes(self) -> list[Candidate]:
+        """Best candidate and those that the data do not exclude; none if that may be chance."""
+        return causes(self.candidates)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings, in sentences."""
+        data, doubtful = self.measurement, {one.name: one.doubt for one in self.parameters if one.doubt}
+        lines = [*self.remarks, *(f"{name}: {text}" for name, text in doubtful.items())]
+        if data.unused:
+            lines.append(f"columns that the scene does not compute are not compared: {listed(data.unused)}")
+        lines += [
+            f"{first} and {second} have a correlation of {number:.3f}: the data determine only a combination"
+            " of them"
+            for (first, second), number in self.correlations.items()
+            if abs(number) > MAX_CORRELATION and not {first, second} <= set(doubtful)
+        ]
+        if not self.converged:
+            lines.append("the search did not converge within the maximum number of iterations")
+        if self.searches[0] == 1 < self.searches[1]:
+            lines.append(
+                f"only 1 of {self.searches[1]} searches converged to this optimum: more starts may find a"
+                " better optimum"
+            )
+        if not self.estimated and self.chi_squared > 1.0 + N_DEVIATIONS * math.sqrt(2.0 / data.number):
+            lines.append(
+                f"reduced chi-squared is {self.chi_squared:.3g}: the residuals are larger than the specified"
+                " noise, so the scene does not explain the data"
+            )
+        for name in data.columns:
+            number = autocorrelation(self.table()[f"{name}_residual"])
+            if number > data.max_autocorrelation:
+                lines.append(
+                    f"residuals of {name} are autocorrelated (lag-1 {number:.2f}): the model has a"
+                    " systematic error"
+                )
+        return [*lines, *self._cause()]
+
+    def _cause(self) -> list[str]:
+        """Return the sentence on the causes."""
+        if not self.causes:
+            return []
+        first = self.causes[0]
+        before, after = first.chi_squared
+        values = ", ".join(
+            f"{name} would be {value:.5g} instead of {self[name].value:.5g}"
+            for name, value in first.values.items()
+        )
+        p_value = f"p = {first.p_value:.1g}" if first.p_value > 1e-15 else "p < 1e-15"
+        names = " or ".join(one.cause for one in self.causes)
+        rest = " in part; autocorrelated residuals remain" if first.is_systematic else ""
+        return [
+            f"{names} would explain the residuals{rest} (chi-squared {before:,.0f} → {after:,.0f},"
+            f" {p_value}): {values}; correct the cause or fit again with --free {first.option}"
+        ]
+
+    def candidate_lines(self) -> dict[str, str]:
+        """Return a line for each significant candidate and each that sets an end of an interval, by name."""
+        ends = {name for one in self.parameters for name in one.released}
+        printed = [one for one in self.candidates if one.name in ends or one.p_value < SIGNIFICANCE]
+        lines = {one.name: one.text for one in printed[:N_CANDIDATES]}
+        if self.inseparable:
+            lines["not separately identifiable"] = f"{', '.join(self.inseparable)}, taken as exact"
+        if len(self.scale) > 1:
+            lines["scale of masses and torques"] = f"{', '.join(self.scale)}, taken as exact"
+        return lines
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result for machines; None is unknown."""
+        units = self.measurement.table.units
+        content: dict[str, Any] = to_jsonable_python(
+            {
+                "parameters": {one.name: one for one in self.parameters},
+                "correlations": [[*pair, number] for pair, number in self.correlations.items()],
+                "noise": {
+                    name: {"value": value, "unit": units[name], "estimated": name in self.estimated}
+                    for name, value in self.noise.items()
+                },
+                "chi_squared": self.chi_squared,
+                "candidates": [
+                    {one.name: getattr(candidate, one.name) for one in dataclasses.fields(candidate)[:-1]}
+                    for candidate in self.candidates
+                ],
+                "causes": [one.name for one in self.causes],
+                "inseparable": self.inseparable,
+                "scale": self.scale,
+                "values": self.measurement.number,
+                "searches_that_agree": self.searches,
+                "runs": self.runs,
+                "warnings": self.warnings,
+            },
+            inf_nan_mode="null",
+        )
+        return content
+
+    def lines(self) -> dict[str, str]:
+        """Return the lines of the printed table, by heading."""
+        lines = {}
+        for one in self.parameters:
+            lines[one.name], (low, high) = one.text, one.interval_if_exact
+            if math.isfinite(high - low):
+                excluded = f" around {one.value:.6g}; excluded by the data" if one.is_excluded else ""
+                lines[f"{one.name}, if everything else is exact"] = f"from {low:.6g} to {high:.6g}{excluded}"
+        for (first, second), number in self.correlations.items():
+            lines[f"correlation of {first} and {second}"] = f"{number:.3f}"
+        for name, value in self.noise.items():
+            source = ", estimated from the residuals" if name in self.estimated else ""
+            lines[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
+        freedom = self.measurement.number - len(self.parameters)
+        untested = "; no test of the model, because the noise is estimated" if self.estimated else ""
+        lines["chi-squared"] = f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{untested}"
+        lines["searches converged to this optimum"] = "{} of {}".format(*self.searches)
+        return {**lines, "runs": str(self.runs)}
+
+    def table(self) -> Result:
+        """Return measured, computed and residual (computed - measured) of each column over time, SI."""
+        columns, units, measured = {"time": self.computed.time}, {"time": "s"}, self.measurement.table
+        for name in self.measurement.columns:
+            values = measured[name], self.computed[name], self.computed[name] - measured[name]
+            for kind, column in zip(("measured", "computed", "residual"), values, strict=True):
+                columns[f"{name}_{kind}"], units[f"{name}_{kind}"] = column, measured.units[name]
+        return Result(columns, units)
+
+    def write(self, folder: Path) -> dict[str, Path]:
+        """Write fitted.toml, residuals.csv and fit.json, each whole or not at all."""
+        return {
+            "scene": write_text(folder / "fitted.toml", scene_text(self.scene)),
+            "residuals": self.table().to_csv(folder / "residuals.csv"),
+            "fit": write_text(folder / "fit.json", json.dumps(self.as_dict(), indent=2) + "\n"),
+        }

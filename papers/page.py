@@ -1,0 +1,41 @@
+"""Generate docs/papers.md: every equation and claim of the papers with its verdict and computed values."""
+
+from __future__ import annotations
+
+import re
+
+from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
+
+from . import karetin, lysenko, stelmashchuk
+from .engine import claims_of, words
+
+PAPERS = {"karetin": karetin, "lysenko": lysenko, "stelmashchuk": stelmashchuk}
+# Heading of an equation: its number and its title.
+SECTION = re.compile(r"^#### (.+?): (.+)\n", re.M)
+
+
+def papers_page() -> str:
+    """Return the page in Markdown: the text of each paper with its computed values filled in."""
+    # Table cells of each variable of the FMUs: name, unit, description.
+    cells = {
+        fmu: {
+            name: f"`{name}` | {variable.unit} | " + variable.description.replace("|", r"\|")
+            for name, variable in variables.items()
+        }
+        for fmu, variables in (("fmu", INERTIA_MODULE.by_name), ("shaft", DRIVEN_SHAFT.by_name))
+    }
+    parts = [words("papers.md")]
+    for name, paper in PAPERS.items():
+        values = {**claims_of(name, paper), **cells, "equations": equations(name)}
+        parts.append(words(f"{name}.md").format_map(values))
+    return "\n".join(parts)
+
+
+def equations(paper: str) -> str:
+    """Return the text on the equations of a paper, with the verdict below the heading of each equation."""
+    verdicts = PAPERS[paper].EQUATIONS
+
+    def with_verdict(heading: re.Match[str]) -> str:
+        return heading[0] + (f"\n{verdicts[heading[1]]}\n" if heading[1] in verdicts else "")
+
+    return SECTION.sub(with_verdict, words(f"{paper}_equations.md"))

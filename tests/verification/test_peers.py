@@ -1,0 +1,144 @@
+"""Each peer integrates the same mechanism: it agrees with the kernel within its own error."""
+
+import functools
+
+import numpy as np
+import pytest
+from scenes import DRIVEN, MECHANISMS, parameters, started
+
+from benchmarks.peers import PEERS, integrators, mujoco_model
+from benchmarks.trade_off import Case, converged
+from inertia_module.common.extras import NotInstalled
+from verification.reference.geometry import Unavailable, ratio
+
+CASES = {
+    "R1": Case(stop_time=0.1, points=20),
+    "planar": Case(MECHANISMS["planar"], omega1=120.0, load_torque=8.0, stop_time=0.1, points=20),
+    "no output freewheel": Case({"output_freewheel": 0}, stop_time=0.1, points=20),
+    "turning back": Case({"housing_freewheel": 0, "omega_out_start": 5.0}, stop_time=0.1, points=20),
+}
+both = pytest.mark.parametrize("name", ["R1", "planar"])
+
+
+@functools.cache
+def kernel_trajectory(name):
+    """Trajectory by the converged kernel."""
+    return converged(CASES[name])
+
+
+def run(case, setting, method, stiffness=None):
+    """The trajectory, or a skip that says which library is missing."""
+    try:
+        if method in ("Euler", "RK4"):
+            return mujoco_model.simulate(case, setting, method)
+        return integrators.simulate(case, setting, method, stiffness)
+    except NotInstalled as error:
+        pytest.skip(str(error))
+
+
+def distances(name, *settings):
+    """Trajectory of a case and its largest differences from the kernel in q, omega2 and omega3, relative."""
+    found, exact = run(CASES[name], *settings), kernel_trajectory(name)
+    largest = exact.omega_out.max()
+    scales = abs(exact.motion[:, 0]).max(), largest, largest
+    return found, np.abs(found.motion - exact.motion).max(axis=0) / scales
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("method", ["DOP853", "RK45", "LSODA", "Adams", "BDF"])
+def test_integrators_with_exact_events_follow_the_kernel_and_meet_the_same_events(name, method):
+    found, off = distances(name, 1e-10 if method in ("Adams", "BDF") else 1e-9, method)
+    assert max(off) < 1e-6
+    assert found.switches == kernel_trajectory(name).switches
+
+
+@both
+def test_a_tighter_tolerance_is_nearer_the_kernel_and_a_stiffer_clutch_slips_less(name):
+    for errors in (
+        [max(distances(name, tolerance, "BDF")[1]) for tolerance in (1e-5, 1e-7, 1e-9)],
+        [distances(name, 1e-9, "odeint", stiffness)[1][1] for stiffness in (1e2, 1e3, 1e4)],
+    ):
+        assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2]
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "tolerance", "stiffness"),
+    [
+        ("R1", "LSODA", 1e-9, 1e4),
+        ("R1", "Radau", 1e-6, 1e4),
+        ("R1", "BDF", 1e-9, 1e3),
+        ("planar", "BDF", 1e-9, 1e3),
+    ],
+)
+def test_stiff_methods_agree_on_the_clutches(name, method, tolerance, stiffness):
+    case = CASES[name] if method == "BDF" else Case(stop_time=0.02, points=4)
+    one, other = run(case, 1e-9, "odeint", stiffness), run(case, tolerance, method, stiffness)
+    assert other.omega_out == pytest.approx(one.omega_out, abs=1e-5 * one.omega_out.max())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_kernel(name):
+    off = distances(name, 5e-5, "RK4")[1]
+    assert max(off) < 2e-3
+    if name in ("R1", "planar"):
+        assert off[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
+
+
+def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled):
+    """Link 2 turns back from rest until it is caught; link 1 is light, and answers."""
+    engine, step = pytest.importorskip("mujoco"), 1e-6
+    scene = DRIVEN["planar"] | {"satellites": 1, "input_inertia": 0.002, "drive_torque": 0.0}
+    # (a speed that is none, so that it has overrun), and the output overruns throughout
+    scene |= {"housing_engagement_angle": 0.02, "omega2_start": 1e-9, "omega_out_start": 500.0}
+    module = started(compiled, scene, drive_angle_start=1.5, load_torque=0.0)
+    before = module["energy_stored"]
+    module.advance(2.1e-3)
+    assert module["housing_engagements"] == 1
+    k, solved = ratio(parameters(**scene)), f'="0 {-1.0 / step!r}"'
+    joints = {"drive 0 0": 1.0, "link 1": -k, "link 2": k}
+    mesh = "".join(f'<joint joint="{name}" coef="{value!r}"/>' for name, value in joints.items())
+    limit = f'limited="true" range="-0.02 1e9" solreflimit{solved} solimplimit="0.9999 0.9999 1"'
+    more = f"""<tendon><fixed {limit}><joint joint="link 2" coef="1"/></fixed>
+        <fixed name="mesh">{mesh}</fixed></tendon>
+        <equality><tendon tendon1="mesh" solref{solved} solimp="0.9999 0.9999 1"/></equality>"""
+    text = mujoco_model.mechanism(parameters(**scene), f'timestep="{step!r}" tolerance="1e-14"', more)
+    model = engine.MjModel.from_xml_string(text)
+    model.tendon_invweight0[:] = model.dof_invweight0[:] = mujoco_model.INVERSE_INERTIA
+    data = engine.MjData(model)
+    data.joint("drive 0 0").qpos[0], data.joint("link 1").qvel[0] = 1.5, scene["omega1"]
+    data.joint("drive 0 0").qvel[0] = k * scene["omega1"]
+    engine.mj_forward(model, data)
+    stored = data.energy[1]
+    engine.mj_step(model, data, 2100)
+    engine.mj_forward(model, data)
+    assert module["omega2"] == 0.0 == pytest.approx(data.joint("link 2").qvel[0], abs=1e-6)
+    assert module["input_speed"] == pytest.approx(data.joint("link 1").qvel[0], rel=1e-4)
+    assert module["energy_lost_freewheel"] == pytest.approx(before - module["energy_stored"], rel=1e-4)
+    assert module["energy_lost_freewheel"] == pytest.approx(stored - data.energy[1], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"fidelity": 0}, {"fidelity": 3}, {"a": 1.0, "link2_inertia": 0.0}, {"link2_friction": 0.1}],
+)
+def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
+    for simulate, *settings in (
+        (integrators.simulate, 1e-6, "DOP853"),
+        (integrators.simulate, 1e-6, "BDF"),
+        (mujoco_model.simulate, 1e-3, "Euler"),
+    ):
+        with pytest.raises((Unavailable, NotInstalled)) as refused:
+            simulate(Case(parameters), *settings)
+        assert "\n" not in str(refused.value)
+    with pytest.raises((Unavailable, NotInstalled), match=r"leaves one out|not installed"):
+        integrators.simulate(CASES["no output freewheel"], 1e-6, "odeint", 1e4)
+
+
+def test_every_peer_and_setting_is_there_once_and_integrates_a_case():
+    assert len({(name, label) for name, label, _ in PEERS}) == len(PEERS)
+    # of each the loosest, which comes first
+    for integrate in {name: integrate for name, _, integrate in reversed(PEERS)}.values():
+        try:
+            assert integrate(Case(stop_time=0.002, points=2)).omega_out.shape == (3,)
+        except NotInstalled:
+            continue

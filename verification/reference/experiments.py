@@ -1,0 +1,151 @@
+"""Reference results that the FMUs carry along, by nothing of the kernel: FMI-LS-REF (fmu/references).
+
+The module by the independent reference, the driven shaft by SciPy's integration of its two equations.
+"""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from inertia_module.common.files import PACKAGE_FOLDER
+from inertia_module.export.systems import TEMPLATES as SSP
+from inertia_module.export.systems import typed
+from inertia_module.fmu.archive import filled, filled_xml
+from inertia_module.interface.models import DRIVEN_SHAFT, Model
+from inertia_module.interface.variables import INPUT, UNITS
+
+from .cases import CAUSES, OMEGA1, OMEGA2, OMEGA3, OMEGA4
+from .geometry import Array
+from .motion import TOLERANCE, Reference
+
+HERE = Path(__file__).parent
+# where FMI-LS-REF looks
+CARRIED = "extra/org.fmi-standard.fmi-ls-ref"
+STEP, STOP = 0.01, 1.0
+TIMES = np.linspace(0.0, STOP, round(STOP / STEP) + 1)
+# tolerance of the experiment, and what a result may deviate, over the largest value
+ASKED, SHARE = 1e-6, 1e-4
+ORIGIN = "Speeds and step means from {}, integrated by DOP853 of SciPy at 1e-13, independently of this FMU"
+SPEEDS = {"input_speed": OMEGA1, "omega2": OMEGA2, "omega_hub": OMEGA3, "omega_out": OMEGA4}
+EQUATIONS = {
+    "InertiaModule": "separate equations of motion (virtual work on a geometry of rotation matrices)",
+    "DrivenShaft": "the two equations of motion of spring and mass",
+}
+IMPULSES = {"input_torque_mean": "M1", "output_torque_mean": "Tc"}
+
+
+class Experiment(NamedTuple):
+    """A row of experiments.toml: inputs by name, each a value or the first and the last one."""
+
+    name: str
+    description: str
+    inputs: Mapping[str, float | Sequence[float]]
+    outputs: tuple[str, ...]
+    parameters: Mapping[str, float] = {}
+
+    def given(self, name: str) -> Array:
+        """An input at TIMES, linear between its ends; 0 where it is not given."""
+        ends = np.broadcast_to(np.asarray(self.inputs.get(name, 0.0), dtype=float), 2)
+        return np.asarray(np.interp(TIMES, (0.0, STOP), ends))
+
+
+def package_folder(model: Model) -> Path:
+    """Where the package keeps what FMUs of a model carry along, as it is laid out in them."""
+    return PACKAGE_FOLDER / "fmu" / "references" / model.name
+
+
+def experiments(model: Model) -> list[Experiment]:
+    """The experiments of a model."""
+    return [Experiment(**row) for row in tomllib.loads((HERE / "experiments.toml").read_text())[model.name]]
+
+
+def _module(one: Experiment) -> list[dict[str, float]]:
+    """Results of the module at TIMES."""
+    drive, load = one.given("drive_torque"), one.given("load_torque")
+    exact = Reference(one.parameters, one.given("omega1")[0], load[0], drive[0])
+    rows, before = list[dict[str, float]](), exact.integrals()
+    for n, time in enumerate(TIMES):
+        if n:
+            exact.give(drive[n - 1], load[n - 1])
+            exact.advance(time)
+        sums = exact.integrals()
+        means = {name: (sums[place] - before[place]) / STEP for name, place in IMPULSES.items()}
+        lost = sum(sums[cause] for cause in CAUSES)
+        speeds = {name: float(exact.state[place]) for name, place in SPEEDS.items()}
+        rows.append(speeds | means | {"energy_lost": lost})
+        before = sums
+    return rows
+
+
+def _shaft(one: Experiment) -> list[dict[str, float]]:
+    """Results of the driven shaft at TIMES: J omega' = c twist + d (hub - omega) - f omega - load."""
+    p = {v.name: v.start or 0.0 for v in DRIVEN_SHAFT.variables} | {**one.parameters}
+    hub, load = one.given("hub_speed"), one.given("load_torque")
+    state = np.array([p["twist_start"], p["omega_out_start"], 0.0])
+    rows = [{"twist": state[0], "omega_out": state[1], "shaft_torque_mean": 0.0}]
+
+    def rates(_: float, y: Array, hub: float, load: float) -> list[float]:
+        slip = hub - y[1]
+        torque = p["shaft_stiffness"] * y[0] + p["shaft_damping"] * slip
+        return [slip, (torque - p["driven_friction"] * y[1] - load) / p["driven_inertia"], torque]
+
+    settings = {"method": "DOP853", "rtol": TOLERANCE, "atol": TOLERANCE}
+    for given in itertools.islice(zip(hub, load, strict=True), TIMES.size - 1):
+        state = solve_ivp(rates, (0.0, STEP), [*state[:2], 0.0], args=given, **settings).y[:, -1]
+        rows.append({"twist": state[0], "omega_out": state[1], "shaft_torque_mean": state[2] / STEP})
+    return rows
+
+
+def _csv(names: Sequence[str], columns: Sequence[Array]) -> bytes:
+    """Numbers of nine digits below names in quotation marks: by the rules of compatibility information."""
+    rows = (",".join(f"{value:.9g}" for value in row) for row in np.transpose(columns))
+    return "\n".join([",".join(f'"{name}"' for name in ("time", *names)), *rows, ""]).encode()
+
+
+def _parameters(one: Experiment, model: Model) -> bytes:
+    """The parameter set of an experiment as SSV."""
+    units = {model.by_name[name].unit for name in one.parameters} - {""}
+    part = SimpleNamespace(values=one.parameters, variable=model.by_name.__getitem__)
+    values = {
+        "part": part,
+        "origin": {},
+        "typed": typed,
+        "units": {name: UNITS[name] for name in sorted(units)},
+    }
+    return filled_xml(SSP / "ParameterSet.ssv", values)
+
+
+def files(model: Model) -> dict[str, bytes]:
+    """Files of FMI-LS-REF of a model, made anew, by their path in an FMU."""
+    rows = experiments(model)
+    inputs = [variable.name for variable in model.with_causality(INPUT)]
+    tables, allowed = dict[str, bytes](), dict[str, dict[str, str]]()
+    for one in rows:
+        results = (_shaft if model is DRIVEN_SHAFT else _module)(one)
+        columns = {name: np.array([row[name] for row in results]) for name in one.outputs}
+        allowed[one.name] = {name: f"{SHARE * np.abs(values).max():.1g}" for name, values in columns.items()}
+        ends = [one.given(name)[[0, -1]] for name in inputs]
+        tables[f"{one.name}_in.csv"] = _csv(inputs, [TIMES[[0, -1]], *ends])
+        tables[f"{one.name}_ref.csv"] = _csv(one.outputs, [TIMES, *columns.values()])
+        if one.parameters:
+            tables[f"{one.name}.ssv"] = _parameters(one, model)
+    told = {
+        "model": model,
+        "experiments": rows,
+        "allowed": allowed,
+        "origin": ORIGIN.format(EQUATIONS[model.name]),
+    }
+    told |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
+    for name in ("experiments.exp", "fmi-ls-manifest.xml"):
+        tables[name] = filled_xml(HERE / "templates" / name, told)
+    text = filled(HERE / "templates" / "fmi-ls-ref.txt", told).encode()
+    found = {f"{CARRIED}/{name}": content for name, content in tables.items()}
+    return found | {"documentation/fmi-ls-ref.txt": text}
