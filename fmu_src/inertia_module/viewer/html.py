@@ -114,7 +114,7 @@ def _pack(content: bytes) -> str:
 
 
 def page_tables(model: Model) -> dict[str, Any]:
-    """Return the tables of a model for the viewer, ready for JSON (type Tables in viewer/src/kernel/tables.ts).
+    """Return the tables of a model, ready for JSON (type Tables in viewer/src/kernel/tables.ts).
 
     Args:
         model: The model.
@@ -166,7 +166,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         "title": scene.title,
         "description": scene.description.strip(),
         "parameters": parameters,
-        # Inputs are constants or points of a piecewise linear signal (type Input in viewer/src/run/signals.ts).
+        # Inputs are constants or piecewise linear signals (type Input in viewer/src/run/signals.ts).
         "inputs": {
             name: {"times": signal.points.tolist(), "values": signal.values.tolist()}
             if isinstance(signal, Table)
