@@ -27,7 +27,7 @@ from ..interface.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
 from ..kernel.codes import ELASTIC, RIGID
 from .headings import heading
 from .keys import SceneError, scene_time_warnings
-from .parts import VehicleLoad
+from .loads import VehicleLoad
 from .schema import Scene
 
 if TYPE_CHECKING:

@@ -18,6 +18,8 @@ from ..interface import variables
 from ..interface.variables import BY_NAME, with_causality
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..model import Module
+from .controllers import Controller, PiController, PiTorqueController
+from .drives import Drive, EngineDrive
 from .keys import (
     AUTO,
     Duration,
@@ -30,7 +32,7 @@ from .keys import (
     scene_time_warnings,
     validated,
 )
-from .parts import Controller, Drive, EngineDrive, Load, PiController, PiTorqueController
+from .loads import Load
 from .satellite import Satellite
 
 # The parameter tolerance is in the table [accuracy].

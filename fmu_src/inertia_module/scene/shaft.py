@@ -19,7 +19,7 @@ from ..interface.models import DRIVEN_SHAFT
 from ..interface.variables import LOCAL, OUTPUT, PARAMETER
 from ..model import DrivenShaft
 from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
-from .parts import TorqueLoad
+from .loads import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
 

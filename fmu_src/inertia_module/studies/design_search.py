@@ -29,7 +29,7 @@ from ..interface.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..model import Module
 from ..scene import Scene, SceneError
 from ..scene.keys import Duration, Keys, Strict, quantity, validated
-from ..scene.parts import VehicleLoad
+from ..scene.loads import VehicleLoad
 from ..scene.reading import load_tables, scene_text
 from ..scene.run import TIME_TO, TRACTIVE_FORCE, Quantity, SceneRunner
 from .axes import Axis, Point, axes_of, of_shares
