@@ -159,7 +159,7 @@ def pi_in_full(gains, operating):
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
     pi = driveline.pi_speed_controller(
         STEP, *gains, LIMITS, measured="measured", command="command"
-    ).to_control()
+    )
     return [sensor, pi], [[operating], [OMEGA1]]
 
 

@@ -108,7 +108,7 @@ class CoupledCase:
 
     def engine(self) -> Engine:
         """Make the engine at the start of the case."""
-        inertia = self.interface.greatest / self.ratio
+        inertia = self.interface.maximum / self.ratio
         return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 

@@ -114,8 +114,8 @@ def test_interface_inertia_is_that_of_a_rolling_satellite():
     """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
     found = driveline.interface_inertia(study.URBAN_MODULE)
-    assert found.least == pytest.approx(turned * 0.02**2, rel=1e-12)
-    assert found.greatest == pytest.approx(turned * 0.10**2, rel=1e-12)
+    assert found.minimum == pytest.approx(turned * 0.02**2, rel=1e-12)
+    assert found.maximum == pytest.approx(turned * 0.10**2, rel=1e-12)
 
 
 # --- accuracy ---

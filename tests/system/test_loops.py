@@ -10,6 +10,7 @@ import pytest
 from inertia_module import driveline
 from inertia_module.common.examples import example
 from inertia_module.driveline import cycles
+from inertia_module.driveline.connection import law_of
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.model import Module, Plant
 from inertia_module.scene import load_scene
@@ -123,7 +124,7 @@ def vehicle(step, **values):
 @pytest.mark.parametrize("brake", [0.0, 3000.0])
 def test_vehicle_comes_to_rest_and_stays_there(one_way, brake):
     step, ratio = 0.01, 0.1
-    load = vehicle(step, rolling_resistance=0.02, one_way=one_way)
+    load = vehicle(step, rolling_resistance=0.02, prevents_reverse=one_way)
     plant = Shaft(load.rigid_inertia, speed=5.0 / ratio, one_way=one_way)
     table = spin(plant, load, 30.0, driveline.source("brake_force", brake, step))
     deceleration = 0.02 * 9.80665 + brake / 1000.0
@@ -252,7 +253,7 @@ def test_integral_of_a_controller_faster_than_its_step_is_led_back_within_one():
 
 
 def test_driver_brakes_only_beyond_the_margin():
-    brake = driveline.driver_brake(0.01, gain=1000.0, greatest=500.0, margin=0.2)
+    brake = driveline.driver_brake(0.01, gain=1000.0, maximum=500.0, margin=0.2)
     forces = [brake.output(0.0, [], [10.0, speed])[0] for speed in (9.0, 10.2, 10.5, 12.0)]
     np.testing.assert_allclose(forces, [0.0, 0.0, 300.0, 500.0], atol=1e-9)
 
@@ -309,24 +310,154 @@ def test_what_cannot_be_run_is_refused(make, sentence):
         make()
 
 
-def test_systems_of_python_control_connect_to_the_same_loop_and_one_that_follows_from_itself_is_refused():
-    scene = load_scene(example("urban"))
-    own = list(scene.systems())
-    x, u = [10.0, 0.3], [2.0]
-    connected = driveline.connect([*own[:-1], own[-1].to_control()])
+STEP = 0.01
+ROAD = driveline.Table([0.0, 2.0, 5.0], [0.02, 0.1, -0.1])
+COUPLING = driveline.Coupling(2000.0, 10.0)
+ENGINE_MAP = driveline.EngineMap((0.0, 100.0, 300.0), (20.0, 36.0, 32.0), (6.0, 8.0, 14.0))
+# each system of the package, and the range of each of its inputs
+SYSTEMS = {
+    "source": (lambda: driveline.source("load_torque", driveline.Table([0.0, 0.7], [1.0, 8.0]), STEP), ()),
+    "rigid shaft": (lambda: driveline.shaft_load(STEP, 0.5, 0.3, torque=2.0).system, [(-20.0, 90.0)]),
+    "elastic shaft": (
+        lambda: driveline.shaft_load(STEP, 0.5, 0.3, torque=2.0, coupling=COUPLING).system,
+        [(-20.0, 90.0)],
+    ),
+    "vehicle": (
+        lambda: vehicle(STEP, slope=ROAD, drag_area=0.6, start_speed=3.0).system,
+        [(0.0, 90.0), (-50.0, 4000.0)],
+    ),
+    "vehicle in both directions": (
+        lambda: vehicle(STEP, slope=ROAD, drag_area=0.6, prevents_reverse=False).system,
+        [(-20.0, 90.0), (-50.0, 4000.0)],
+    ),
+    "elastic vehicle": (
+        lambda: vehicle(STEP, slope=ROAD, drag_area=0.6, coupling=COUPLING).system,
+        [(-20.0, 90.0), (-50.0, 4000.0)],
+    ),
+    "PI controller": (lambda: pi(feedforward=0.3), [(0.0, 90.0), (0.0, 90.0)]),
+    "brake": (lambda: driveline.driver_brake(STEP, 1000.0, 500.0, margin=0.2), [(0.0, 20.0), (0.0, 20.0)]),
+    "engine": (
+        lambda: driveline.governed_engine(
+            STEP, ENGINE_MAP, idle=80.0, top_speed=250.0, proportional_gain=3.0, integral_gain=12.0
+        ),
+        [(0.0, 1.0), (-10.0, 300.0)],
+    ),
+}
+
+
+def assert_same_bits(system, ranges, steps=200):
+    """Compare the evaluation in a run with the simulation of the system by python-control.
+
+    Args:
+        system: The system.
+        ranges: Minimum and maximum of each input.
+        steps: Number of steps.
+    """
+    random, time = np.random.default_rng(3), STEP * np.arange(steps)
+    inputs = np.array([random.uniform(*limits, steps) for limits in ranges]).reshape(len(ranges), steps)
+    expected = control.input_output_response(system, time, inputs, np.zeros(system.nstates), squeeze=False)
+    law, state = law_of(system), [0.0] * system.nstates
+    for n in range(steps):
+        if system.nstates:
+            np.testing.assert_array_equal(state, expected.states[:, n])
+        outputs, state = law(time[n], state, inputs[:, n].tolist())
+        np.testing.assert_array_equal(outputs, expected.outputs[:, n])
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_each_law_has_the_same_bits_as_the_system_of_python_control(name):
+    make, ranges = SYSTEMS[name]
+    system = make()
+    assert isinstance(system, control.NonlinearIOSystem)
+    assert_same_bits(system, ranges)
+    connected = driveline.connect([system])
     assert isinstance(connected, control.InterconnectedSystem)
-    assert connected.input_labels == scene.surroundings.input_labels
-    for time in (0.0, 13.0, 60.0):
-        for kind in ("output", "dynamics"):
-            found = [
-                getattr(system, kind)(time, x, np.array(u)) for system in (scene.surroundings, connected)
-            ]
-            np.testing.assert_array_equal(*found)
-    ring = [driveline.Sampled(a, 0.1, [b], [a], lambda _, __, u: ([u[0] + 1.0], ())) for a, b in ("xy", "yx")]
+    assert_same_bits(connected, ranges)
+
+
+def driver(measured="vehicle_speed"):
+    """Return reference, controller and brake of a driver."""
+    return [
+        driveline.source("reference", driveline.Table([0.0, 0.5, 1.0], [0.0, 8.0, 2.0]), STEP),
+        pi(measured=measured, command="omega1", limits=(0.0, 400.0), proportional_gain=50.0),
+        driveline.driver_brake(STEP, gain=8000.0, maximum=6000.0, margin=0.14),
+    ]
+
+
+@pytest.mark.parametrize("mix", ["own", "filter", "nonlinear", "nested"])
+def test_connected_system_has_the_same_bits_as_in_python_control(mix):
+    car = vehicle(STEP, slope=ROAD, drag_area=0.6).system
+    names = {"inputs": ["vehicle_speed"], "outputs": ["measured_speed"]}
+    lag = control.tf([0.2], [1.0, -0.8], STEP, name="lag", **names)
+    sensor = control.nlsys(None, lambda t, x, u, _: [round(u[0], 1)], dt=True, name="resolution", **names)
+    systems = {
+        "own": [car, *driver()],
+        "filter": [car, lag, *driver("measured_speed")],
+        "nonlinear": [sensor, *driver("measured_speed"), car],
+        "nested": [driveline.connect([car, lag]), *driver("measured_speed")],
+    }
+    connected = driveline.connect(systems[mix])
+    assert connected.input_labels == ["omega_out"]
+    assert_same_bits(connected, [(0.0, 90.0)])
+
+
+def test_connection_with_gains_and_sums_has_the_same_bits_as_in_python_control():
+    brake = driveline.driver_brake(STEP, gain=1000.0, maximum=500.0)
+    car = vehicle(STEP).system
+    connected = control.interconnect(
+        [car, brake],
+        connections=[
+            ["vehicle_load.brake_force", "-driver_brake.brake_force"],
+            ["driver_brake.vehicle_speed", "vehicle_load.vehicle_speed", "-vehicle_load.load_speed"],
+        ],
+        inplist=["vehicle_load.omega_out", "driver_brake.reference"],
+        outlist=["vehicle_load.load_torque", "vehicle_load.brake_force"],
+        name="sums",
+    )
+    assert_same_bits(connected, [(0.0, 90.0), (-3.0, 3.0)])
+
+
+def test_connected_system_of_a_scene_can_be_linearised_and_its_response_plotted():
+    scene = load_scene(example("urban"))
+    surroundings = scene.surroundings
+    assert isinstance(surroundings, control.InterconnectedSystem)
+    # The reference is 0 at the start, so omega1 decreases with the speed of the car.
+    speed, command = 10.0, surroundings.output_labels.index("omega1")
+    linear = control.linearize(surroundings, [0.0, 500.0], [speed])
+    metres_per_radian = 0.29 / 4.0
+    assert linear.dt == scene.run.communication_step
+    assert linear.D[command, 0] == pytest.approx(-500.0 * metres_per_radian, rel=1e-6)
+    time = scene.run.communication_step * np.arange(100)
+    response = control.input_output_response(surroundings, time, np.full(100, speed))
+    assert response.plot() is not None
+
+
+def test_own_system_is_deprecated_as_a_conversion_and_sources_alone_need_no_system():
+    load = driveline.shaft_load(STEP, 0.5).system
+    with pytest.deprecated_call(match=r"to_control\(\) is deprecated"):
+        assert load.to_control() is load
+    signals = {"omega1": 100.0, "load_torque": driveline.Table([0.0, 1.0], [0.0, 8.0])}
+    parts = [driveline.Sources({name: signal}, STEP) for name, signal in signals.items()]
+    sources = driveline.connect(parts)
+    assert isinstance(sources, driveline.Sources)
+    assert sources.signals == signals
+    assert_same_bits(sources.system(), ())
+
+
+def test_algebraic_loop_and_different_steps_are_errors():
+    ring = [
+        driveline.DiscreteSystem(a, 0.1, [b], [a], lambda _, __, u: ([u[0] + 1.0], ()))
+        for a, b in ("xy", "yx")
+    ]
     with pytest.raises(ValueError, match=r"^algebraic loop among x, y$"):
-        driveline.connect(ring).output(0.0, [], [])
-    with pytest.raises(ValueError, match=r"^steps of the systems must be equal \(got a_source 0"):
-        driveline.connect([driveline.source("a", 1.0, 0.1), driveline.source("b", 1.0, 0.2)])
+        driveline.initial_inputs(driveline.connect(ring))
+    slow = driveline.source("b", 1.0, 0.2)
+    for step, text in ((0.1, "0.1 s"), (1.0, "1 s"), (0, "continuous time")):
+        system = control.tf([1.0], [1.0, 0.5], step, name="a", inputs=["b"], outputs=["c"])
+        with pytest.raises(
+            ValueError, match=rf"^steps of the systems must be equal \(got a {text}, b_source 0"
+        ):
+            driveline.connect([system, slow])
 
 
 def test_initial_inputs_are_those_of_the_first_row():

@@ -93,13 +93,14 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     assert summary["omega1_maximum"] == 60.0
 
 
-def test_scene_without_a_loop_runs_without_python_control(fmu):
+@pytest.mark.parametrize("name", ["planar", "reference"])
+def test_scene_without_a_loop_runs_without_python_control(fmu, name):
     code = (
         "import sys; from inertia_module import load_scene, run_scene, scene_figure;"
         "scene_figure(run_scene(load_scene(sys.argv[1], {'run.stop_time': '10 ms'}), sys.argv[2]));"
         "print(sorted({'control', 'scipy'} & set(sys.modules)))"
     )
-    assert process("-c", code, example("planar"), fmu).stdout == "[]\n"
+    assert process("-c", code, example(name), fmu).stdout == "[]\n"
 
 
 def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(

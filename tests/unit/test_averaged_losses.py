@@ -143,7 +143,7 @@ UNDER_TORQUE = [
     *((alone(name) | {"input_inertia": 0.5}, (20.0,), 15.0, 0.005) for name in ALONE),
     # nothing is lost, link 1 light and heavy beside what turns with it
     *(
-        (shape | {"input_inertia": share * interface_inertia(shape).greatest}, (10.0, 50.0), torque, 0.02)
+        (shape | {"input_inertia": share * interface_inertia(shape).maximum}, (10.0, 50.0), torque, 0.02)
         for shape, torque in ((MECHANISMS["bevel"], 12.0), (PLANAR, 20.0))
         for share in (5.0, 20.0)
     ),

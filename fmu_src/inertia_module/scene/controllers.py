@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from .. import driveline
 from ..common.errors import must_be
+from ..driveline.connection import Environment
 from ..driveline.cycles import CYCLES, Cycle
 from ..driveline.sources import Signal
 from ..interface.variables import LARGEST_SPEED
@@ -138,15 +139,15 @@ class PiController(Strict):
             raise ValueError(must_be("minimum", f"below maximum = {self.maximum:g}", self.minimum))
         return self
 
-    def build(self, step: float, measured: str) -> list[Any]:
+    def build(self, step: float, measured: str) -> list[Environment]:
         """Make the systems of reference, controller and brake.
 
         Args:
             step: Communication step, s.
             measured: Name of the controlled speed.
         """
-        systems = [
-            driveline.source("reference", self.reference.signal(), step),
+        systems: list[Environment] = [
+            driveline.Sources({"reference": self.reference.signal()}, step),
             driveline.pi_speed_controller(
                 step,
                 self.proportional_gain,

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from .. import driveline
 from ..common.errors import must_be
+from ..driveline.connection import Environment
 from ..driveline.engine import check_drag, check_rising
-from ..driveline.sources import Sampled, Signal, Table
+from ..driveline.sources import Signal, Sources, Table
 from ..interface.variables import LARGEST_SPEED
 from ..kernel.codes import DRIVE_SPEED, DRIVE_TORQUE
 from .keys import AngularSpeed, ConstantOrTable, Duration, Strict, Tabulated, Times, Torque, quantity
@@ -43,14 +44,14 @@ class AnyDrive(Strict):
         signal: Signal | None = getattr(self, self.INPUT, None)
         return signal
 
-    def systems(self, step: float) -> list[Any]:
+    def systems(self, step: float) -> list[Environment]:
         """Make the systems that produce the input.
 
         Args:
             step: Communication step, s.
         """
         signal = self.signal()
-        return [] if signal is None else [driveline.source(self.INPUT, signal, step)]
+        return [] if signal is None else [Sources({self.INPUT: signal}, step)]
 
     def driven(self, parameters: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of the module, including the contribution of the drive.
@@ -303,30 +304,22 @@ class EngineDrive(ConstantOrTable, AnyDrive):
                 f" drive.governor.proportional_gain = {gain:g} N.m.s/rad (got {step:g} s)"
             )
 
-    def systems(self, step: float) -> list[Any]:
+    def systems(self, step: float) -> list[Environment]:
         """Make the source of the throttle and the engine.
-
-        Inputs of the engine are throttle and input_speed, rad/s; its output is drive_torque, N.m. Its states
-        are the integrals of the governors.
 
         Args:
             step: Communication step, s.
         """
-        limits, settings = self.torque_map(), self.governor
-        governor = driveline.Governor(settings.proportional_gain, settings.integral_gain, step)
-
-        def law(_: float, x: Any, u: Any) -> tuple[list[float], list[float]]:
-            """Return torque and integrals: the throttle torque, raised at idle speed, cut at top speed."""
-            throttle, speed = u
-            closed, full = limits.limits(speed)
-            throttle_torque = closed + throttle * (full - closed)
-            raised_torque, idle = governor.sample(x[0], settings.idle, speed, (throttle_torque, full))
-            torque, top = governor.sample(x[1], settings.top_speed, speed, (closed, raised_torque))
-            return [torque], [idle, top]
-
-        signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
-        engine = Sampled("engine", step, signals, ["drive_torque"], law, integrals)
-        return [driveline.source("throttle", self.one_signal(), step), engine]
+        governor = self.governor
+        engine = driveline.governed_engine(
+            step,
+            self.torque_map(),
+            idle=governor.idle,
+            top_speed=governor.top_speed,
+            proportional_gain=governor.proportional_gain,
+            integral_gain=governor.integral_gain,
+        )
+        return [Sources({"throttle": self.one_signal()}, step), engine]
 
 
 Drive = Annotated[

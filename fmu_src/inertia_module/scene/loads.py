@@ -75,7 +75,7 @@ class TorqueLoad(ConstantOrTable):
             prevents_reverse: True if the shaft cannot rotate backward.
             start_speed: Initial speed of the shaft, rad/s.
         """
-        return driveline.Load(driveline.source("load_torque", self.one_signal(), step))
+        return driveline.Load(driveline.Sources({"load_torque": self.one_signal()}, step))
 
 
 class ShaftLoad(Strict):
@@ -174,7 +174,12 @@ class VehicleLoad(Strict):
         own = self.model_dump(exclude=others | {"friction_coefficient", "driven_axle_load"})
         slope = self.slope if table is None else table.signal()
         return driveline.vehicle_load(
-            step, **own, slope=slope, one_way=prevents_reverse, coupling=coupling, start_speed=start_speed
+            step,
+            **own,
+            slope=slope,
+            prevents_reverse=prevents_reverse,
+            coupling=coupling,
+            start_speed=start_speed,
         )
 
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field, create_model, model_validator
 from .. import driveline
 from ..common.errors import Refused, must_be, unknown
 from ..driveline.closed_loop import PLANT_INPUTS
+from ..driveline.connection import Environment
 from ..driveline.cycles import Cycle
 from ..driveline.sources import Signal, Sources
 from ..fmi.simulate import check_number_of_steps, whole_steps
@@ -243,11 +244,11 @@ class Scene(Strict):
         return self.model_dump(exclude_none=True)
 
     @cached_property
-    def surroundings(self) -> Any:
+    def surroundings(self) -> Environment:
         """Return the environment of the FMU: load, drive and controller as one connected system."""
         return driveline.connect(list(self.systems()))
 
-    def systems(self) -> Iterator[Any]:
+    def systems(self) -> Iterator[Environment]:
         """Yield load, controller and drive as systems to connect."""
         step = self.run.communication_step
         load = self.built_load.system
@@ -257,7 +258,7 @@ class Scene(Strict):
         yield from self.drive.systems(step)
         has_brake = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not has_brake:
-            yield driveline.source("brake_force", 0.0, step)
+            yield Sources({"brake_force": 0.0}, step)
 
     @property
     def prescribed(self) -> dict[str, Signal]:
