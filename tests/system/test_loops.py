@@ -413,6 +413,7 @@ def test_connection_with_gains_and_sums_has_the_same_bits_as_in_python_control()
         inplist=["vehicle_load.omega_out", "driver_brake.reference"],
         outlist=["vehicle_load.load_torque", "vehicle_load.brake_force"],
         name="sums",
+        check_unused=False,
     )
     assert_same_bits(connected, [(0.0, 90.0), (-3.0, 3.0)])
 
