@@ -10,8 +10,10 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from averaged_module import TransientInertia, averaged_response, averaged_system, transient_inertia
+from frequency_response import measured_response
 
-from inertia_module import control, current_fmu
+from inertia_module import current_fmu
 
 BEVEL = {"output_inertia": 0.5}
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
@@ -37,26 +39,24 @@ STEP = 1e-3  # s
 def compare(fmu_path, case):
     """Print the deviations of one case."""
     title, parameters, omega1, omega_out, rate = case
-    system = control.averaged_system(parameters, outputs=("output_torque",))
+    system = averaged_system(parameters, outputs=("output_torque",))
     load = float(system.output(0.0, [omega_out], [omega1, 0.0])[0])
-    transient = control.transient_inertia(parameters, omega1, omega_out)
+    transient = transient_inertia(parameters, omega1, omega_out)
     print(
         f"{title}: load {load:.3g} N.m, transient inertia {transient.input:.4f}, {transient.output:.4f} kg.m2"
     )
     for excited, share in SWING.items():
         point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": SHARES * rate}
-        measured = control.measured_response(
+        measured = measured_response(
             fmu_path, {**parameters, "omega_out_start": omega_out}, **point, outputs=OUTPUTS,
             amplitude=share * {"omega1": omega1, "load_torque": load}[excited],
             step=STEP, settling=8.0, record=20.0,
         )  # fmt: skip
         for word, added in (
-            ("plain", control.TransientInertia(0.0, 0.0)),
+            ("plain", TransientInertia(0.0, 0.0)),
             ("with transient", transient),
         ):
-            linear = control.averaged_response(
-                parameters, **point, outputs=OUTPUTS, guess=omega_out, transient=added
-            )
+            linear = averaged_response(parameters, **point, outputs=OUTPUTS, guess=omega_out, transient=added)
             gain, phase = measured.deviation_from(linear)
             figures = "   ".join(
                 f"{100.0 * np.abs(gain[n]).max():5.1f} % {np.abs(phase[n]).max():5.1f} deg"

@@ -16,6 +16,10 @@ from pathlib import Path
 
 import control as ct
 import numpy as np
+from averaged_module import averaged_system, operating_point, transient_inertia
+from frequency_response import measured_response
+from speed_control_margins import measured_margins, predicted_margins
+from speed_control_report import figure_of, report, step_numbers
 
 from inertia_module import Fmu, Result, control, current_fmu, driveline
 from inertia_module.fmi.results import write_figure
@@ -57,7 +61,7 @@ def sampled_plant(continuous):
 def linear_plant(kind, operating):
     """Linearised averaged module, sampled: inputs omega1, load_torque, output omega_out."""
     inertia = PLANTS[kind]["output_inertia"]
-    averaged = control.averaged_system({**MECHANISM, "output_inertia": inertia}, outputs=("omega_out",))
+    averaged = averaged_system({**MECHANISM, "output_inertia": inertia}, outputs=("omega_out",))
     module = ct.linearize(averaged, [operating], [OMEGA1, HILL])
     if kind == "elastic":
         c, d, car = SHAFT["shaft_stiffness"], SHAFT["shaft_damping"], CAR
@@ -113,11 +117,11 @@ def open_loop(controller, plant):
 def plant_with_transient(operating):
     """The rigid plant, linearised with what accelerations add to the mean torque: lead in omega1."""
     parameters = PLANTS["rigid"]
-    averaged = control.averaged_system(
+    averaged = averaged_system(
         parameters,
         inputs=("omega1", "load_torque", "omega1_rate"),
         outputs=("omega_out",),
-        transient=control.transient_inertia(parameters, OMEGA1, operating),
+        transient=transient_inertia(parameters, OMEGA1, operating),
     )
     module = ct.linearize(averaged, [operating], [OMEGA1, HILL, 0.0])
     pole, (gain, load, lead) = module.A[0, 0], module.B[0]
@@ -157,9 +161,7 @@ def simulate(fmu_path, kind, operating, controllers, signals):
 def pi_in_full(gains, operating):
     """Sensor and PI controller with limits, and their states at the operating point."""
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
-    pi = driveline.pi_speed_controller(
-        STEP, *gains, LIMITS, measured="measured", command="command"
-    )
+    pi = driveline.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command")
     return [sensor, pi], [[operating], [OMEGA1]]
 
 
@@ -204,8 +206,6 @@ def controllers_of(operating):
 
 def margins(fmu_path, operating, controllers):
     """Rows (controller, plant, predicted margins, measured margins)."""
-    from speed_control_margins import measured_margins, predicted_margins
-
     rows = []
     point = {"omega1": OMEGA1, "omega_out": operating}
     for name, (controller, _) in controllers.items():
@@ -238,7 +238,7 @@ def responses(fmu_path, operating, gains):
 
 def measured_loop(fmu_path, operating, controller, frequencies):
     """The loop with the response of the rigid FMU, measured, in place of the averaged module."""
-    measured = control.measured_response(
+    measured = measured_response(
         fmu_path, start_values("rigid", operating), omega1=OMEGA1, load_torque=HILL, excited="omega1",
         amplitude=0.005 * OMEGA1, frequencies=frequencies, outputs=["omega_out"], step=1e-3, settling=8.0,
         record=10.0,
@@ -269,12 +269,9 @@ def compare_loops(fmu_path, operating, controller):
 
 def main(fmu_path, folder):
     """The whole study; writes its table and figure into the folder."""
-    from speed_control_margins import predicted_margins
-    from speed_control_report import figure_of, report, step_numbers
-
     folder.mkdir(parents=True, exist_ok=True)
-    averaged = control.averaged_system(PLANTS["rigid"], outputs=("omega_out",))
-    operating = control.operating_point(averaged, OMEGA1, HILL, guess=60.0)
+    averaged = averaged_system(PLANTS["rigid"], outputs=("omega_out",))
+    operating = operating_point(averaged, OMEGA1, HILL, guess=60.0)
     linear = ct.linearize(averaged, [operating], [OMEGA1, HILL])
     controllers = controllers_of(operating)
     print(f"operating point: omega_out {operating:.3f} rad/s, pole {linear.A[0, 0]:.4f} /s,")

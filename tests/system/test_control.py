@@ -1,21 +1,22 @@
 """FMUs as systems of python-control."""
 
-import runpy
 from functools import partial
-from pathlib import Path
 
 import control as ct
 import numpy as np
 import pytest
+import speed_control
+from averaged_module import averaged_response, averaged_system, operating_point, transient_inertia
+from frequency_response import measured_response
 from refused import REFUSED, assert_refused
 from scenes import ELASTIC
 
 from examples.coupling.study import URBAN_MODULE
 from inertia_module import control
+from inertia_module.control.fmu_system import bytes_of, numbers_of
 from inertia_module.fmi.instance import Fmu
 from inertia_module.interface import variables
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "speed_control.py"
 STEP = 0.01
 START = {"omega1": 100.0, "load_torque": 10.0}
 OUTPUTS = ("omega_out", "input_torque_mean", "output_torque_mean")
@@ -121,6 +122,17 @@ def test_same_state_and_input_give_the_same_whatever_came_before(built, name, pa
         assert (one.system.output(0.0, first, [0.0, 99.0]) == shown).all()  # no feedthrough
 
 
+def test_bytes_survive_as_whole_numbers_and_a_change_of_one_is_refused():
+    for size in (0, 1, 5, 6, 7, 19088):
+        data = np.random.default_rng(size).bytes(size)
+        numbers = numbers_of(data)
+        assert (numbers == np.floor(numbers)).all()
+        assert bytes_of(numbers) == data
+    numbers[2] += 0.5
+    with pytest.raises(ValueError, match=r"a whole state must be unchanged \(number 2 is "):
+        bytes_of(numbers)
+
+
 # --- with the tools of control ---
 
 
@@ -136,8 +148,8 @@ def test_rejected_input_is_reported_with_the_time_of_its_step(fmu, state, place,
 
 
 def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(fmu):
-    continuous = control.averaged_system()
-    speed = control.operating_point(continuous, 100.0, 10.0)
+    continuous = averaged_system()
+    speed = operating_point(continuous, 100.0, 10.0)
     exact = ct.sample_system(ct.linearize(continuous, [speed], [100.0, 10.0]), STEP, "zoh")
     with control.fmu_system(fmu, {"fidelity": "averaged"}, step=STEP, start=START, tolerance=1e-10) as plant:
         guess = [20.0, 100.0, *plant.start[2:]]
@@ -159,20 +171,20 @@ BOTH = ("omega_out", "output_torque_mean", "input_torque_mean")
 def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, excited, amplitude):
     """Up to a tenth of the pulse rate: gain within 5 %, phase within 5 degrees."""
     omega1, load = 200.0, 100.0
-    speed = control.operating_point(control.averaged_system(PLANAR), omega1, load, 60.0)
+    speed = operating_point(averaged_system(PLANAR), omega1, load, 60.0)
     point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": [0.2, 1.0, 4.4]}
-    measured = control.measured_response(
+    measured = measured_response(
         fmu, {**PLANAR, "omega_out_start": speed}, **point, amplitude=amplitude, outputs=BOTH,
         step=1e-3, settling=8.0, record=10.0,
     )  # fmt: skip
     assert measured.pulse_rate == pytest.approx(44.0, abs=1.0)
-    transient = control.transient_inertia(PLANAR, omega1, speed)
-    corrected = control.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0, transient=transient)
+    transient = transient_inertia(PLANAR, omega1, speed)
+    corrected = averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0, transient=transient)
     gain, phase = measured.deviation_from(corrected)
     assert np.abs(gain).max() < 0.03
     assert np.abs(phase).max() < 1.5
     # the output speed needs no correction at this inertia
-    plain = control.averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0)
+    plain = averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0)
     gain, phase = measured.deviation_from(plain)
     assert np.abs(gain[0]).max() < 0.05
     assert np.abs(phase[0]).max() < 5.0
@@ -215,7 +227,7 @@ def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
 
 def measured(path, **change):
     good = {"parameters": {}, "excited": "omega1", "amplitude": 1.0, "settling": 0.1, "frequencies": 1.0}
-    return control.measured_response(path, **{**START, **good, **change})
+    return measured_response(path, **{**START, **good, **change})
 
 
 @pytest.mark.parametrize(
@@ -233,12 +245,10 @@ def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make
 # --- the study ---
 
 
-def test_margins_of_the_speed_control_are_those_of_the_full_model(fmu, monkeypatch):
-    monkeypatch.syspath_prepend(EXAMPLE.parent)
-    study = runpy.run_path(str(EXAMPLE))
+def test_margins_of_the_speed_control_are_those_of_the_full_model(fmu):
     operating = 60.6858
-    controllers = {"PI": study["controllers_of"](operating)["PI"]}
-    rows = study["margins"](fmu, operating, controllers)
+    controllers = {"PI": speed_control.controllers_of(operating)["PI"]}
+    rows = speed_control.margins(fmu, operating, controllers)
     assert [kind for _, kind, _, _ in rows] == ["averaged", "rigid", "elastic"]
     for _, _, predicted, measured in rows:
         assert measured.gain == pytest.approx(predicted.gain, rel=0.1)

@@ -43,6 +43,12 @@ def holds_the_speed(names, printed):
     assert names["run"].outputs[0][-50:] == pytest.approx([20.0] * 50, abs=1.0)
 
 
+def approaches_its_speed(names, printed):
+    assert 6.0 < names["record"]["vehicle_speed"][-1] < 8.0
+    # The sensor passes 0.2 of its state to the proportional gain.
+    assert names["linear"]["omega1", "omega_out"].C[0, 1] == pytest.approx(-200.0 * 0.2, rel=1e-6)
+
+
 def drives_the_shaft(names, printed):
     speed, twist = map(float, printed.split())
     assert speed == pytest.approx(17.0, abs=1.0)  # in one piece 16.77
@@ -59,7 +65,7 @@ def holds_the_engine(names, printed):
     "page, checks",
     [
         ("../README.md", [prints_its_residual]),
-        ("control.md", [holds_the_speed]),
+        ("control.md", [holds_the_speed, approaches_its_speed]),
         ("coupling.md", [holds_the_engine]),
         ("systems.md", [drives_the_shaft]),  # those of its other programs are in test_export.py
     ],

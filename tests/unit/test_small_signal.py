@@ -1,17 +1,15 @@
-"""The averaged module as a continuous system, and what is found out without an FMU."""
+"""The averaged module as a system of python-control, and the tools of the control examples."""
 
-import runpy
-
+import averaged_module
 import control as ct
 import numpy as np
 import pytest
 from averaged_errors import REALISTIC
+from frequency_response import fit_sine
 from refused import REFUSED
 from scenes import MECHANISMS, started
+from speed_control_margins import Margins, measured_margins, predicted_margins
 
-from inertia_module import control
-from inertia_module.control.fmu_system import bytes_of, numbers_of
-from inertia_module.control.small_signal import fit_sine
 from inertia_module.model import Module
 
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
@@ -24,7 +22,7 @@ NAMES = ("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", 
 @pytest.mark.parametrize("mechanism", [{}, LOSSY], ids=["ideal", "losses"])
 def test_every_output_is_that_of_the_module_at_this_instant(compiled, mechanism, omega1, load, speed):
     module = started(compiled, mechanism, fidelity=1, omega_out_start=speed, omega1=omega1, load_torque=load)
-    system = control.averaged_system(mechanism, outputs=NAMES, kernel=compiled)
+    system = averaged_module.averaged_system(mechanism, outputs=NAMES, kernel=compiled)
     assert system.output(0.0, [speed], [omega1, load]) == pytest.approx([module[name] for name in NAMES])
     resisting = load + module["output_friction"] * speed
     rate = (module["output_torque"] - resisting) / module["output_inertia"]
@@ -35,7 +33,7 @@ def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled
     module = Module(compiled).start(fidelity=1, omega_out_start=20.0, omega1=100.0, load_torque=10.0)
     module.set_rates(omega1=50.0)
     module.advance(1e-9)
-    system = control.averaged_system(
+    system = averaged_module.averaged_system(
         inputs=("omega1", "load_torque", "omega1_rate"), outputs=("input_torque",), kernel=compiled
     )
     ramped = system.output(0.0, [20.0], [100.0, 10.0, 50.0])
@@ -44,20 +42,20 @@ def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled
 
 
 def test_a_load_beyond_stall_holds_the_shaft_at_rest_and_has_no_operating_point(compiled):
-    system = control.averaged_system(kernel=compiled)
+    system = averaged_module.averaged_system(kernel=compiled)
     for speed in (0.0, -1e-12):
         assert system.dynamics(0.0, [speed], [100.0, 1000.0])[0] == 0.0
     with pytest.raises(ValueError, match=r"load_torque must be between .* N.m .* .got 1000000"):
-        control.operating_point(system, 100.0, 1e6)
+        averaged_module.operating_point(system, 100.0, 1e6)
 
 
 @pytest.mark.parametrize("parameters, omega1, load", [({}, 100.0, 10.0), (PLANAR, 200.0, 100.0)])
 def test_transient_inertias_depend_on_the_speed_ratio_alone(compiled, parameters, omega1, load):
-    system = control.averaged_system(parameters, outputs=("omega_out",), kernel=compiled)
-    speed = control.operating_point(system, omega1, load, 0.3 * omega1)
-    found = control.transient_inertia(parameters, omega1, speed, compiled)
+    system = averaged_module.averaged_system(parameters, outputs=("omega_out",), kernel=compiled)
+    speed = averaged_module.operating_point(system, omega1, load, 0.3 * omega1)
+    found = averaged_module.transient_inertia(parameters, omega1, speed, compiled)
     assert found == pytest.approx(
-        control.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
+        averaged_module.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
     )
     # of the order of the moving inertias, and small against the output
     assert 0.0 < found.input < 0.02
@@ -65,9 +63,9 @@ def test_transient_inertias_depend_on_the_speed_ratio_alone(compiled, parameters
 
 
 def test_transient_inertia_adds_to_that_of_the_output(compiled):
-    added = control.TransientInertia(0.0, 0.5)
-    plain = control.averaged_system(kernel=compiled)
-    heavier = control.averaged_system(kernel=compiled, transient=added)
+    added = averaged_module.TransientInertia(0.0, 0.5)
+    plain = averaged_module.averaged_system(kernel=compiled)
+    heavier = averaged_module.averaged_system(kernel=compiled, transient=added)
     at = 0.0, [10.0], [100.0, 10.0]
     assert heavier.dynamics(*at) == pytest.approx(0.5 * plain.dynamics(*at))
 
@@ -75,12 +73,12 @@ def test_transient_inertia_adds_to_that_of_the_output(compiled):
 @pytest.mark.parametrize("arguments, message", REFUSED["averaged_systems"])
 def test_what_has_no_averaged_system_is_refused(compiled, arguments, message):
     with pytest.raises(ValueError, match=message):
-        control.averaged_system(**arguments, kernel=compiled)
+        averaged_module.averaged_system(**arguments, kernel=compiled)
 
 
 def test_transient_inertia_needs_a_shaft_that_is_slower_than_its_input(compiled):
     with pytest.raises(ValueError, match=r"must be above 0 and below omega1 = 100 rad/s .got 120"):
-        control.transient_inertia({}, 100.0, 120.0, compiled)
+        averaged_module.transient_inertia({}, 100.0, 120.0, compiled)
 
 
 def test_a_sine_is_found_among_pulses_and_drift():
@@ -90,17 +88,6 @@ def test_a_sine_is_found_among_pulses_and_drift():
     (sine,), _ = fit_sine(time, values[:, None], 1.0)
     assert abs(sine) == pytest.approx(0.3, rel=1e-3)
     assert np.angle(sine) == pytest.approx(0.5, abs=1e-3)
-
-
-def test_bytes_survive_as_whole_numbers_and_a_change_of_one_is_refused():
-    for size in (0, 1, 5, 6, 7, 19088):
-        data = np.random.default_rng(size).bytes(size)
-        numbers = numbers_of(data)
-        assert (numbers == np.floor(numbers)).all()
-        assert bytes_of(numbers) == data
-    numbers[2] += 0.5
-    with pytest.raises(ValueError, match=r"a whole state must be unchanged \(number 2 is "):
-        bytes_of(numbers)
 
 
 class Pulsing:
@@ -127,8 +114,7 @@ class Pulsing:
 
 def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_though_pulses_never_settle():
     """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
-    margins = runpy.run_path("examples/speed_control_margins.py")
-    expected = margins["predicted_margins"](ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
+    expected = predicted_margins(ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
     assert expected.gain == pytest.approx(10.0, rel=1e-2)
     crossover = 2.0 * np.arcsin(0.05)
     assert expected.crossover == pytest.approx(crossover, rel=1e-3)
@@ -136,21 +122,22 @@ def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_t
     # the surrounding itself is one step late
     around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
     point, limits = {"omega_out": 0.0, "omega1": 0.0}, (-1e9, 1e9)
-    found = margins["measured_margins"](Pulsing(), around, point, [1.0], expected, limits)
+    found = measured_margins(Pulsing(), around, point, [1.0], expected, limits)
     assert found.gain == pytest.approx(expected.gain, rel=0.05)
     assert found.delay == pytest.approx(expected.delay, rel=0.03)
-    too_low = margins["Margins"](0.4 * expected.gain, expected.delay, expected.crossover)
+    too_low = Margins(0.4 * expected.gain, expected.delay, expected.crossover)
     with pytest.raises(ValueError, match=r"limits must be a stable and an unstable one, .* is not unstable"):
-        margins["measured_margins"](Pulsing(), around, point, [1.0], too_low, limits)
+        measured_margins(Pulsing(), around, point, [1.0], too_low, limits)
 
 
 def test_all_balances_are_listed_with_their_stability(compiled):
     """Where the torque rises with the speed the shaft leaves the balance, to either side."""
     omega1 = 100.0
-    system = control.averaged_system({}, outputs=("output_torque",))
-    low, high = control.carried_range(system, omega1)
+    system = averaged_module.averaged_system({}, outputs=("output_torque",))
+    low, high = averaged_module.carried_range(system, omega1)
     points = {
-        load: control.operating_points(system, omega1, load) for load in np.linspace(low, high, 23)[1:-1]
+        load: averaged_module.operating_points(system, omega1, load)
+        for load in np.linspace(low, high, 23)[1:-1]
     }
     assert {point.is_stable for found in points.values() for point in found} == {True, False}
     for load, found in points.items():
@@ -163,19 +150,19 @@ def test_all_balances_are_listed_with_their_stability(compiled):
             assert bool(rates[0] > 0.0 > rates[1]) == point.is_stable
         stable = [point.omega_out for point in found if point.is_stable]
         if len(stable) == 1:
-            assert control.operating_point(system, omega1, load) == stable[0]
+            assert averaged_module.operating_point(system, omega1, load) == stable[0]
         else:
             words = r"guess must be close to one of the operating points .*rad/s .(un)?stable"
             with pytest.raises(ValueError, match=words):
-                control.operating_point(system, omega1, load)
+                averaged_module.operating_point(system, omega1, load)
         for point in found:
-            assert control.operating_point(system, omega1, load, point.omega_out) == point.omega_out
+            assert averaged_module.operating_point(system, omega1, load, point.omega_out) == point.omega_out
 
 
 @pytest.mark.parametrize("share", [1.01, -0.5])
 def test_a_load_out_of_range_is_refused_with_the_range(compiled, share):
-    system = control.averaged_system({}, outputs=("output_torque",))
-    low, high = control.carried_range(system, 100.0)
+    system = averaged_module.averaged_system({}, outputs=("output_torque",))
+    low, high = averaged_module.carried_range(system, 100.0)
     words = f"load_torque must be between {low:.4g} and {high:.4g} N.m at omega1 = 100 rad/s"
     with pytest.raises(ValueError, match=words):
-        control.operating_point(system, 100.0, share * high)
+        averaged_module.operating_point(system, 100.0, share * high)

@@ -11,9 +11,12 @@ from .files import PACKAGE_FOLDER
 
 # folder of the examples: in a wheel within the package, in a clone next to it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
-KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "studies/*.py")
+KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "control/*.py", "studies/*.py")
 # files that belong to another example
-PARTS = ("speed_control_margins.py", "speed_control_report.py")
+PARTS = (
+    *("averaged_module.py", "frequency_response.py"),
+    *("speed_control_margins.py", "speed_control_report.py"),
+)
 
 
 @cache
