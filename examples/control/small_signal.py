@@ -18,7 +18,7 @@ from inertia_module import current_fmu
 BEVEL = {"output_inertia": 0.5}
 PLANAR = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
-# title, parameters, omega1, omega_out, pulses a second (about)
+# title, parameters, omega1 and omega_out in rad/s, approximate pulse rate in Hz
 CASES = (
     ("bevel R1, ratio 0.27", BEVEL, 100.0, 26.8, 29.6),
     ("bevel R1, ratio 0.27, 10 J3", BEVEL | {"output_inertia": 5.0}, 100.0, 26.8, 29.0),
@@ -30,9 +30,9 @@ CASES = (
     ("planar, lighter output, ratio 0.30", PLANAR | {"output_inertia": 0.05}, 200.0, 60.0, 44.0),
 )
 OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
-# frequencies as shares of the pulse rate; swing of the input as a share of it
+# frequencies over pulse rate; amplitude of the input over its mean
 SHARES = np.array([0.01, 0.03, 0.1])
-SWING = {"omega1": 0.005, "load_torque": 0.1}
+AMPLITUDE = {"omega1": 0.005, "load_torque": 0.1}
 STEP = 1e-3  # s
 
 
@@ -45,7 +45,7 @@ def compare(fmu_path, case):
     print(
         f"{title}: load {load:.3g} N.m, transient inertia {transient.input:.4f}, {transient.output:.4f} kg.m2"
     )
-    for excited, share in SWING.items():
+    for excited, share in AMPLITUDE.items():
         point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": SHARES * rate}
         measured = measured_response(
             fmu_path, {**parameters, "omega_out_start": omega_out}, **point, outputs=OUTPUTS,

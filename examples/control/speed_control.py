@@ -28,10 +28,7 @@ STEP = 0.01  # s, of communication and control
 MOTOR_LAG, SENSOR_LAG = 0.15, 0.05  # s
 SIGNALS = ["omega_out", "measured", "omega1"]
 LIMITS = (0.0, 400.0)  # rad/s
-KICK, KICK_PERIODS = (
-    0.5,
-    10.0,
-)  # state at the start that has to die away, and within how many crossover periods
+KICK = 0.5  # initial disturbance of the first state around the FMU
 OMEGA1, HILL = 200.0, 100.0  # operating point, rad/s and N.m (a slope of 15 % at 17 km/h)
 MECHANISM = {"layout": 1, "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 MECHANISM |= {"imbalance_mass": 0.3, "satellites": 3, "link2_inertia": 0.01}
@@ -46,27 +43,27 @@ PLANTS = {
 }
 
 
-def lag(time, given, output, name):
-    """First-order lag with its input held over a step, exact; its state is its output."""
-    left = math.exp(-STEP / time)
-    return ct.ss([[left]], [[1.0 - left]], [[1.0]], [[0.0]], STEP, inputs=given, outputs=output, name=name)
+def lag(time, source, output, name):
+    """Make a first-order lag, exact for an input that is constant in each step; its state is its output."""
+    decay = math.exp(-STEP / time)
+    return ct.ss([[decay]], [[1.0 - decay]], [[1.0]], [[0.0]], STEP, inputs=source, outputs=output, name=name)
 
 
 def sampled_plant(continuous):
-    """A plant with its inputs held, and its signals named."""
+    """Sample a plant (zero-order hold) and name its signals."""
     sampled = ct.sample_system(continuous, STEP, "zoh")
     return ct.ss(sampled, inputs=["omega1", "load_torque"], outputs=["omega_out"], name="module")
 
 
 def linear_plant(kind, operating):
-    """Linearised averaged module, sampled: inputs omega1, load_torque, output omega_out."""
+    """Linearise and sample the averaged module: inputs omega1 and load_torque, output omega_out."""
     inertia = PLANTS[kind]["output_inertia"]
     averaged = averaged_system({**MECHANISM, "output_inertia": inertia}, outputs=("omega_out",))
     module = ct.linearize(averaged, [operating], [OMEGA1, HILL])
     if kind == "elastic":
         c, d, car = SHAFT["shaft_stiffness"], SHAFT["shaft_damping"], CAR
         (a, (b1, b2)) = module.A[0, 0], module.B[0]
-        # states: hub, car, twist; the shaft torque brakes the hub as load_torque would
+        # states: hub, car, twist; the shaft torque acts on the hub like load_torque
         shaft = np.array([d, -d, c])
         rows = [np.array([a, 0.0, 0.0]) + b2 * shaft, shaft / car, [1.0, -1.0, 0.0]]
         module = ct.ss(rows, [[b1, 0.0], [0.0, -1.0 / car], [0.0, 0.0]], [[0.0, 1.0, 0.0]], [[0.0, 0.0]])
@@ -74,17 +71,17 @@ def linear_plant(kind, operating):
 
 
 def tune_pi(plant, crossover, phase_margin):
-    """Gains (proportional, integral) for a crossover, rad/s, and a phase margin, degrees."""
+    """Return proportional and integral gain for a crossover, rad/s, and a phase margin, degrees."""
     z = np.exp(1j * crossover * STEP)
     response = complex(plant(z))
     # forward Euler integral, as in driveline.pi_speed_controller: Kp + Ki h / (z - 1)
-    wanted = np.exp(1j * math.radians(phase_margin - 180.0)) / response
-    integral = wanted.imag / (STEP / (z - 1.0)).imag
-    return wanted.real - integral * (STEP / (z - 1.0)).real, integral
+    controller = np.exp(1j * math.radians(phase_margin - 180.0)) / response
+    integral = controller.imag / (STEP / (z - 1.0)).imag
+    return controller.real - integral * (STEP / (z - 1.0)).real, integral
 
 
 def pi_controller(gains):
-    """Sensor and PI controller in deviations: from omega_out to command."""
+    """Make sensor and PI controller for deviations, from omega_out to command."""
     proportional, integral = gains
     controller = ct.ss(
         [[1.0]], [[-STEP * integral]], [[1.0]], [[-proportional]],
@@ -94,7 +91,7 @@ def pi_controller(gains):
 
 
 def feedback_controller(gains):
-    """Sensor and state feedback in deviations: from omega_out, its sum, and omega1 to command."""
+    """Make sensor and state feedback for deviations, from omega_out and omega1 to command."""
     on_speed, on_motor, on_sum = gains
     controller = ct.ss(
         [[1.0]], [[1.0, 0.0]], [[-on_sum]], [[-on_speed, -on_motor]],
@@ -104,18 +101,18 @@ def feedback_controller(gains):
 
 
 def surrounding(controller):
-    """Sensor, controller and motor as one linear system, from omega_out to omega1."""
+    """Connect sensor, controller and motor to one linear system from omega_out to omega1."""
     motor = lag(MOTOR_LAG, "command", "omega1", "motor")
     return ct.interconnect([*controller, motor], inputs="omega_out", outputs="omega1")
 
 
 def open_loop(controller, plant):
-    """The loop, cut between module and sensor."""
+    """Return the open loop, cut between module and sensor."""
     return -ct.series(surrounding(controller), plant["omega_out", "omega1"])
 
 
 def plant_with_transient(operating):
-    """The rigid plant, linearised with what accelerations add to the mean torque: lead in omega1."""
+    """Linearise and sample the rigid plant with its transient inertia, which adds a lead in omega1."""
     parameters = PLANTS["rigid"]
     averaged = averaged_system(
         parameters,
@@ -125,21 +122,25 @@ def plant_with_transient(operating):
     )
     module = ct.linearize(averaged, [operating], [OMEGA1, HILL, 0.0])
     pole, (gain, load, lead) = module.A[0, 0], module.B[0]
-    # omega_out = z + lead * omega1 takes the rate out of the inputs
+    # The new state omega_out - lead * omega1 replaces the rate in the inputs.
     proper = ct.ss([[pole]], [[gain + pole * lead, load]], [[1.0]], [[lead, 0.0]])
     return sampled_plant(proper)
 
 
 def start_values(kind, operating):
-    """Parameters with the FMU at the operating point; the elastic shaft starts untwisted."""
+    """Return the parameters of the FMU at the operating point, with an untwisted elastic shaft."""
     return {**PLANTS[kind], "omega_out_start": operating}
 
 
 def simulate(fmu_path, kind, operating, controllers, signals):
-    """Closed loop by control.input_output_response; rows SIGNALS.
+    """Simulate the closed loop with control.input_output_response and return the rows SIGNALS.
 
-    controllers: discrete-time systems around motor and module, and their states at the operating point.
-    signals: reference and load_torque, shape (2, n).
+    Args:
+        fmu_path: Path of the FMU.
+        kind: Kind of plant, a key of PLANTS.
+        operating: Output speed at the operating point, rad/s.
+        controllers: Discrete-time systems around motor and module, and their states at the operating point.
+        signals: reference and load_torque, shape (2, n).
     """
     start = {"omega1": OMEGA1, "load_torque": HILL}
     with control.fmu_system(
@@ -159,14 +160,14 @@ def simulate(fmu_path, kind, operating, controllers, signals):
 
 
 def pi_in_full(gains, operating):
-    """Sensor and PI controller with limits, and their states at the operating point."""
+    """Make sensor and PI controller with limits; return them with their states at the operating point."""
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
     pi = driveline.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command")
     return [sensor, pi], [[operating], [OMEGA1]]
 
 
 def feedback_in_full(gains, operating):
-    """Sensor and state feedback with limits, and their states at the operating point."""
+    """Make sensor and state feedback with limits; return them with their states at the operating point."""
     on_speed, on_motor, on_sum = gains
 
     def output(_, x, u, __):
@@ -176,14 +177,16 @@ def feedback_in_full(gains, operating):
     def update(_, x, u, __):
         return [x[0] + u[1] - u[0]]
 
-    given = ["reference", "measured", "omega1"]
-    feedback = ct.nlsys(update, output, inputs=given, outputs="command", states=1, dt=STEP, name="controller")
+    inputs = ["reference", "measured", "omega1"]
+    feedback = ct.nlsys(
+        update, output, inputs=inputs, outputs="command", states=1, dt=STEP, name="controller"
+    )
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
     return [sensor, feedback], [[operating], [0.0]]
 
 
 def design(operating):
-    """Gains of both controllers, by linear design on the averaged module."""
+    """Design both controllers on the linearised averaged module and return their gains."""
     plant = linear_plant("averaged", operating)
     motor = lag(MOTOR_LAG, "command", "omega1", "motor")
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
@@ -196,7 +199,7 @@ def design(operating):
 
 
 def controllers_of(operating):
-    """Both controllers in deviations, by name, and their gains."""
+    """Return both controllers for deviations with their gains, by name."""
     pi_gains, feedback_gains = design(operating)
     return {
         "PI": (pi_controller(pi_gains), pi_gains),
@@ -205,7 +208,7 @@ def controllers_of(operating):
 
 
 def margins(fmu_path, operating, controllers):
-    """Rows (controller, plant, predicted margins, measured margins)."""
+    """Return rows (controller, plant, predicted margins, measured margins)."""
     rows = []
     point = {"omega1": OMEGA1, "omega_out": operating}
     for name, (controller, _) in controllers.items():
@@ -221,7 +224,7 @@ def margins(fmu_path, operating, controllers):
 
 
 def responses(fmu_path, operating, gains):
-    """Speed and omega1 of both controllers on all plants: a step of the reference, then one of the hill."""
+    """Simulate a reference step and a later load step with both controllers on all plants."""
     time = STEP * np.arange(round(14.0 / STEP))
     reference = np.where(time < 1.0, operating, operating + REFERENCE_STEP)
     hill = np.where(time < 7.0, HILL, HILL + HILL_STEP)
@@ -237,21 +240,21 @@ def responses(fmu_path, operating, gains):
 
 
 def measured_loop(fmu_path, operating, controller, frequencies):
-    """The loop with the response of the rigid FMU, measured, in place of the averaged module."""
+    """Return the open loop with the measured response of the rigid FMU."""
     measured = measured_response(
         fmu_path, start_values("rigid", operating), omega1=OMEGA1, load_torque=HILL, excited="omega1",
         amplitude=0.005 * OMEGA1, frequencies=frequencies, outputs=["omega_out"], step=1e-3, settling=8.0,
         record=10.0,
     )  # fmt: skip
-    turn = 2j * math.pi * frequencies
-    # omega1 is held over a step of the loop: what that does to the sine
-    hold = (1.0 - np.exp(-turn * STEP)) / (turn * STEP)
-    around = surrounding(controller)(np.exp(turn * STEP))
+    s = 2j * math.pi * frequencies
+    # response of the zero-order hold of omega1
+    hold = (1.0 - np.exp(-s * STEP)) / (s * STEP)
+    around = surrounding(controller)(np.exp(s * STEP))
     return -around * hold * measured.response[0], measured.pulse_rate
 
 
 def compare_loops(fmu_path, operating, controller):
-    """Print how the measured loop deviates; returns the curves of the Bode plot and the pulse rate, Hz."""
+    """Print deviations of the measured loop; return curves of the Bode plot and the pulse rate, Hz."""
     fine, coarse = np.geomspace(0.03, 10.0, 300), np.array([0.1, 0.3, 1.0, 2.0, 4.0])
     loop, pulse_rate = measured_loop(fmu_path, operating, controller, coarse)
     drawn = [("measured on the rigid FMU", (coarse, loop), "o")]
@@ -268,7 +271,7 @@ def compare_loops(fmu_path, operating, controller):
 
 
 def main(fmu_path, folder):
-    """The whole study; writes its table and figure into the folder."""
+    """Run the study and write its table and figure into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     averaged = averaged_system(PLANTS["rigid"], outputs=("omega_out",))
     operating = operating_point(averaged, OMEGA1, HILL, guess=60.0)
@@ -281,8 +284,10 @@ def main(fmu_path, folder):
     report(margins(fmu_path, operating, controllers))
     exact = plant_with_transient(operating)
     for name, (controller, _) in controllers.items():
-        found = predicted_margins(open_loop(controller, exact))
-        print(f"{name} with transient inertia: gain {found.gain:.2f}, phase {found.phase:.1f} degrees")
+        predicted = predicted_margins(open_loop(controller, exact))
+        print(
+            f"{name} with transient inertia: gain {predicted.gain:.2f}, phase {predicted.phase:.1f} degrees"
+        )
     table = responses(fmu_path, operating, {name: gains for name, (_, gains) in controllers.items()})
     step_numbers(table, PLANTS)
     drawn, pulse_rate = compare_loops(fmu_path, operating, controllers["PI"][0])

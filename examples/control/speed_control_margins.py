@@ -1,4 +1,4 @@
-"""Margins of stability of speed_control.py: of a linear loop, and measured on the loop around an FMU."""
+"""Stability margins of speed_control.py: computed for a linear loop, and measured with an FMU in the loop."""
 
 import math
 from collections import deque
@@ -8,13 +8,19 @@ import control as ct
 import numpy as np
 from scipy.signal import detrend
 
-# margins are looked for within these shares of the expected one, to this relative width
-WITHIN, SHARE = np.array([0.5, 2.0]), 0.02
+SEARCH_RANGE = np.array([0.5, 2.0])  # measured over expected margin
+RELATIVE_WIDTH = 0.02  # at the end of the bisection
 
 
 @dataclass(frozen=True)
 class Margins:
-    """Margins of a loop: gain (factor), delay, s, and the crossover frequency, rad/s."""
+    """Stability margins of a loop.
+
+    Attributes:
+        gain: Gain margin (factor).
+        delay: Delay margin, s.
+        crossover: Crossover frequency, rad/s.
+    """
 
     gain: float
     delay: float
@@ -22,12 +28,12 @@ class Margins:
 
     @property
     def phase(self):
-        """Phase margin, degrees."""
+        """Return the phase margin, degrees."""
         return math.degrees(self.delay * self.crossover)
 
 
 def predicted_margins(loop):
-    """Compute the margins of a linear discrete-time loop (1 x 1, of negative feedback) by control.margin."""
+    """Compute the margins of a linear discrete-time loop (1 x 1, negative feedback) with control.margin."""
     step = float(loop.dt)
     frequency = np.geomspace(1e-4, 0.999, 4000) * math.pi / step
     response = loop(np.exp(1j * frequency * step))
@@ -36,19 +42,21 @@ def predicted_margins(loop):
 
 
 def measured_margins(fmu, surrounding, point, kick, expected, limits):
-    """Measure the margins of the loop around an FMU: it is made worse until a kick grows on, by bisection.
+    """Measure the margins of a loop with an FMU, by bisection.
 
-    What is measured is multiplied (gain margin) or delayed (delay margin). A loop counts as settled if its
-    first measured signal swings less at the end than early on, or no more than twice what the pulses leave in
-    the loop as it is; as unstable also if it leaves the limits.
+    The measured signals are multiplied (gain margin) or delayed (delay margin) until an initial disturbance
+    no longer decays. The loop is stable if the oscillation of the first measured signal is smaller at the end
+    of a run than near its start, or at most twice the oscillation caused by the torque pulses. It is unstable
+    if an input of the FMU leaves its limits.
 
-    fmu: started at the operating point; it is left there.
-    surrounding: around it, of deviations: control.StateSpace in discrete time, inputs named as outputs of
-        the FMU and outputs as inputs of it, without direct feedthrough (D = 0).
-    point: values at the operating point of all signals between both.
-    kick: state of the surrounding at the start, shape (states,).
-    expected: by predicted_margins; looked for from half to twice of them.
-    limits: of what the surrounding gives to the FMU.
+    Args:
+        fmu: FMU at the operating point, which is restored at the end.
+        surrounding: Discrete-time control.StateSpace of all deviations around the FMU, without direct
+            feedthrough (D = 0). Its inputs are outputs of the FMU, its outputs are inputs of the FMU.
+        point: Values of these signals at the operating point, by name.
+        kick: Initial state of the surrounding, shape (states,).
+        expected: Margins by predicted_margins; the search covers half to twice these values.
+        limits: Minimum and maximum of the inputs of the FMU.
     """
     measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
     a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
@@ -59,9 +67,11 @@ def measured_margins(fmu, surrounding, point, kick, expected, limits):
     begin = fmu.get_state()
 
     def swings(factor=1.0, delay=0):
-        """RMS of the second and the last quarter of a run, each about its mean and drift.
+        """Return the RMS of the second and the last quarter of a run, without mean and drift.
 
-        What is measured reaches the surrounding times the factor, late by delay steps.
+        Args:
+            factor: Factor on the measured signals.
+            delay: Delay of the measured signals, steps.
         """
         fmu.set_state(begin)
         state, first = np.array(kick, dtype=float), np.empty(steps + 1)
@@ -82,29 +92,32 @@ def measured_margins(fmu, surrounding, point, kick, expected, limits):
         early, late = (first[n * quarter : (n + 1) * quarter] for n in (1, 3))
         return float(np.std(detrend(early))), float(np.std(detrend(late)))
 
-    ripple = 2.0 * swings()[1]
+    max_ripple = 2.0 * swings()[1]
 
     def settles(factor=1.0, delay=0.0):
         early, late = swings(factor, round(delay))
-        return late < max(early, ripple)
+        return late < max(early, max_ripple)
 
     try:
-        gain = stability_limit(settles, *(expected.gain * WITHIN))
-        late = stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * WITHIN))
+        gain = stability_limit(settles, *(expected.gain * SEARCH_RANGE))
+        late = stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * SEARCH_RANGE))
     finally:
         fmu.set_state(begin)
     return Margins(gain, late * step, expected.crossover)
 
 
 def stability_limit(is_stable, low, high):
-    """Value between low (stable) and high (not) where stability ends, by bisection in the logarithm."""
-    for value, wanted in ((low, True), (high, False)):
-        if is_stable(value) != wanted:
-            raise ValueError(
-                f"limits must be a stable and an unstable one, are {low:g} and {high:g}: {value:g} is not"
-                f" {'stable' if wanted else 'unstable'}"
-            )
-    while high > low * (1.0 + SHARE):
+    """Find the value at which stability ends, by bisection of the logarithm.
+
+    Args:
+        is_stable: Function that returns True if the loop is stable at a value.
+        low: Value at which the loop is stable.
+        high: Value at which the loop is unstable.
+    """
+    for value, expected, text in ((low, True, "stable"), (high, False, "unstable")):
+        if is_stable(value) != expected:
+            raise ValueError(f"the loop must be {text} at {value:g} (limits: {low:g} and {high:g})")
+    while high > low * (1.0 + RELATIVE_WIDTH):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if is_stable(middle) else (low, middle)
     return math.sqrt(low * high)

@@ -8,7 +8,7 @@ from inertia_module.plots.scenes import BLACK, BLUE, VERMILION
 
 
 def report(rows):
-    """The margins as a table."""
+    """Print the margins as a table."""
     print("\ncontroller      plant       gain margin         phase margin, deg   delay margin, s   crossover")
     print("                            predicted measured  predicted measured  predicted measured  rad/s")
     for name, kind, predicted, measured in rows:
@@ -19,7 +19,7 @@ def report(rows):
 
 
 def step_numbers(table, plants):
-    """Of the measured speed: overshoot and settling after the reference step, dip after that of the hill."""
+    """Print overshoot and settling time after the reference step, and the speed dip after the hill step."""
     print("\ncontroller      plant       overshoot  rise time  settling time  dip on the hill")
     step = table.time[1]
     rows = slice(round(1.0 / step), round(7.0 / step))
@@ -42,7 +42,7 @@ def step_numbers(table, plants):
 
 
 def figure_of(table, plants, loops_drawn, pulse_rate):
-    """Left the loops of the PI controller as Bode plot, right the responses."""
+    """Draw the Bode plot of the loop with the PI controller (left) and the responses (right)."""
     figure = Figure(figsize=(12.0, 8.0), dpi=100, layout="constrained")
     figure.suptitle("Car on a hill: designed on the averaged module, run on the FMUs", fontweight="bold")
     axes = figure.subplots(2, 2)

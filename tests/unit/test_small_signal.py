@@ -126,7 +126,7 @@ def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_t
     assert found.gain == pytest.approx(expected.gain, rel=0.05)
     assert found.delay == pytest.approx(expected.delay, rel=0.03)
     too_low = Margins(0.4 * expected.gain, expected.delay, expected.crossover)
-    with pytest.raises(ValueError, match=r"limits must be a stable and an unstable one, .* is not unstable"):
+    with pytest.raises(ValueError, match=r"the loop must be unstable at "):
         measured_margins(Pulsing(), around, point, [1.0], too_low, limits)
 
 

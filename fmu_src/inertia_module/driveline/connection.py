@@ -1,7 +1,7 @@
 """Connection of loads, controllers and sources to one system, the environment of an FMU, and its evaluation.
 
-control.interconnect makes the system. During a run its laws are evaluated directly: A step of a connected
-system in python-control takes many calls, as much time as ten steps of the FMU.
+control.interconnect makes the system. During a run its laws are called directly, because python-control takes
+ten times as long for a step of a connected system.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def _step_text(step: float | bool | None) -> str:
 def law_of(system: Environment) -> Law:
     """Return a function of time, s, states and inputs that returns outputs and next states of a system.
 
-    The numbers are those of python-control to the bit, except for the sign of zeros. The laws of this package
+    The results are equal to python-control to the bit, except for the sign of zeros. The laws of this package
     are called directly, also within a connected system.
 
     Args:

@@ -1,4 +1,4 @@
-"""Signals over time: constants and tables, and the parts of an environment that consist of them."""
+"""Signals over time, as constants and tables, and systems whose outputs are signals."""
 
 from __future__ import annotations
 
@@ -80,9 +80,9 @@ def between(points: Sequence[float], values: Sequence[float], point: float) -> f
 
 
 class Sources:
-    """Signals over time by name: an environment, or a part of it, that does not depend on the FMU.
+    """Signals over time by name, which do not depend on the FMU: a whole environment, or one of its systems.
 
-    This class does not import python-control, so scenes without a closed loop start quickly.
+    This class does not import python-control, so a scene without a closed loop starts quickly.
 
     Args:
         signals: Constants, or tables over time, s, by name.
