@@ -1,4 +1,4 @@
-"""Loads, controllers and the loop, against closed solutions, balances and the module itself."""
+"""Loads, controllers and the closed loop, compared with exact solutions, balances and the module."""
 
 import math
 from collections import Counter
@@ -19,10 +19,11 @@ KMH = 1.0 / 3.6
 
 
 class Shaft(Plant):
-    """A bare shaft that a torque accelerates, one way or both; exact for a torque that is held."""
+    """Shaft that a torque accelerates, exact for a torque that is constant in each step."""
 
-    def __init__(self, inertia, speed=0.0, drive=0.0, one_way=False):
-        self.inertia, self.speed, self.drive, self.one_way = inertia, speed, drive, one_way
+    def __init__(self, inertia, speed=0.0, drive=0.0, prevents_reverse=False):
+        self.inertia, self.speed, self.drive = inertia, speed, drive
+        self.prevents_reverse = prevents_reverse
         self.load_torque = 0.0
 
     def set(self, **values):
@@ -30,7 +31,7 @@ class Shaft(Plant):
 
     def advance(self, step):
         self.speed += step * (self.drive - self.load_torque) / self.inertia
-        if self.one_way:
+        if self.prevents_reverse:
             self.speed = max(self.speed, 0.0)
 
     def read(self, names):
@@ -49,9 +50,9 @@ def no_brake(step):
 # --- shaft load ---
 
 
-def test_friction_spins_the_coasting_shaft_down_exponentially(compiled):
-    """Through the module, to first order in the step."""
-    driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # which a lighter shaft is refused
+def test_viscous_friction_decelerates_a_coasting_shaft_exponentially(compiled):
+    """The error is of first order in the step."""
+    driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # a lighter shaft is rejected below
     friction, own, driven = 0.4, 0.1, 0.9
     errors = []
     for step in (0.02, 0.01):
@@ -65,8 +66,7 @@ def test_friction_spins_the_coasting_shaft_down_exponentially(compiled):
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05)
 
 
-def test_elastic_load_follows_a_turning_shaft_exactly():
-    """Sampled exactly: an inertia on a spring behind a shaft of constant speed, any step."""
+def test_elastic_load_oscillates_exactly_at_constant_shaft_speed():
     inertia, stiffness = 0.5, 200.0
     natural = math.sqrt(stiffness / inertia)
     load = driveline.shaft_load(0.03, inertia, coupling=driveline.Coupling(stiffness, 0.0))
@@ -84,22 +84,22 @@ def test_elastic_load_follows_a_turning_shaft_exactly():
     ("stiffness", "damping", "stable"),
     [(500.0, 0.0, True), (500.0, 5.0, True), (500.0, 2000.0, False), (60000.0, 0.0, False)],
 )
-def test_check_coupling_tells_what_a_run_shows(stiffness, damping, stable):
+def test_step_is_rejected_exactly_if_the_oscillation_grows(stiffness, damping, stable):
     load = driveline.shaft_load(0.005, 0.5, coupling=driveline.Coupling(stiffness, damping))
     table = spin(Shaft(0.5, speed=1.0), load, 1.0)
     assert bool(np.abs(table["omega_out"]).max() < 3.0) == stable
     if stable:
         load.check_step(0.5)
-        if damping == 0.0:  # over many swings it neither gains nor loses
+        if damping == 0.0:  # the amplitude stays constant over many periods
             table = spin(Shaft(0.5, speed=10.0), load, 20.0)
-            swing = np.abs(table["omega_out"] - table["load_speed"])
-            assert swing[-400:].max() == pytest.approx(swing[:400].max(), rel=0.01)
+            difference = np.abs(table["omega_out"] - table["load_speed"])
+            assert difference[-400:].max() == pytest.approx(difference[:400].max(), rel=0.01)
     else:
         with pytest.raises(ValueError, match=r"the step must be shorter with .* \(got 0.005 s\)\. A softer "):
             load.check_step(0.5)
 
 
-def test_elastic_friction_settles_at_the_torque_of_the_friction():
+def test_elastic_load_with_friction_settles_at_its_torque():
     load = driveline.shaft_load(0.01, 0.2, 0.3, torque=2.0, coupling=driveline.Coupling(50.0, 2.0))
     table = spin(Shaft(1e30, speed=10.0), load, 20.0)
     assert table["load_speed"][-1] == pytest.approx(10.0, rel=1e-9)
@@ -116,16 +116,16 @@ def test_torque_source_follows_its_table():
 
 
 def vehicle(step, **values):
-    given = {"mass": 1000.0, "wheel_radius": 0.3, "final_drive": 3.0, **values}
-    return driveline.vehicle_load(step, **given)
+    defaults = {"mass": 1000.0, "wheel_radius": 0.3, "final_drive": 3.0}
+    return driveline.vehicle_load(step, **{**defaults, **values})
 
 
-@pytest.mark.parametrize("one_way", [True, False])
+@pytest.mark.parametrize("prevents_reverse", [True, False])
 @pytest.mark.parametrize("brake", [0.0, 3000.0])
-def test_vehicle_comes_to_rest_and_stays_there(one_way, brake):
+def test_vehicle_stops_and_stays_at_rest(prevents_reverse, brake):
     step, ratio = 0.01, 0.1
-    load = vehicle(step, rolling_resistance=0.02, prevents_reverse=one_way)
-    plant = Shaft(load.rigid_inertia, speed=5.0 / ratio, one_way=one_way)
+    load = vehicle(step, rolling_resistance=0.02, prevents_reverse=prevents_reverse)
+    plant = Shaft(load.rigid_inertia, speed=5.0 / ratio, prevents_reverse=prevents_reverse)
     table = spin(plant, load, 30.0, driveline.source("brake_force", brake, step))
     deceleration = 0.02 * 9.80665 + brake / 1000.0
     exact = np.maximum(5.0 - deceleration * table.time, 0.0)
@@ -134,20 +134,20 @@ def test_vehicle_comes_to_rest_and_stays_there(one_way, brake):
     assert table["distance"][-1] == pytest.approx(5.0**2 / (2.0 * deceleration), rel=0.02)
 
 
-def test_elastic_vehicle_comes_to_rest_and_stays_there():
+def test_elastic_vehicle_stops_and_stays_at_rest():
     step = 0.01
     load = vehicle(step, rolling_resistance=0.02, coupling=driveline.Coupling(2000.0, 10.0))
     table = spin(Shaft(0.2, speed=0.0, drive=0.0), load, 5.0, no_brake(step))
     assert np.abs(table["vehicle_speed"]).max() == 0.0
-    # pulled away against the friction, then left alone
+    # accelerated against the friction, then without a torque
     plant = Shaft(0.2, drive=60.0)
     loop = driveline.ClosedLoop(plant, driveline.connect([load.system, no_brake(step)]), ["omega_out"])
 
-    def let_go(share):
+    def release(share):
         if share >= 500 / 4000:
             plant.drive = 0.0
 
-    speeds = loop.run(40.0, let_go)["vehicle_speed"]
+    speeds = loop.run(40.0, release)["vehicle_speed"]
     expected = (60.0 / 0.1 - 0.02 * 1000.0 * 9.80665) / (1000.0 + 0.2 / 0.1**2) * 5.0
     assert speeds[500] == pytest.approx(expected, rel=0.02)
     assert abs(speeds[-1]) < 1e-9
@@ -155,8 +155,8 @@ def test_elastic_vehicle_comes_to_rest_and_stays_there():
 
 
 @pytest.mark.parametrize("slope, brake", [(0.1, 2000.0), (-0.1, 2000.0), (-0.1, 0.0)])
-def test_brake_holds_on_a_hill_and_without_it_the_vehicle_rolls_down(compiled, slope, brake):
-    """At standstill the load never pushes the shaft: with the brake on, downhill neither."""
+def test_brake_holds_the_vehicle_on_a_hill(compiled, slope, brake):
+    """Without the brake the vehicle rolls down. The load torque on a shaft at rest is not negative."""
     load = vehicle(0.01, slope=slope)
     plant = Module(compiled).start(output_inertia=load.rigid_inertia, omega1=0.0)
     table = spin(plant, load, 2.0, driveline.source("brake_force", brake, 0.01))
@@ -179,11 +179,11 @@ def test_distance_is_the_integral_of_the_speed_by_the_trapezoidal_rule(start):
 
 
 def test_slope_over_distance_and_terminal_speed():
-    """Down a hill that begins after 50 m, to the speed at which drag and rolling hold the balance."""
+    """After 50 m a hill accelerates the vehicle to the speed at which drag and rolling resistance balance it."""
     step = 0.05
     slope = driveline.Table([0.0, 50.0, 51.0], [0.0, 0.0, -0.1])
     load = vehicle(step, slope=slope, drag_area=2.0, rolling_resistance=0.01)
-    table = spin(Shaft(load.rigid_inertia, speed=100.0, one_way=True), load, 300.0, no_brake(step))
+    table = spin(Shaft(load.rigid_inertia, speed=100.0, prevents_reverse=True), load, 300.0, no_brake(step))
     angle = math.atan(0.1)
     pull = 1000.0 * 9.80665 * (math.sin(angle) - 0.01 * math.cos(angle))
     assert table["vehicle_speed"][-1] == pytest.approx(math.sqrt(pull / (0.5 * 1.2 * 2.0)), rel=1e-6)
@@ -194,19 +194,18 @@ def test_slope_over_distance_and_terminal_speed():
 
 
 def pi(**values):
-    given = {
+    defaults = {
         "step": 0.01,
         "proportional_gain": 2.0,
         "integral_gain": 4.0,
         "limits": (0.0, 5.0),
         "command": "torque",
-        **values,
     }
-    return driveline.pi_speed_controller(**given)
+    return driveline.pi_speed_controller(**{**defaults, **values})
 
 
 def follow(controller, reference, stop_time=20.0):
-    """Speed of an inertia of 1 kg.m2 with friction, driven by the controller."""
+    """Return speed and command of an inertia of 1 kg.m2 with friction that the controller drives."""
     step = controller.dt
     plant = control.sample_system(control.ss([[-0.5]], [[1.0]], [[1.0]], [[0.0]]), step)
     speed, integral, speeds, commands = 0.0, np.zeros(1), [], []
@@ -220,8 +219,8 @@ def follow(controller, reference, stop_time=20.0):
     return np.array(speeds), np.array(commands)
 
 
-def test_pi_without_limits_is_the_linear_one():
-    """Command = gain times error plus integral gain times the sum of errors."""
+def test_pi_controller_without_limits_is_linear():
+    """The command is the gain times the error plus the integral gain times the sum of errors."""
     controller = pi(limits=(-1e9, 1e9), feedforward=0.5)
     integral = np.zeros(1)
     errors = np.sin(np.arange(50))
@@ -232,27 +231,27 @@ def test_pi_without_limits_is_the_linear_one():
         integral = controller.dynamics(0.0, integral, u)
 
 
-def test_anti_windup_ends_saturation_at_once():
-    """A reference out of reach for 20 s, then one within: no time is lost to the integral."""
+def test_anti_windup_ends_saturation_without_delay():
+    """The reference is out of range for 20 s, then within range."""
     speeds, commands = follow(pi(), lambda time: 50.0 if time < 20.0 else 4.0, 40.0)
     assert speeds[1999] == pytest.approx(10.0, rel=1e-3)
     assert commands[2000] == 0.0
     below = np.flatnonzero(speeds[2000:] < 4.0)[0] * 0.01
-    assert below == pytest.approx(2.0 * math.log(10.0 / 4.0), abs=0.05)  # free run down, nothing lost
+    assert below == pytest.approx(2.0 * math.log(10.0 / 4.0), abs=0.05)  # the shaft coasts
     assert speeds[2000:].min() > 3.0
     assert speeds[-1] == pytest.approx(4.0, rel=1e-6)
     assert 0.0 <= commands.min() < commands.max() <= 5.0
 
 
-def test_integral_of_a_controller_faster_than_its_step_is_led_back_within_one():
-    """Above its limits, with a gain of nearly nothing: the integral stays at the limit and does not swing."""
+def test_integral_of_a_controller_faster_than_its_step_stays_at_the_limit():
+    """With a small proportional gain the integral does not oscillate in saturation."""
     controller, integral = pi(proportional_gain=1e-3, integral_gain=10.0), np.zeros(1)
     for _ in range(200):
         integral = controller.dynamics(0.0, integral, np.array([100.0, 0.0]))
     assert 5.0 < integral[0] <= 5.0 + 0.01 * 10.0 * 100.0
 
 
-def test_driver_brakes_only_beyond_the_margin():
+def test_driver_brakes_only_above_the_margin():
     brake = driveline.driver_brake(0.01, gain=1000.0, maximum=500.0, margin=0.2)
     forces = [brake.output(0.0, [], [10.0, speed])[0] for speed in (9.0, 10.2, 10.5, 12.0)]
     np.testing.assert_allclose(forces, [0.0, 0.0, 300.0, 500.0], atol=1e-9)
@@ -305,7 +304,7 @@ def run_to(stop_time):
         (lambda: driveline.Table([0.0], [math.nan]), r"^numbers of a table must be finite \(got nan\)$"),
     ],
 )
-def test_what_cannot_be_run_is_refused(make, sentence):
+def test_invalid_values_are_errors(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
 
@@ -461,57 +460,57 @@ def test_algebraic_loop_and_different_steps_are_errors():
             driveline.connect([system, slow])
 
 
-def test_initial_inputs_are_those_of_the_first_row():
+def test_initial_inputs_equal_the_first_row():
     load = driveline.shaft_load(0.1, 1.0, 0.5, torque=2.0)
     surroundings = driveline.connect([load.system, driveline.source("omega1", 7.0, 0.1)])
     assert driveline.initial_inputs(surroundings, {"omega_out": 4.0}) == {"load_torque": 4.0, "omega1": 7.0}
 
 
 def test_progress_and_units():
-    seen = []
+    fractions = []
     load = vehicle(0.1)
     surroundings = driveline.connect([load.system, no_brake(0.1)])
-    table = driveline.ClosedLoop(Shaft(1.0), surroundings, ["omega_out"]).run(5.0, seen.append)
-    assert seen[0] == 0.0
-    assert seen[-1] == 1.0
+    table = driveline.ClosedLoop(Shaft(1.0), surroundings, ["omega_out"]).run(5.0, fractions.append)
+    assert fractions[0] == 0.0
+    assert fractions[-1] == 1.0
     assert {"vehicle_speed": "m/s", "load_torque": "N.m", "omega_out": "rad/s"}.items() <= table.units.items()
 
 
 # --- the elementary urban cycle ---
 
 
-def test_cycle_is_the_published_one():
-    """Sums the regulation prints: seconds by kind of operation, length, way and mean speed."""
+def test_urban_cycle_has_the_published_sums():
+    """The regulation publishes seconds by kind of operation, duration, distance and mean speed."""
     seconds, before = Counter(), 0.0
     for duration, speed in zip(np.diff(CYCLE.time), CYCLE.speed[1:], strict=True):
-        held = "gear-changing" if duration == 2.0 else "steady speed" if speed else "idling"
+        constant = "gear-changing" if duration == 2.0 else "steady speed" if speed else "idling"
         lower = "deceleration" if speed else "clutch disengaged"
-        seconds[held if speed == before else lower if speed < before else "acceleration"] += duration
+        seconds[constant if speed == before else lower if speed < before else "acceleration"] += duration
         before = speed
-    known = {"idling": 60.0, "acceleration": 36.0, "gear-changing": 8.0, "steady speed": 57.0}
-    assert seconds == known | {"deceleration": 25.0, "clutch disengaged": 9.0}
+    published = {"idling": 60.0, "acceleration": 36.0, "gear-changing": 8.0, "steady speed": 57.0}
+    assert seconds == published | {"deceleration": 25.0, "clutch disengaged": 9.0}
     assert CYCLE.duration == 195.0
-    way = np.trapezoid(CYCLE.speed, CYCLE.time)
-    assert way == pytest.approx(1013.0, rel=0.01)
-    assert round(way / CYCLE.duration / KMH) == 19
+    distance = np.trapezoid(CYCLE.speed, CYCLE.time)
+    assert distance == pytest.approx(1013.0, rel=0.01)
+    assert round(distance / CYCLE.duration / KMH) == 19
     rates = np.diff(CYCLE.speed) / np.diff(CYCLE.time)
     assert rates.max() == pytest.approx(1.04, abs=0.005)
     assert rates.min() > -1.0
 
 
-def test_tolerance_band_by_brute_force():
+def test_tolerance_band_equals_the_extremes_of_samples():
     times = np.linspace(0.0, 195.0, 1951)
     lower, upper = CYCLE.tolerance_band(times)
     for n in range(0, times.size, 7):
-        near = CYCLE.speed_at(np.linspace(times[n] - 1.0, times[n] + 1.0, 2001))
-        assert upper[n] == pytest.approx(near.max() + 2.0 * KMH, abs=1e-3)
-        assert lower[n] == pytest.approx(max(near.min() - 2.0 * KMH, 0.0), abs=1e-3)
+        window = CYCLE.speed_at(np.linspace(times[n] - 1.0, times[n] + 1.0, 2001))
+        assert upper[n] == pytest.approx(window.max() + 2.0 * KMH, abs=1e-3)
+        assert lower[n] == pytest.approx(max(window.min() - 2.0 * KMH, 0.0), abs=1e-3)
     assert cycles.CYCLES[CYCLE.name] is CYCLE
     peak = cycles.Cycle("peak", np.array([0.0, 5.0, 10.0]), np.array([0.0, 10.0, 0.0]))
     assert peak.tolerance_band(np.array([4.5]))[1] == pytest.approx(10.0 + 2.0 * KMH)
 
 
-def test_car_follows_the_cycle_and_its_momentum_and_power_are_balanced():
+def test_car_follows_the_cycle_with_balanced_momentum_and_energy():
     scene = load_scene(example("urban"))
     parameters = {**scene.parameters(), "tolerance": 1e-8}
     outputs = ["omega_out", "output_torque_mean", "energy_in", "energy_out", "energy_residual"]
@@ -523,13 +522,13 @@ def test_car_follows_the_cycle_and_its_momentum_and_power_are_balanced():
     assert np.sqrt(np.mean((speed - table["reference"]) ** 2)) < 0.6 * KMH
     assert table["omega1"].max() <= 400.0
     assert speed[-1] == 0.0
-    # step means lose nothing: J d(omega) = (mean torque - load) dt, as long as the car moves
-    gained = parameters["output_inertia"] * np.diff(table["omega_out"])
+    # J d(omega) = (mean torque - load) dt while the car moves
+    momentum = parameters["output_inertia"] * np.diff(table["omega_out"])
     torque = table["output_torque_mean"][1:] - table["load_torque"][:-1]
     moving = table["omega_out"][1:] > 0.0
     assert moving.mean() > 0.5
-    np.testing.assert_allclose(gained[moving], 0.01 * torque[moving], atol=1e-7)
-    # what the module hands out is what drag, rolling, slope and brake take: the car ends at rest
+    np.testing.assert_allclose(momentum[moving], 0.01 * torque[moving], atol=1e-7)
+    # The car ends at rest, so drag, rolling resistance, slope and brake absorb the output energy.
     mean_speed = 0.5 * (table["omega_out"][1:] + table["omega_out"][:-1])
     parts = [
         float(np.sum(table[f"{name}_torque"][:-1] * mean_speed * 0.01))
