@@ -33,11 +33,11 @@ def run(system, inputs, start):
     return ct.input_output_response(system, time, inputs, start).outputs
 
 
-# --- as stepping, and pure ---
+# --- simulation, and independence of earlier calls ---
 
 
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
-# parameters, what a run from the motion differs by, the motion
+# parameters, maximum deviation with state = "motion", names of the states
 MOTIONS = [
     ({"fidelity": "averaged"}, 1e-7, ["omega_out", "omega1_held"]),
     ({}, 1e-6, ["drive_angle", "omega2", "omega_out", "omega1_held"]),
@@ -55,13 +55,13 @@ MOTIONS = [
         ("DrivenShaft", SHAFT, 1e-9, ["omega_out", "twist", "hub_speed_held"]),
     ],
 )
-def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolerance(
+def test_system_equals_stepping_to_the_bit_or_within_the_tolerance_from_its_motion(
     built, name, parameters, share, motion
 ):
     path, is_native = built / f"{name}.fmu", name != "InertiaModulePy"
     steps = 100 if is_native else 40
     time = STEP * np.arange(steps)
-    # inputs that jump and change sign of slope
+    # one smooth input, one with a jump
     inputs = np.stack([100.0 + 20.0 * np.sin(9.0 * time), 10.0 + 5.0 * (time > 0.5 * time[-1])])
     names, outputs, start = SPEEDS, OUTPUTS, START
     if "drive" in parameters:
@@ -76,17 +76,17 @@ def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolera
             fmu.set(**dict(zip(names, values, strict=True)))
             fmu.advance(STEP)
     expected = np.array(rows).T
-    given = {**KEYWORDS, "inputs": names, "outputs": outputs, "start": start}
-    with control.fmu_system(path, parameters, state="whole", **given) as plant:
+    keywords = {**KEYWORDS, "inputs": names, "outputs": outputs, "start": start}
+    with control.fmu_system(path, parameters, state="whole", **keywords) as plant:
         assert (run(plant.system, inputs, plant.start) == expected).all()
         if is_native:
             assert (run(plant.system, inputs, 0.0) == expected).all()
     if motion:
-        with control.fmu_system(path, parameters, **given) as plant:
+        with control.fmu_system(path, parameters, **keywords) as plant:
             assert plant.system.state_labels[: len(motion)] == motion
-            found = run(plant.system, inputs, plant.start)
+            response = run(plant.system, inputs, plant.start)
         scale = np.abs(expected).max(axis=1, keepdims=True)
-        assert (np.abs(found - expected) / scale).max() < share
+        assert (np.abs(response - expected) / scale).max() < share
         assert np.ptp(expected[0]) > 0.5
 
 
@@ -100,29 +100,29 @@ def test_system_is_a_plain_loop_to_the_bit_and_from_its_motion_within_the_tolera
         ("InertiaModulePy", {}, "whole"),
     ],
 )
-def test_same_state_and_input_give_the_same_whatever_came_before(built, name, parameters, state):
+def test_result_depends_only_on_state_and_input(built, name, parameters, state):
     path = built / f"{name}.fmu"
     with (
-        control.fmu_system(path, parameters, state=state, **KEYWORDS) as one,
+        control.fmu_system(path, parameters, state=state, **KEYWORDS) as plant,
         control.fmu_system(path, parameters, state=state, **KEYWORDS) as other,
     ):
-        x, u = one.start, np.array([90.0, 12.0])
+        x, u = plant.start, np.array([90.0, 12.0])
         for _ in range(30):
-            x = one.system.dynamics(0.0, x, u)
-        first = one.system.dynamics(0.0, x, u)
-        shown = one.system.output(0.0, first, u)
-        # another place, a read, a refused step, another instance and a copy in between
-        one.system.dynamics(0.0, one.start, [120.0, 0.0])
-        one.system.output(0.0, one.start, u)
-        assert_refused("omega1", one.system.dynamics, 0.0, x, [np.nan, 0.0])
+            x = plant.system.dynamics(0.0, x, u)
+        first = plant.system.dynamics(0.0, x, u)
+        outputs = plant.system.output(0.0, first, u)
+        # calls in between: another state, a read, a rejected step, another instance and a copy
+        plant.system.dynamics(0.0, plant.start, [120.0, 0.0])
+        plant.system.output(0.0, plant.start, u)
+        assert_refused("omega1", plant.system.dynamics, 0.0, x, [np.nan, 0.0])
         assert (other.system.dynamics(5.0, x, u) == first).all()
-        assert (one.system.dynamics(7.0, x, u) == first).all()
-        assert (one.system.copy(name="copy").dynamics(0.0, x, u) == first).all()
-        assert (one.system.output(0.0, first, u) == shown).all()
-        assert (one.system.output(0.0, first, [0.0, 99.0]) == shown).all()  # no feedthrough
+        assert (plant.system.dynamics(7.0, x, u) == first).all()
+        assert (plant.system.copy(name="copy").dynamics(0.0, x, u) == first).all()
+        assert (plant.system.output(0.0, first, u) == outputs).all()
+        assert (plant.system.output(0.0, first, [0.0, 99.0]) == outputs).all()  # no feedthrough
 
 
-def test_bytes_survive_as_whole_numbers_and_a_change_of_one_is_refused():
+def test_bytes_are_packed_as_integers_and_a_modified_integer_is_an_error():
     for size in (0, 1, 5, 6, 7, 19088):
         data = np.random.default_rng(size).bytes(size)
         numbers = numbers_of(data)
@@ -133,7 +133,7 @@ def test_bytes_survive_as_whole_numbers_and_a_change_of_one_is_refused():
         bytes_of(numbers)
 
 
-# --- with the tools of control ---
+# --- functions of python-control ---
 
 
 @pytest.mark.parametrize("state", ["motion", "whole"])
@@ -147,7 +147,7 @@ def test_rejected_input_is_reported_with_the_time_of_its_step(fmu, state, place,
         assert_refused(f"^at time 1 s: {name} must be between .* .got 1e\\+30.$", respond)
 
 
-def test_averaged_fmu_has_operating_point_and_linearisation_of_the_continuous_one(fmu):
+def test_averaged_fmu_has_operating_point_and_linearisation_of_the_averaged_system(fmu):
     continuous = averaged_system()
     speed = operating_point(continuous, 100.0, 10.0)
     exact = ct.sample_system(ct.linearize(continuous, [speed], [100.0, 10.0]), STEP, "zoh")
@@ -168,8 +168,8 @@ BOTH = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 
 @pytest.mark.parametrize("excited, amplitude", [("load_torque", 2.0), ("omega1", 1.0)])
-def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, excited, amplitude):
-    """Up to a tenth of the pulse rate: gain within 5 %, phase within 5 degrees."""
+def test_small_signal_response_of_the_rigid_fmu_equals_the_averaged_module(fmu, excited, amplitude):
+    """Up to a tenth of the pulse rate the gain deviates by at most 5 %, the phase by 5 degrees."""
     omega1, load = 200.0, 100.0
     speed = operating_point(averaged_system(PLANAR), omega1, load, 60.0)
     point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": [0.2, 1.0, 4.4]}
@@ -183,18 +183,18 @@ def test_rigid_fmu_answers_a_small_sine_as_the_averaged_module_linearised(fmu, e
     gain, phase = measured.deviation_from(corrected)
     assert np.abs(gain).max() < 0.03
     assert np.abs(phase).max() < 1.5
-    # the output speed needs no correction at this inertia
+    # With this inertia the output speed needs no correction.
     plain = averaged_response(PLANAR, **point, outputs=BOTH, guess=60.0)
     gain, phase = measured.deviation_from(plain)
     assert np.abs(gain[0]).max() < 0.05
     assert np.abs(phase[0]).max() < 5.0
 
 
-# --- what follows from the motion ---
+# --- variables that depend on the motion only ---
 
 
-def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
-    """A restart from the motion has all but sums since the start and what turns with link 1."""
+def test_table_of_variables_contains_the_dependence_on_the_motion(fmu):
+    """A restart from the motion keeps all but cumulative values and values that depend on link 1."""
     inputs = {"omega1": 100.0, "load_torque": 10.0}
     names = [variable.name for variable in variables.with_causality(variables.OUTPUT, variables.LOCAL)]
     with Fmu(fmu, {}, inputs, 1e-11) as module:
@@ -205,13 +205,13 @@ def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
         expected = dict(zip(names, module.read(names), strict=False))
     with Fmu(fmu, motion, inputs, 1e-11) as module:
         module.advance(STEP)
-        found = dict(zip(names, module.read(names), strict=False))
-    differ = {name for name in names if found[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
+        restarted = dict(zip(names, module.read(names), strict=False))
+    differ = {name for name in names if restarted[name] != pytest.approx(expected[name], rel=1e-5, abs=1e-7)}
     follows = {name: variables.BY_NAME[name].follows for name in names}
     changed = {name for name in names if follows[name] in (variables.SINCE_START, variables.LINK1_ANGLE)}
-    # no energy is lost here, and the audit stays at rounding
-    nothing = {name for name in variables.BY_NAME if name.startswith("energy_lost")} | {"energy_residual"}
-    assert differ == changed - nothing
+    # There are no losses, and the residual is at rounding level.
+    zero = {name for name in variables.BY_NAME if name.startswith("energy_lost")} | {"energy_residual"}
+    assert differ == changed - zero
     assert {name for name, of in follows.items() if of == variables.DRIVE_ANGLE} == {
         "drive_angle",
         "imbalance_x",
@@ -222,27 +222,27 @@ def test_the_table_tells_which_variables_follow_from_the_motion(fmu):
     }
 
 
-# --- refusals ---
+# --- errors ---
 
 
 def measured(path, **change):
-    good = {"parameters": {}, "excited": "omega1", "amplitude": 1.0, "settling": 0.1, "frequencies": 1.0}
-    return measured_response(path, **{**START, **good, **change})
+    arguments = {"parameters": {}, "excited": "omega1", "amplitude": 1.0, "settling": 0.1, "frequencies": 1.0}
+    return measured_response(path, **{**START, **arguments, **change})
 
 
 @pytest.mark.parametrize(
-    "make, given, message",
+    "make, arguments, message",
     [
         *((control.fmu_system, *case) for case in REFUSED["systems"]),
         *((measured, *case) for case in REFUSED["responses"]),
     ],
 )
-def test_what_cannot_be_a_system_or_measured_is_refused_with_a_way_out(fmu, make, given, message):
+def test_invalid_arguments_are_errors_with_a_remedy(fmu, make, arguments, message):
     with pytest.raises(ValueError, match=message):
-        make(fmu, **{"step": 1e-3, **given})
+        make(fmu, **{"step": 1e-3, **arguments})
 
 
-# --- the study ---
+# --- example speed_control ---
 
 
 def test_margins_of_the_speed_control_are_those_of_the_full_model(fmu):

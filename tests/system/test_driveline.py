@@ -179,7 +179,7 @@ def test_distance_is_the_integral_of_the_speed_by_the_trapezoidal_rule(start):
 
 
 def test_slope_over_distance_and_terminal_speed():
-    """After 50 m a hill accelerates the vehicle to the speed at which drag and rolling resistance balance it."""
+    """A hill after 50 m accelerates the vehicle until drag and rolling resistance balance the slope."""
     step = 0.05
     slope = driveline.Table([0.0, 50.0, 51.0], [0.0, 0.0, -0.1])
     load = vehicle(step, slope=slope, drag_area=2.0, rolling_resistance=0.01)

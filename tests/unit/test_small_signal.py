@@ -20,28 +20,28 @@ NAMES = ("omega_out", "omega2", "input_torque", "mesh_torque", "output_torque", 
 
 @pytest.mark.parametrize("omega1, load, speed", [(100, 10, 5), (100, 3, 60), (-80, 4, 2), (60, 3, 90)])
 @pytest.mark.parametrize("mechanism", [{}, LOSSY], ids=["ideal", "losses"])
-def test_every_output_is_that_of_the_module_at_this_instant(compiled, mechanism, omega1, load, speed):
+def test_outputs_and_acceleration_equal_the_module(compiled, mechanism, omega1, load, speed):
     module = started(compiled, mechanism, fidelity=1, omega_out_start=speed, omega1=omega1, load_torque=load)
     system = averaged_module.averaged_system(mechanism, outputs=NAMES, kernel=compiled)
     assert system.output(0.0, [speed], [omega1, load]) == pytest.approx([module[name] for name in NAMES])
-    resisting = load + module["output_friction"] * speed
-    rate = (module["output_torque"] - resisting) / module["output_inertia"]
+    resistance = load + module["output_friction"] * speed
+    rate = (module["output_torque"] - resistance) / module["output_inertia"]
     assert system.dynamics(0.0, [speed], [omega1, load]) == pytest.approx([rate])
 
 
-def test_a_ramp_of_the_input_shows_in_the_input_torque_as_in_the_module(compiled):
+def test_acceleration_of_the_input_adds_to_the_input_torque_as_in_the_module(compiled):
     module = Module(compiled).start(fidelity=1, omega_out_start=20.0, omega1=100.0, load_torque=10.0)
     module.set_rates(omega1=50.0)
     module.advance(1e-9)
     system = averaged_module.averaged_system(
         inputs=("omega1", "load_torque", "omega1_rate"), outputs=("input_torque",), kernel=compiled
     )
-    ramped = system.output(0.0, [20.0], [100.0, 10.0, 50.0])
-    assert ramped == pytest.approx([module["input_torque"]], rel=1e-6)
-    assert ramped != pytest.approx(system.output(0.0, [20.0], [100.0, 10.0, 0.0]), rel=1e-2)
+    accelerated = system.output(0.0, [20.0], [100.0, 10.0, 50.0])
+    assert accelerated == pytest.approx([module["input_torque"]], rel=1e-6)
+    assert accelerated != pytest.approx(system.output(0.0, [20.0], [100.0, 10.0, 0.0]), rel=1e-2)
 
 
-def test_a_load_beyond_stall_holds_the_shaft_at_rest_and_has_no_operating_point(compiled):
+def test_load_above_the_stall_torque_has_no_operating_point(compiled):
     system = averaged_module.averaged_system(kernel=compiled)
     for speed in (0.0, -1e-12):
         assert system.dynamics(0.0, [speed], [100.0, 1000.0])[0] == 0.0
@@ -50,19 +50,19 @@ def test_a_load_beyond_stall_holds_the_shaft_at_rest_and_has_no_operating_point(
 
 
 @pytest.mark.parametrize("parameters, omega1, load", [({}, 100.0, 10.0), (PLANAR, 200.0, 100.0)])
-def test_transient_inertias_depend_on_the_speed_ratio_alone(compiled, parameters, omega1, load):
+def test_transient_inertias_depend_only_on_the_speed_ratio(compiled, parameters, omega1, load):
     system = averaged_module.averaged_system(parameters, outputs=("omega_out",), kernel=compiled)
     speed = averaged_module.operating_point(system, omega1, load, 0.3 * omega1)
-    found = averaged_module.transient_inertia(parameters, omega1, speed, compiled)
-    assert found == pytest.approx(
+    inertia = averaged_module.transient_inertia(parameters, omega1, speed, compiled)
+    assert inertia == pytest.approx(
         averaged_module.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
     )
-    # of the order of the moving inertias, and small against the output
-    assert 0.0 < found.input < 0.02
-    assert 0.0 < found.output < 0.02
+    # order of magnitude of the moving inertias, small compared with the output inertia
+    assert 0.0 < inertia.input < 0.02
+    assert 0.0 < inertia.output < 0.02
 
 
-def test_transient_inertia_adds_to_that_of_the_output(compiled):
+def test_transient_inertia_adds_to_the_output_inertia(compiled):
     added = averaged_module.TransientInertia(0.0, 0.5)
     plain = averaged_module.averaged_system(kernel=compiled)
     heavier = averaged_module.averaged_system(kernel=compiled, transient=added)
@@ -71,17 +71,17 @@ def test_transient_inertia_adds_to_that_of_the_output(compiled):
 
 
 @pytest.mark.parametrize("arguments, message", REFUSED["averaged_systems"])
-def test_what_has_no_averaged_system_is_refused(compiled, arguments, message):
+def test_invalid_arguments_of_the_averaged_system_are_errors(compiled, arguments, message):
     with pytest.raises(ValueError, match=message):
         averaged_module.averaged_system(**arguments, kernel=compiled)
 
 
-def test_transient_inertia_needs_a_shaft_that_is_slower_than_its_input(compiled):
+def test_transient_inertia_requires_an_output_speed_below_the_input_speed(compiled):
     with pytest.raises(ValueError, match=r"must be above 0 and below omega1 = 100 rad/s .got 120"):
         averaged_module.transient_inertia({}, 100.0, 120.0, compiled)
 
 
-def test_a_sine_is_found_among_pulses_and_drift():
+def test_sine_is_fitted_to_a_signal_with_pulses_and_drift():
     time = np.arange(20000) * 1e-3
     pulses = np.abs(np.sin(2.0 * np.pi * 17.3 * time)) * 50.0
     values = 0.3 * np.sin(2.0 * np.pi * time + 0.5) + 2.0 + 0.1 * time + pulses
@@ -91,15 +91,15 @@ def test_a_sine_is_found_among_pulses_and_drift():
 
 
 class Pulsing:
-    """A plant whose speed is the sum of what it is given, read with pulses, which grow a little."""
+    """Integrator whose output has pulses that grow slowly."""
 
-    speed, given, steps = 0.0, 0.0, 0
+    speed, omega1, steps = 0.0, 0.0, 0
 
     def set(self, **values):
-        self.given = values["omega1"]
+        self.omega1 = values["omega1"]
 
     def advance(self, step):
-        self.speed += step * self.given
+        self.speed += step * self.omega1
         self.steps += 1
 
     def read(self, names):
@@ -112,26 +112,26 @@ class Pulsing:
         self.speed, self.steps = state
 
 
-def test_margins_of_an_integrator_are_those_of_the_book_predicted_and_measured_though_pulses_never_settle():
-    """L = g z / (z (z - 1)): with one step of delay unstable from g = 1; the phase falls by half a step."""
+def test_predicted_and_measured_margins_of_an_integrator_with_pulses():
+    """The loop g / (z (z - 1)) is unstable above g = 1; the hold adds a delay of half a step."""
     expected = predicted_margins(ct.tf([0.1], [1.0, -1.0, 0.0], 1.0))
     assert expected.gain == pytest.approx(10.0, rel=1e-2)
     crossover = 2.0 * np.arcsin(0.05)
     assert expected.crossover == pytest.approx(crossover, rel=1e-3)
     assert expected.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)
-    # the surrounding itself is one step late
+    # The surrounding itself has a delay of one step.
     around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
     point, limits = {"omega_out": 0.0, "omega1": 0.0}, (-1e9, 1e9)
-    found = measured_margins(Pulsing(), around, point, [1.0], expected, limits)
-    assert found.gain == pytest.approx(expected.gain, rel=0.05)
-    assert found.delay == pytest.approx(expected.delay, rel=0.03)
+    measured = measured_margins(Pulsing(), around, point, [1.0], expected, limits)
+    assert measured.gain == pytest.approx(expected.gain, rel=0.05)
+    assert measured.delay == pytest.approx(expected.delay, rel=0.03)
     too_low = Margins(0.4 * expected.gain, expected.delay, expected.crossover)
     with pytest.raises(ValueError, match=r"the loop must be unstable at "):
         measured_margins(Pulsing(), around, point, [1.0], too_low, limits)
 
 
-def test_all_balances_are_listed_with_their_stability(compiled):
-    """Where the torque rises with the speed the shaft leaves the balance, to either side."""
+def test_operating_points_are_listed_with_their_stability(compiled):
+    """The shaft leaves an operating point at which the torque increases with the speed."""
     omega1 = 100.0
     system = averaged_module.averaged_system({}, outputs=("output_torque",))
     low, high = averaged_module.carried_range(system, omega1)
@@ -139,28 +139,28 @@ def test_all_balances_are_listed_with_their_stability(compiled):
         load: averaged_module.operating_points(system, omega1, load)
         for load in np.linspace(low, high, 23)[1:-1]
     }
-    assert {point.is_stable for found in points.values() for point in found} == {True, False}
-    for load, found in points.items():
-        assert found
-        for point in found:
+    assert {point.is_stable for balances in points.values() for point in balances} == {True, False}
+    for load, balances in points.items():
+        assert balances
+        for point in balances:
             rates = [
                 system.dynamics(0.0, [point.omega_out * (1.0 + shift)], [omega1, load])[0]
                 for shift in (-1e-6, 1e-6)
             ]
             assert bool(rates[0] > 0.0 > rates[1]) == point.is_stable
-        stable = [point.omega_out for point in found if point.is_stable]
+        stable = [point.omega_out for point in balances if point.is_stable]
         if len(stable) == 1:
             assert averaged_module.operating_point(system, omega1, load) == stable[0]
         else:
             words = r"guess must be close to one of the operating points .*rad/s .(un)?stable"
             with pytest.raises(ValueError, match=words):
                 averaged_module.operating_point(system, omega1, load)
-        for point in found:
+        for point in balances:
             assert averaged_module.operating_point(system, omega1, load, point.omega_out) == point.omega_out
 
 
 @pytest.mark.parametrize("share", [1.01, -0.5])
-def test_a_load_out_of_range_is_refused_with_the_range(compiled, share):
+def test_load_out_of_range_is_an_error_with_the_range(compiled, share):
     system = averaged_module.averaged_system({}, outputs=("output_torque",))
     low, high = averaged_module.carried_range(system, 100.0)
     words = f"load_torque must be between {low:.4g} and {high:.4g} N.m at omega1 = 100 rad/s"
