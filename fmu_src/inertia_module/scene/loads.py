@@ -68,7 +68,7 @@ class TorqueLoad(ConstantOrTable):
     torque_over_time: TorqueOverTime | None = None
 
     def build(self, step: float, prevents_reverse: bool, start_speed: float) -> driveline.Load:
-        """Make the load as a system.
+        """Make the load.
 
         Args:
             step: Communication step, s.
@@ -95,7 +95,7 @@ class ShaftLoad(Strict):
     coupling: Coupling | None = None
 
     def build(self, step: float, prevents_reverse: bool, start_speed: float) -> driveline.Load:
-        """Make the shaft as a load as a system.
+        """Make the load.
 
         Args:
             step: Communication step, s.
@@ -162,7 +162,7 @@ class VehicleLoad(Strict):
         return self.friction_coefficient * (self.driven_axle_load or self.mass * STANDARD_GRAVITY)
 
     def build(self, step: float, prevents_reverse: bool, start_speed: float) -> driveline.Load:
-        """Make the vehicle as a load as a system.
+        """Make the load.
 
         Args:
             step: Communication step, s.
