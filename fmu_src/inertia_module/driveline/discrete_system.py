@@ -33,6 +33,15 @@ class DiscreteSystem(ct.NonlinearIOSystem):  # type: ignore[misc]
 
     Attributes:
         law: Function of time, s, states and inputs that returns outputs and next states.
+
+    Example:
+        A load torque of 2 N.m per rad/s:
+
+        >>> def law(time, x, u):
+        ...     return [2.0 * u[0]], []
+        >>> friction = DiscreteSystem("friction", 0.01, ["omega_out"], ["load_torque"], law)
+        >>> float(friction.output(0.0, [], [3.0])[0])
+        6.0
     """
 
     def __init__(
