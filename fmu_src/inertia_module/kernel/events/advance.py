@@ -295,8 +295,9 @@ def energy_made(d: Constants, x: State, w: Workspace) -> float:
         springs += 0.5 * d.freewheel_stiffness * wound
     work_in = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
     work_out = w.load * change.turned3
-    weights = 0.0
+    weights = lifted = 0.0
     if d.weight != 0.0:
+        lifted = d.weight * (abs(d.radial) + abs(d.axial) + d.arm)
         weights, _, _ = gravity_potential(
             d, imbalance_position(d, x.q + change.q, 0.0), x.theta1 + change.theta1
         )
@@ -306,7 +307,7 @@ def energy_made(d: Constants, x: State, w: Workspace) -> float:
     link1 = 0.5 * d.J1 * (x.omega1 * x.omega1 + omega1 * omega1) if d.by_torque == 0.0 else 0.0
     moved += abs(links + w.energy - link1) + abs(work_in) + abs(work_out) + abs(lost) + abs(springs)
     fixed = link1 + d.J3 * (x.omega3 * x.omega3 + omega3 * omega3)
-    allowed = MAX_ENERGY_MADE * w.tolerance * moved + ENERGY_ROUNDING * (moved + fixed + abs(w.potential))
+    allowed = MAX_ENERGY_MADE * w.tolerance * moved + ENERGY_ROUNDING * (moved + fixed + lifted)
     return abs(made) / allowed if allowed > 0.0 else 0.0
 
 
