@@ -11,11 +11,10 @@ from ..fields import CAUSES
 from ..impulse import apply_plastic_impact, has_rigid_housing_contact
 from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
-from ..loads import MIDSTEP_SAMPLE_PHASE, include_load, sample_load
+from ..loads import include_last_step, store_beginning
 from ..records import Constants, Followed, State, Workspace
 from ..tableau import (
     DOP853_ROW,
-    DOPRI5_ROW,
     NODES,
     STAGES_BY_TIME,
     last_stage,
@@ -24,11 +23,9 @@ from ..tableau import (
 )
 from . import guards
 from .location import first_event
-from .stages import cut_step, keep_end, keep_rates, solve_motion, weighed_rate
+from .stages import cut_step, keep_end, keep_rates, solve_motion
 from .step_size import limit_size_after_switch, longest_step, make_accepted_step
 
-# stages inside the step at which the force on the bearing is seen
-SEEN = (5, 9, 10)
 # least play that is one, rad
 NO_PLAY = 1e-300
 # energy that a step may make, in tolerances of the energies that move, and tries with shorter steps
@@ -92,6 +89,8 @@ def work_of_balancer(d: Constants, x: State, change: Followed) -> float:
 def commit(d: Constants, x: State, w: Workspace) -> None:
     """Take the step in hand over, with its sums."""
     change = w.change
+    if d.averaged == 0.0:
+        x.last_step, x.last_turn = w.step, change.q
     x.q += change.q
     wrap_drive_angle(d, x)
     x.theta1 += change.theta1
@@ -164,14 +163,12 @@ def see_peaks(x: State, w: Workspace, sigma: float) -> None:
             )
 
 
-def see_end(d: Constants, x: State, w: Workspace) -> None:
-    """Include the moment before an event, which d.machine holds, in all peaks."""
+def see_end(d: Constants, x: State) -> None:
+    """Include the moment before an event, whose torques d.machine holds, in all peaks."""
     m = d.machine
-    omega2 = x.omega2 + w.change.omega2
     see_torques(x, m.output, m.housing)
-    see_slips(x, omega2, x.omega3 + w.change.omega3 - omega2)
-    omega1 = x.omega1 + w.change.omega1
-    include_load(d, x, x.q + w.change.q, omega1, omega2, m.alpha1, m.alpha2)
+    see_slips(x, x.omega2, x.omega3 - x.omega2)
+    include_last_step(d, x, x.omega1, m.alpha1, d.k * (x.omega1 - x.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
 def count_loaded(d: Constants, x: State, w: Workspace) -> None:
@@ -219,18 +216,6 @@ def unwind(d: Constants, x: State, which: int) -> None:
         x.wound_output = 0.0
 
 
-def see_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """See the bearing's force at stages inside this part of the step, where the drive turns far."""
-    if w.pair == DOPRI5_ROW or d.harmonic * abs(w.change.q) < MIDSTEP_SAMPLE_PHASE:
-        return
-    for place in range(len(SEEN)):
-        n = int(SEEN[place])
-        if NODES[n] < sigma:
-            rates = w.rates[n]
-            q = x.q + w.step / sigma * weighed_rate(w, n, n, 0, 1)
-            sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
-
-
 def begin_step(d: Constants, x: State, w: Workspace) -> None:
     """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
     m = d.machine
@@ -250,7 +235,7 @@ def begin_step(d: Constants, x: State, w: Workspace) -> None:
     w.potential = 0.0
     if d.weight != 0.0:
         w.potential, _, _ = gravity_potential(d, imbalance_position(d, x.q, 0.0), x.theta1)
-    sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
+    store_beginning(d, x, m.omega1, m.alpha1, d.k * (m.omega1 - m.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
 def energy_lost(d: Constants, x: State, change: Followed) -> float:
@@ -322,15 +307,13 @@ def end_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
 
 def take_over(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Take the step in hand over, with its peaks and sums."""
-    see_inside(d, x, w, sigma if sigma >= 0.0 else 1.0)
-    if sigma < 0.0:
-        if d.losses != 0.0:
-            count_loaded(d, x, w)
-    else:
-        see_end(d, x, w)
+    if sigma < 0.0 and d.losses != 0.0:
+        count_loaded(d, x, w)
     x.rates_cached = 1.0 if sigma < 0.0 else 0.0
     commit(d, x, w)
     see_peaks(x, w, sigma if sigma >= 0.0 else 1.0)
+    if sigma >= 0.0:
+        see_end(d, x)
 
 
 def engage(d: Constants, x: State, which: int) -> None:
