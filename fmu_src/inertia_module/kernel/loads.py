@@ -15,9 +15,9 @@ from .layout import imbalance_acceleration, imbalance_motion, imbalance_position
 from .records import Constants, Outputs, State
 from .tableau import parabola_extremum
 
-# Maximum phase of the highest harmonic p between two samples, rad. The maximum of sqrt(A + B cos p), B <= A,
-# midway between two samples is at most p^2/32 = 0.8 % larger than both.
-SAMPLE_PHASE = 0.5
+# Phase of the highest harmonic p, rad, up to which an internal step has samples at its ends only. The maximum
+# of sqrt(A + B cos p), B <= A, midway between them is at most p^2/32 = 0.8 % larger.
+MAX_ENDS_PHASE = 0.5
 MAX_SATELLITE_TERMS = 3.0  # Satellites that represent any larger number in sums up to the second harmonic
 
 
@@ -96,7 +96,7 @@ def max_squared_acceleration(
     before = squared_acceleration(d, begin.q, begin.omega1, begin.alpha1, begin.rate_q, begin.rate2_q)
     maximum = max(x.largest_square, before, end)
     phase = d.harmonic * x.last_step * max(abs(begin.rate_q), abs(rate_q))
-    parts = 1.0 + math.floor(phase / SAMPLE_PHASE)
+    parts = 2.0 + math.floor(phase) if phase > MAX_ENDS_PHASE else 1.0
     here = before
     for n in range(1, int(parts) + 1):
         after = square_inside(d, x, n / parts, omega1, alpha1, rate_q, rate2_q) if n < parts else end
