@@ -173,15 +173,15 @@ def weigh_motion(
 
 
 def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
-    """Evaluate stages of the step in hand, from the first to the last."""
-    if d.losses != 0.0:
-        stages_of(d, x, w, first, last, LOSSY)
-    else:
-        stages_of(d, x, w, first, last, IDEAL)
+    """Evaluate stages of the present step, each from the rates at the stages before.
 
-
-def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy: int) -> None:
-    """Rates at the stages, each from those at the stages before, for evaluate_stages."""
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step.
+        w: Workspace with the pair, the step and the rates of the earlier stages; the rates are written.
+        first: Number of the first stage.
+        last: Number of the last stage.
+    """
     h = w.step
     m = d.machine
     pair = int(w.pair)
@@ -194,19 +194,24 @@ def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
         m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
-        if lossy and d.weight != 0.0:
+        if d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
-        if d.elastic != 0.0 or (lossy and d.turning != 0.0):
+        if d.elastic + d.turning != 0.0:
             twist, relative, housing, output = weighed_four(
                 w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
-            if lossy and d.turning != 0.0:
+            if d.turning != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        equations_of_motion(d, x, w.prescribed, w.load, True, lossy)
-        rates_of(d, x, w, n, lossy)
+        # As evaluate and keep_rates, but inlined
+        if d.losses != 0.0:
+            equations_of_motion(d, x, w.prescribed, w.load, True, LOSSY)
+            rates_of(d, x, w, n, LOSSY)
+        else:
+            equations_of_motion(d, x, w.prescribed, w.load, True, IDEAL)
+            rates_of(d, x, w, n, IDEAL)
         x.step_evaluations += 1.0
 
 

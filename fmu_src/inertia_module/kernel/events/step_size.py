@@ -90,8 +90,23 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     return True
 
 
-def try_steps(d: Constants, x: State, w: Workspace, limit: float) -> bool:
-    """Make the longest step of allowed error by the pair 8(5,3). Returns whether there is one."""
+def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
+    """Make a step and shrink it until its error norm is at most 1.
+
+    Args:
+        d: Constants.
+        x: State at the beginning of the step; the next step sizes are written.
+        w: Workspace; the step and its stages are written.
+        remaining: Time to the end of the communication step, s. The pair 5(4) makes a step that reaches it.
+        limit: Maximum step of the pair 8(5,3), s.
+
+    Returns:
+        True if there is such a step.
+    """
+    is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
+    if is_short and try_short_step(d, x, w, remaining):
+        return True
+    x.short_size *= SHORT_GROWTH
     h = first_size(x.step_size, limit)
     for attempt in range(MAX_REJECTIONS):
         make_step(d, x, w, DOP853_ROW, h)
@@ -103,12 +118,3 @@ def try_steps(d: Constants, x: State, w: Workspace, limit: float) -> bool:
             return True
         h *= factor
     return False
-
-
-def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
-    """Make a step of allowed error, by the pair 5(4) if it reaches the end. Returns whether there is one."""
-    is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
-    if is_short and try_short_step(d, x, w, remaining):
-        return True
-    x.short_size *= SHORT_GROWTH
-    return try_steps(d, x, w, limit)
