@@ -8,7 +8,7 @@ from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SW
 from .equations.choice import CONTINUATION_BIAS, select_mode, select_mode_after_event, switch_mode
 from .equations.motion import copy_accelerations, evaluate, load_state
 from .equations.states import RATIO_PRESCRIBED
-from .events.advance import advance_general
+from .events.advance import advance_to_event
 from .events.kinematic import advance_kinematic, impose_ratio, prescribe_motion
 from .links import fastest_own_rate, prescribed_at_input
 from .records import Constants, State, Workspace
@@ -117,14 +117,28 @@ def phase_passed(d: Constants, x: State, passed: float, speeds: float) -> float:
     return phase + passed * fastest_own_rate(d, x) if d.elastic != 0.0 else phase
 
 
+def has_too_many_switches(d: Constants, x: State, w: Workspace, travel: float, n_unchanged: int) -> bool:
+    """Return True if there were more events than the pulses of this communication step can cause.
+
+    Args:
+        d: Constants.
+        x: State.
+        w: Workspace with the state before the step.
+        travel: Phase since the beginning of the step, rad.
+        n_unchanged: Number of events in a row that have not changed the contact mode.
+    """
+    allowed = SWITCHES_PER_PULSE * d.harmonic * travel
+    switches = x.switches - w.before.switches
+    return n_unchanged > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed
+
+
 def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
-    """Integrate from event to event over the time h, or up to the first event, and return the status."""
+    """Integrate from event to event over the time h, s, or up to the first event, and return the status."""
     if h > MAX_EVALUATIONS * d.max_step:
-        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
+        return TOO_MUCH_WORK  # Each internal step takes an evaluation or more
     start1 = x.omega1
-    time = 0.0
-    travel = 0.0
-    stalls = 0
+    time = travel = 0.0
+    n_unchanged = 0
     event = False
     begin_events(d, x, w)
     while time < h:
@@ -133,7 +147,7 @@ def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
         if x.output_state == RATIO_PRESCRIBED:
             passed = advance_kinematic(d, x, w, remaining)
         else:
-            passed, event = advance_general(d, x, w, remaining)
+            passed, event = advance_to_event(d, x, w, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
         time = h if passed >= remaining else time + passed
@@ -145,10 +159,8 @@ def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
             if stops:
                 x.length = time
                 return OK
-            stalls = 0 if has_changed else stalls + 1
-            allowed = SWITCHES_PER_PULSE * d.harmonic * travel
-            switches = x.switches - w.before.switches
-            if stalls > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed:
+            n_unchanged = 0 if has_changed else n_unchanged + 1
+            if has_too_many_switches(d, x, w, travel, n_unchanged):
                 return TOO_MANY_SWITCHES
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK

@@ -14,7 +14,6 @@ from ..links import energy_of_links, momentum_of_links
 from ..loads import include_last_step, store_beginning
 from ..records import Constants, Followed, State, Workspace
 from ..tableau import (
-    DOP853_ROW,
     NODES,
     STAGES_BY_TIME,
     last_stage,
@@ -295,25 +294,42 @@ def energy_made(d: Constants, x: State, w: Workspace) -> float:
     return abs(made) / allowed if allowed > 0.0 else 0.0
 
 
-def end_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Bring the step in hand, or its part up to an event, to its end: changes, and d.machine there."""
-    if sigma < 0.0:
-        copy_accelerations(d.machine, x.now)
-    else:
+def end_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Write the changes over the present step, or over its part up to an event, and its end to d.machine.
+
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step.
+        w: Workspace with the step; it is cut to the part.
+        sigma: Fraction of the step.
+        has_event: True if an event ends it.
+    """
+    if has_event:
         cut_step(d, x, w, sigma)
+    else:
+        copy_accelerations(d.machine, x.now)
     if d.losses == 0.0:
         balance(d, x, w)
 
 
-def take_over(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Take the step in hand over, with its peaks and sums."""
-    if sigma < 0.0 and d.losses != 0.0:
+def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Add the changes over the present step to the state, with its sums and peaks.
+
+    Args:
+        d: Constants; ``d.machine`` holds the end of the step.
+        x: State, advanced.
+        w: Workspace with the step and its changes.
+        sigma: Fraction of the step before it was cut.
+        has_event: True if an event ends it.
+    """
+    if d.losses != 0.0 and not has_event:
         count_loaded(d, x, w)
-    x.rates_cached = 1.0 if sigma < 0.0 else 0.0
+    x.rates_cached = 0.0 if has_event else 1.0
     commit(d, x, w)
-    see_peaks(x, w, sigma if sigma >= 0.0 else 1.0)
-    if sigma >= 0.0:
+    see_peaks(x, w, sigma)
+    if has_event:
         see_end(d, x)
+    meet_limits(d, x)
 
 
 def engage(d: Constants, x: State, which: int) -> None:
@@ -331,8 +347,14 @@ def engage(d: Constants, x: State, which: int) -> None:
         apply_plastic_impact(d, x)
 
 
-def pass_event(d: Constants, x: State, which: int) -> None:
-    """Apply the immediate changes of an event and return its kind."""
+def handle_event(d: Constants, x: State, which: int) -> None:
+    """Apply the immediate changes of an event: signs, impact, speeds that are 0 from now on.
+
+    Args:
+        d: Constants.
+        x: State; ``ended`` and ``slip_reached_zero`` describe the event for select_mode_after_event.
+        which: Number of the event indicator, or NO_EVENT.
+    """
     x.ended = 0.0
     x.slip_reached_zero = 0.0
     if which == guards.FLOW:
@@ -352,27 +374,32 @@ def pass_event(d: Constants, x: State, which: int) -> None:
             unwind(d, x, which)
 
 
-def advance_general(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
-    """Advance by one step, or to the first event in it.
+def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
+    """Advance by one internal step, or to the first event in it.
+
+    A step that makes more than the allowed energy is repeated with half its length.
+
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State, advanced.
+        w: Workspace with load, prescribed quantity of link 1 and tolerance.
+        remaining: Time to the end of the communication step, s.
 
     Returns:
-        (time passed or -1 if no step is small enough, whether the contact mode may change then).
+        Time passed, s, or -1 if no step is small enough; True if the contact mode may change now.
     """
     begin_step(d, x, w)
     limit = longest_step(d, x, remaining)
-    sigma, which = -1.0, NO_EVENT
+    sigma, which = 1.0, NO_EVENT
     for _ in range(MAX_REPEATS):
         if not make_accepted_step(d, x, w, remaining, limit):
             return -1.0, False
         copy_accelerations(x.now, d.machine)
-        sigma, which = -1.0, NO_EVENT
-        if w.pair == DOP853_ROW:
-            sigma, which = first_event(d, x, w)
+        sigma, which = first_event(d, x, w)
         limit = 0.5 * w.step
-        end_step(d, x, w, sigma)
+        end_step(d, x, w, sigma, which != NO_EVENT)
         if d.averaged != 0.0 or energy_made(d, x, w) <= 1.0:
             break
-    take_over(d, x, w, sigma)
-    meet_limits(d, x)
-    pass_event(d, x, which)
+    accept_step(d, x, w, sigma, which != NO_EVENT)
+    handle_event(d, x, which)
     return w.step, NO_EVENT != which < guards.FLOW

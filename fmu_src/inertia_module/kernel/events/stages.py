@@ -243,13 +243,14 @@ def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None
 
 
 def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
-    """Solve the equations for the motion with these changes, into d.machine; counted."""
-    move(d, x, changes)
-    solve_motion(d, x, w)
+    """Solve the equations of motion after changes of the motion in ``x``; ``d.machine`` is written.
 
-
-def move(d: Constants, x: State, changes: Followed) -> None:
-    """Write the motion with these changes into d.machine."""
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step; the evaluation is counted.
+        w: Workspace with the load and the prescribed quantity of link 1.
+        changes: Changes of the integrated quantities (fields.FOLLOWED).
+    """
     m = d.machine
     m.q = x.q + changes.q
     m.theta1 = x.theta1 + changes.theta1
@@ -261,6 +262,7 @@ def move(d: Constants, x: State, changes: Followed) -> None:
         m.relative = x.relative + changes.relative
     if d.turning != 0.0:
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
+    solve_motion(d, x, w)
 
 
 def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
