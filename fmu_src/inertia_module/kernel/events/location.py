@@ -1,4 +1,4 @@
-"""Event location: where in the step in hand an event indicator first falls through zero.
+"""Event location: where in the present step an event indicator first falls through zero.
 
 The dense output is sampled. The first interval in which the indicator falls is narrowed by the Illinois
 method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a
@@ -41,7 +41,7 @@ def illinois(
     Args:
         d: constants.
         x: state at the beginning of the step.
-        w: workspace with the step in hand.
+        w: workspace with the present step.
         which: number of the indicator.
         zero: threshold of the indicator; the result is accepted between -3 zero and -zero.
         low: part of the step at which the indicator has not fallen.
@@ -102,7 +102,7 @@ def fall_between(
     Args:
         d: constants.
         x: state at the beginning of the step.
-        w: workspace with the step in hand.
+        w: workspace with the present step.
         which: number of the indicator.
         zero: threshold of the indicator.
         low: part of the step at which its dense output has not fallen.

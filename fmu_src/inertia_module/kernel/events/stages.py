@@ -33,7 +33,7 @@ FEWEST = 12
 
 
 def solve_motion(d: Constants, x: State, w: Workspace) -> None:
-    """Solve the equations for the motion in d.machine, signs of the loads as in the step in hand; counted."""
+    """Solve the equations of motion in d.machine with the mesh signs of the step, and count the evaluation."""
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
@@ -266,7 +266,7 @@ def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> No
 
 
 def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Write the changes of the motion over the part sigma of the step in hand into w.inside (order 7)."""
+    """Write the changes of the motion over the fraction sigma of the step to w.inside (dense output)."""
     write_dense_weights(sigma, w.weights)
     weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
     prescribe_link1(d, x, w, w.inside, sigma * w.step)
@@ -286,7 +286,7 @@ def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) 
 
 
 def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Cut the step in hand, its dense output known, to its part sigma; d.machine is then at its end."""
+    """Cut the present step to its fraction sigma by its dense output; d.machine then holds its end."""
     write_dense_weights(sigma, w.weights)
     set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
     w.step *= sigma
