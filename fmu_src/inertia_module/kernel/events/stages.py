@@ -33,7 +33,7 @@ FEWEST = 12
 
 
 def solve_motion(d: Constants, x: State, w: Workspace) -> None:
-    """Solve the equations of motion in d.machine with the mesh signs of the step, and count the evaluation."""
+    """Solve the equations of motion in d.machine with the mesh signs of the step; count the evaluation."""
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
