@@ -117,7 +117,7 @@ def test_step_that_makes_energy_is_repeated():
 def test_energy_check_sees_what_a_step_makes_in_tolerances():
     d, x, w = one_step(tableau.DOP853_ROW, 1e-4)
     advance.copy_accelerations(x.now, d.machine)
-    advance.end_step(d, x, w, -1.0)
+    advance.end_step(d, x, w, 1.0, False)
     assert advance.energy_made(d, x, w) < 0.1
     made = 20.0 * advance.MAX_ENERGY_MADE * w.tolerance * w.energy
     w.change.omega2 += made / (d.J2 * x.omega2)
