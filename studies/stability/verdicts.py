@@ -11,6 +11,7 @@ import csv
 import dataclasses
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -383,6 +384,24 @@ def read_rows(path: Path) -> list[Row]:
         axis, value, layout = (line.pop(name) for name in HEADINGS[:3])
         rows.append(Row(axis, value, layout, {name: Cell.of(text) for name, text in line.items() if text}))
     return rows
+
+
+def counts(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
+    """Return for each axis its name, the number of cases, of each of VERDICTS, and the maximum error.
+
+    Args:
+        rows: rows of the table.
+    """
+    cells: dict[str, list[Cell]] = {}
+    for row in rows:
+        cells.setdefault(row.axis, []).extend(row.cells.values())
+    table = []
+    for axis, group in cells.items():
+        count = Counter(cell.outcome for cell in group)
+        powers = [cell.power for cell in group if cell.power is not None]
+        error = f"1e{max(powers):+03d}" if powers else ""
+        table.append((axis, len(group), *(count[name] for name in VERDICTS), error))
+    return table
 
 
 def reasons(rows: Iterable[Row]) -> list[str]:
