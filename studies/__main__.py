@@ -65,12 +65,15 @@ def stability(
     quick: Annotated[bool, typer.Option("--quick", help="Omit the long runs.")] = False,
     only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="Run only this axis.")] = None,
     random: Annotated[
-        int, typer.Option("--random", metavar="N", min=0, help="Run N random machines instead of the extremes.")
+        int,
+        typer.Option("--random", metavar="N", min=0, help="Run N random machines instead of the extremes."),
     ] = 0,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Random seed of the machines.")] = 1,
     workers: Annotated[
         int | None,
-        typer.Option("--workers", metavar="W", min=1, help="Processes of the random machines (all processors)."),
+        typer.Option(
+            "--workers", metavar="W", min=1, help="Processes of the random machines (all processors)."
+        ),
     ] = None,
 ) -> Answer:
     """Run extreme cases or random machines and classify each one.
@@ -109,11 +112,11 @@ def _random_machines(count: int, seed: int, workers: int | None, folder: Path) -
         folder: output folder.
     """
     from .stability import random_motions as machines
-    from .stability.verdicts import BROKEN, DEGRADED, EXACT
+    from .stability.verdicts import BROKEN, DEGRADED, EXACT, VERDICTS
 
     with progress_bar("running random machines") as progress:
         rows = machines.examine_machines(count, seed, workers, progress)
-    headings = "fidelity level", "cases", *machines.VERDICTS, "judged", "median error", "maximum error"
+    headings = "fidelity level", "cases", *VERDICTS, "judged", "median error", "maximum error"
     others = [row for row in rows if row.verdict != EXACT]
     shown: list[Shown] = [
         partial(print_table, "", headings, machines.counts(rows)),

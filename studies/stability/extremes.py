@@ -166,7 +166,9 @@ def range_ends(mechanism: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]
             if end != mechanism.parameters.get(name, variable.start):
                 changes = eval(f"dict({together})", vars(math) | {"x": end})
                 yield RANGE_ENDS, f"{name} {end:g}", {"levels": levels, name: end, **changes}
-            next_one = end + direction if variable.kind == INTEGER else math.nextafter(end, direction * math.inf)
+            next_one = (
+                end + direction if variable.kind == INTEGER else math.nextafter(end, direction * math.inf)
+            )
             if mechanism.layout == "bevel" or variable.group == Group.PLANAR:
                 yield OUT_OF_RANGE, f"{name} {side} {end:g}", {"levels": LEVELS[2:3], name: next_one}
 
@@ -184,9 +186,7 @@ def extremes(mechanism: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]]:
     scope |= {"ELASTIC_LEVELS": ELASTIC_LEVELS}
     for name, formula in TABLE["constants"].items():
         scope[name] = eval(formula, scope)
-    for axis, label, changes, values, layout in (
-        row + ["[()]", ""][len(row) - 3 :] for row in TABLE["rows"]
-    ):
+    for axis, label, changes, values, layout in (row + ["[()]", ""][len(row) - 3 :] for row in TABLE["rows"]):
         for value in eval(values, scope) if layout in ("", mechanism.layout) else ():
             parts = value if isinstance(value, tuple) else (value,)
             named = dict(zip("xyzw", parts, strict=False))

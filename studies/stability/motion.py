@@ -206,7 +206,7 @@ def solve_at(module: Module, held: bool, driving: bool, load: float = 0.0, **mot
     """Solve the kernel's equations of motion at an instant and return its record of the mechanism.
 
     Args:
-        module: a started module of the plain kernel, without losses; its state contains alpha1 or drive_torque.
+        module: a started module of the plain kernel, without losses; its state contains the input.
         held: True if the housing freewheel is locked.
         driving: True if the output freewheel is locked.
         load: load torque, N.m.

@@ -99,8 +99,7 @@ SCALE_WITH_SPEED = (
 SCALE_WITH_TORQUE = ("housing_drag", "output_drag", "gravity")
 REFERENCE = "independent reference"
 STEPS = "long and short steps"
-# bounds of differences between two runs: multiples of the sensitivity, of the tolerance, of the tolerance with
-# an elastic shaft
+# bounds of differences between two runs: multiples of the sensitivity, of the tolerance (rigid, elastic)
 SENSITIVITY_FACTOR, STEPS_FACTOR, ELASTIC_STEPS_FACTOR = 10.0, 10.0, 100.0
 
 
@@ -197,9 +196,7 @@ def check_scaling(motion: Motion, result: Run, make: Make) -> Metrics:
         **{name: motion[name] * SPEED_FACTOR for name in SCALE_WITH_SPEED},
         **{name: motion[name] * square for name in SCALE_WITH_TORQUE},
     )
-    segments = tuple(
-        segment.scaled(SPEED_FACTOR, square, 1.0 / SPEED_FACTOR) for segment in motion.segments
-    )
+    segments = tuple(segment.scaled(SPEED_FACTOR, square, 1.0 / SPEED_FACTOR) for segment in motion.segments)
     if not is_in_range(faster.parameters, segments):
         return {}
     end = motions.run(replace(faster, segments=segments), make).end
@@ -229,7 +226,12 @@ def check_momentum(motion: Motion, result: Run, make: Make) -> Metrics:
         result: the run.
         make: function that returns a new module.
     """
-    if motion.level.fidelity != RIGID or motion["housing_freewheel"] or motion["gravity"] or motion["windage"]:
+    if (
+        motion.level.fidelity != RIGID
+        or motion["housing_freewheel"]
+        or motion["gravity"]
+        or motion["windage"]
+    ):
         return {}
     p = {**default_parameters(), **motion.parameters}
     work, momenta = VirtualWork(p), []
@@ -482,7 +484,9 @@ def _draw_segments(draw: Draw, omega: float, torque: float, rate: float, is_torq
     for _ in range(draw.randint(1, 6)):
         duration = rounded(travel * draw.random() / rate + 1e-9)
         load, push = (draw.choice([0.0, 1.0, 1.0, -0.5]) * draw.decades(1e-3, 1.0) * torque for _ in range(2))
-        slope = 0.0 if is_torque_driven else draw.choice([0.0, 0.0, draw.between(-1.0, 1.0)]) * omega / duration
+        slope = (
+            0.0 if is_torque_driven else draw.choice([0.0, 0.0, draw.between(-1.0, 1.0)]) * omega / duration
+        )
         drive = limited("drive_torque", rounded(push)) if is_torque_driven else 0.0
         load = limited("load_torque", rounded(load))
         yield Segment(duration, rounded(omega1), load, rounded(slope), drive)
@@ -495,7 +499,7 @@ def draw_motion(seed: int, number: int, losses: bool = True) -> Motion:
     Args:
         seed: random seed.
         number: number of the machine.
-        losses: False for a machine without losses, wind-up and engagement angles, except for viscous friction.
+        losses: False for a machine that has no losses except viscous friction.
     """
     draw = Draw(f"{seed}/{number}")
     (level,) = draw.choices(motions.LEVELS, WEIGHTS)
@@ -619,6 +623,8 @@ def counts(rows: Iterable[Row]) -> list[tuple[Any, ...]]:
     for level, group in groups.items():
         count = Counter(row.verdict for row in group)
         errors = [float(row.error) for row in group if row.error]
-        figures = (f"{value:.0e}" for value in (statistics.median(errors), max(errors))) if errors else ("", "")
+        figures = (
+            (f"{value:.0e}" for value in (statistics.median(errors), max(errors))) if errors else ("", "")
+        )
         table.append((level, len(group), *(count[name] for name in VERDICTS), len(errors), *figures))
     return table

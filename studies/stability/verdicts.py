@@ -31,7 +31,7 @@ from .motion import Make, Metric, Metrics, Motion, Run, Segment
 
 # relative round-off of a run
 ROUNDING = 1e-12
-# energy residual allowed, in tolerances of the maximum energy, and its increase per revolution of the pinion shaft
+# energy residual allowed, in tolerances of the maximum energy; increase per revolution of the pinion shaft
 ENERGY_TOLERANCES = 100.0
 TOLERANCES_PER_TURN = 0.1
 # error of a result allowed, in multiples of accuracy and sensitivity
@@ -40,8 +40,8 @@ RESULT_FACTOR = 3.0
 LARGEST_ERROR = 0.1
 # relative violation of a condition allowed (Run.relative_breach)
 BREACH = 1e-9
-# right-hand-side evaluations allowed per communication step and per radian; the order of the method determines
-# how the work increases with the digits
+# right-hand-side evaluations allowed per communication step and per radian; the latter increase with
+# the digits by the order of the method
 STEP_WORK = 100.0
 PHASE_WORK = 20.0
 METHOD_ORDER = 8.0

@@ -67,9 +67,7 @@ def test_verdict_names_the_planted_fault(planted, outcome, reason):
 
 
 def test_rejection_is_a_verdict_with_its_reason(monkeypatch):
-    at_start = verdicts.judge(
-        verdicts.try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0)))
-    )
+    at_start = verdicts.judge(verdicts.try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0))))
     assert at_start.outcome == "rejected"
     assert "link2_inertia must be above 1e-12 of the maximum " in at_start.reason
     assert verdicts.cause(at_start.reason).startswith("The inertia at link 2 vanishes")
