@@ -33,7 +33,7 @@ CARRIED = "extra/org.fmi-standard.fmi-ls-ref"
 STEP, STOP = 0.01, 1.0
 TIMES = np.linspace(0.0, STOP, round(STOP / STEP) + 1)
 # tolerance of the experiments, and deviation of a result allowed, relative to its maximum
-TOLERANCE_OF_FMU, DEVIATION = 1e-6, 1e-4
+ASKED, SHARE = 1e-6, 1e-4
 ORIGIN = "Speeds and step means from {}, integrated by DOP853 of SciPy at 1e-13, independently of this FMU"
 SPEEDS = {"input_speed": OMEGA1, "omega2": OMEGA2, "omega_hub": OMEGA3, "omega_out": OMEGA4}
 EQUATIONS = {
@@ -175,7 +175,7 @@ def files(model: Model) -> dict[str, bytes]:
         results = (_shaft if model is DRIVEN_SHAFT else _module)(experiment)
         columns = {name: np.array([row[name] for row in results]) for name in experiment.outputs}
         allowed[experiment.name] = {
-            name: f"{DEVIATION * np.abs(values).max():.1g}" for name, values in columns.items()
+            name: f"{SHARE * np.abs(values).max():.1g}" for name, values in columns.items()
         }
         ends = [experiment.input(name)[[0, -1]] for name in inputs]
         tables[f"{experiment.name}_in.csv"] = _csv(inputs, [TIMES[[0, -1]], *ends])
@@ -188,7 +188,7 @@ def files(model: Model) -> dict[str, bytes]:
         "allowed": allowed,
         "origin": ORIGIN.format(EQUATIONS[model.name]),
     }
-    values |= {"stop": STOP, "step": STEP, "tolerance": TOLERANCE_OF_FMU, "share": DEVIATION}
+    values |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
     for name in ("experiments.exp", "fmi-ls-manifest.xml"):
         tables[name] = filled_xml(HERE / "templates" / name, values)
     text = filled(HERE / "templates" / "fmi-ls-ref.txt", values).encode()

@@ -75,7 +75,7 @@ def test_random_machines_satisfy_all_checks(compiled, level, losses, monkeypatch
     assert compared >= 1 or level.fidelity not in (RIGID, ELASTIC)
 
 
-@pytest.mark.parametrize("losses, digest", [(False, "e423be8c96e129cf"), (True, "ae3a8ef773cdd18f")])
+@pytest.mark.parametrize("losses, digest", [(False, "b6a73f37f1887892"), (True, "c8419d3af52e136e")])
 def test_seed_and_number_determine_the_machine(losses, digest):
     drawn = [draw_motion(seed, number, losses) for seed in (1, 2) for number in range(50)]
     text = json.dumps([motion.as_dict() for motion in drawn])
