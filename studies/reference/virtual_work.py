@@ -1,8 +1,8 @@
 """Torques of inertia and weight on links 1 and 2 by the principle of virtual work (d'Alembert).
 
 The torques are Fourier series of the positions of unbalanced masses, pinion shafts and satellites. They
-contain neither Lagrange's equations nor the functions I, B and G of the kernel. All vectors refer to the frame
-of link 1, with x along the central axis.
+contain neither Lagrange's equations nor the functions I, B and G of the kernel.
+All vectors refer to the frame of link 1, with x along the central axis.
 """
 
 from __future__ import annotations
