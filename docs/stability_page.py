@@ -30,7 +30,7 @@ def table(rows, machines):
         cells = row[0], extremes.TABLE["drawn"][row[0]], *(row[n] for n in (1, *columns)), "", row[-1]
         lines.append(f"| {' | '.join(map(str, cells))} |")
     for row in levels:
-        cells = f"random, {row[0]}", "see above", *(row[n] for n in (1, *columns)), *row[-2:]
+        cells = f"random, {row[0]}", "as described above", *(row[n] for n in (1, *columns)), *row[-2:]
         lines.append(f"| {' | '.join(map(str, cells))} |")
     return lines
 
