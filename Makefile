@@ -66,7 +66,7 @@ docs: $(VENV)/.all page ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-bench: $(VENV)/.all page ## measure speed and errors; write docs/*.csv, the figure and the performance page
+bench: $(VENV)/.all page ## measure speed and errors; write the tables, the figure and the page of docs/verification
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/python -m benchmarks.trade
 	$(BIN)/python -m benchmarks.page
@@ -79,9 +79,9 @@ stability: $(VENV)/.all ## run the extreme cases; write docs/stability.csv, its 
 	cp out/stability/stability.csv out/stability/*.png docs/
 	$(BIN)/python docs/make_pages.py
 
-coupling: $(VENV)/.all ## compare engine couplings; write docs/coupling*.csv, the figure and the page
+coupling: $(VENV)/.all ## compare engine couplings; write the tables, the figure and the page of docs/verification
 	$(BIN)/python -m examples.coupling -o out/coupling
-	cp out/coupling/*.csv out/coupling/*.png docs/
+	cp out/coupling/*.csv out/coupling/*.png docs/verification/
 	$(BIN)/python docs/make_pages.py
 
 papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/ and write their page

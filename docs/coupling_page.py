@@ -1,9 +1,9 @@
-"""Table of docs/coupling.md, from the committed coupling_urban.csv; the other text is written by hand."""
+"""Table of docs/verification/coupling.md, from the committed coupling_urban.csv; the other text is written by hand."""
 
 import csv
 from pathlib import Path
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "verification"
 BEGIN, END = "<!-- table: coupling_urban.csv -->\n", "<!-- end of table -->\n"
 HEADINGS = (
     *("scheme", "step, ms", "engine, kJ", "load, kJ", "interface loss, %", "gross loss, %"),

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
 from inertia_module.model import Module
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "explanation"
 PICTURE, TABLE = HERE / "freewheels.png", HERE / "freewheels.csv"
 DEGREES = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 RATIOS = (0.2, 0.5, 0.8)

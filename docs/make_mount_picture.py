@@ -1,4 +1,4 @@
-"""Draws docs/mount.png: where modules stand about the axis, and the force of one of them on the mount."""
+"""Draws docs/explanation/mount.png: where modules stand about the axis, and the force of one of them on the mount."""
 
 import math
 from pathlib import Path
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from inertia_module.kernel import layout
 from inertia_module.model import Module
 
-TARGET = Path(__file__).parent / "mount.png"
+TARGET = Path(__file__).parent / "explanation" / "mount.png"
 BLUE, ORANGE, RED, GREY = "#4878a8", "#d08c3c", "#802020", "#888888"
 MODULES = 3
 TURN = 2.0 * math.pi

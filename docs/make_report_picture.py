@@ -1,4 +1,4 @@
-"""Draws report.png: some pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
+"""Draws how_to/report.png: some pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
 
 import shutil
 import subprocess
@@ -30,7 +30,7 @@ def main():
         picture = Image.new("RGB", (len(pages) * (width + GAP) + GAP, height + 2 * GAP), "#b0b0b0")
         for n, one in enumerate(pages):
             picture.paste(one, (GAP + n * (width + GAP), GAP))
-        picture.quantize(128).save(HERE / "report.png", optimize=True)
+        picture.quantize(128).save(HERE / "how_to" / "report.png", optimize=True)
 
 
 if __name__ == "__main__":

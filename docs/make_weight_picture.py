@@ -1,4 +1,4 @@
-"""Writes docs/weight.csv, draws docs/weight.png: what gravity and the satellites' own inertia change."""
+"""Writes docs/explanation/weight.csv, draws weight.png: what gravity and the satellites' own inertia change."""
 
 import csv
 import math
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
 from inertia_module.model import Module
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "explanation"
 PICTURE, TABLE = HERE / "weight.png", HERE / "weight.csv"
 SPEEDS = np.geomspace(10.0, 300.0, 19)
 RATIOS = (0.2, 0.5, 0.8)
@@ -86,7 +86,7 @@ def small_from(part):
 
 
 def lines_of_page(table):
-    """The rows for docs/mechanics.md: from which speed on gravity is small, what the inertia changes."""
+    """The rows for docs/explanation/losses.md: from which speed on gravity is small, what the inertia changes."""
     for (name, ratio, cause), part in table.items():
         if cause == GRAVITY:
             speeds = (f"{speed:.0f}" if speed < math.inf else "above 300" for speed in small_from(part))
