@@ -1,4 +1,4 @@
-"""Table of docs/verification/coupling.md, from the committed coupling_urban.csv; the other text is written by hand."""
+"""Write the table of docs/verification/coupling.md from coupling_urban.csv."""
 
 import csv
 from pathlib import Path

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from latex2mathml.converter import convert
 from mkdocs.structure.files import File
+from outside import DRAWING, ROOT, page_from_root
+from tutorial_page import Tutorial
 
 from inertia_module.scene import load_scene
 from inertia_module.viewer.html import html_file
-from outside import DRAWING, ROOT, page_from_root
-from tutorial_page import Tutorial
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.S)
 FUNCTION = re.compile(r"<mi>((?:arc)?(?:sin|cos|tan)|ln|exp)</mi>")
@@ -52,7 +52,7 @@ def caption_of(alternative, file):
 
 
 def on_files(files, config):
-    """Add pages that come from other folders: the viewer of scene R1, the tutorial, contributing, changelog."""
+    """Add pages from other folders: the viewer of scene R1, the tutorial, contributing, changelog."""
     scene = load_scene(ROOT / "examples" / "reference.toml")
     tutorial = Tutorial.read(ROOT / "examples" / "tutorial.ipynb")
     pages = {

@@ -1,4 +1,4 @@
-"""Draws docs/explanation/mount.png: where modules stand about the axis, and the force of one of them on the mount."""
+"""Draw docs/explanation/mount.png: modules about the axis, and the force of one module on the mounting."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Writes docs/explanation/weight.csv, draws weight.png: what gravity and the satellites' own inertia change."""
+"""Write docs/explanation/weight.csv and .png: changes caused by gravity and by satellite inertia."""
 
 import csv
 import math
@@ -86,7 +86,7 @@ def small_from(part):
 
 
 def lines_of_page(table):
-    """The rows for docs/explanation/losses.md: from which speed on gravity is small, what the inertia changes."""
+    """Yield the rows for losses.md: the speed from which gravity is small, the changes by the inertia."""
     for (name, ratio, cause), part in table.items():
         if cause == GRAVITY:
             speeds = (f"{speed:.0f}" if speed < math.inf else "above 300" for speed in small_from(part))

@@ -6,6 +6,7 @@ import re
 
 # image inside an HTML output
 EMBEDDED = re.compile(r'<img src="data:image/png;base64,([^"]+)"[^>]*>')
+FRAME = re.compile(r"<table [^>]*>")
 STYLE = re.compile(r"<style.*?</style>\s*|\n\s*", re.S)
 
 
@@ -36,9 +37,9 @@ class Tutorial:
     def _output(self, output):
         data = output.get("data", {})
         if "text/html" in data:
-            html = EMBEDDED.sub("", "".join(data["text/html"]))
-            pictures = EMBEDDED.findall("".join(data["text/html"]))
-            return [*map(self._image, pictures), STYLE.sub("", html).replace(' border="1" class="dataframe"', "")]
+            source = "".join(data["text/html"])
+            table = STYLE.sub("", EMBEDDED.sub("", source))
+            return [*map(self._image, EMBEDDED.findall(source)), FRAME.sub("<table>", table)]
         if "image/png" in data:
             return [self._image("".join(data["image/png"]))]
         text = "".join(output.get("text", data.get("text/plain", ""))).rstrip()

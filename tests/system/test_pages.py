@@ -1,4 +1,4 @@
-"""Pages, the README, programs of docs/tools.md in each host, the tutorial, the study scripts."""
+"""Pages, the README, programs of tools.md in each host, the tutorial, the study scripts."""
 
 import re
 import runpy
@@ -59,15 +59,14 @@ def holds_the_engine(names, printed):
     "page, checks",
     [
         ("../README.md", [prints_its_residual]),
-        ("control.md", [holds_the_speed]),
-        ("coupling.md", [holds_the_engine]),
-        ("systems.md", [drives_the_shaft]),  # those of its other programs are in test_export.py
+        ("how_to/control.md", [holds_the_speed]),
+        ("how_to/coupling.md", [holds_the_engine, drives_the_shaft]),
     ],
 )
 def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsys):
     (tmp_path / "build").symlink_to(built)
     monkeypatch.chdir(tmp_path)
-    for code, check in zip(programs(page), checks, strict=page != "systems.md"):
+    for code, check in zip(programs(page), checks, strict=True):
         names = {}
         exec(compile(code, page, "exec"), names)
         check(names, capsys.readouterr().out)
@@ -76,7 +75,7 @@ def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsy
 # --- what a reader runs ---
 
 
-PROGRAMS = programs("tools.md")
+PROGRAMS = programs("how_to/tools.md")
 PACKAGES = [re.search(r"^from (\w+)", program)[1] for program in PROGRAMS]
 # tolerance that a host gives where the parameter has another
 TOLERANCE = {"OMSimulator": 1e-4}

@@ -1,6 +1,6 @@
 """Reaction forces of the unbalanced masses: bearing force of a satellite, its peak, forces on the mounting.
 
-The peak of the bearing force is the maximum of samples (docs/mechanics.md, Loads on the mounting and the
+The peak of the bearing force is the maximum of samples (mechanics.md, Loads on the mounting and the
 satellite bearings). The solvers store a sample at the beginning of each internal step, inside long internal
 steps and before each event. The last samples stay in a ring buffer, `x.moments`, and are evaluated when the
 peak is read. A short communication step therefore pays almost nothing for it. In a long communication step
