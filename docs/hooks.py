@@ -16,9 +16,9 @@ from inertia_module.viewer.html import html_file
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.S)
 FUNCTION = re.compile(r"<mi>((?:arc)?(?:sin|cos|tan)|ln|exp)</mi>")
 # weight of a page in the search, by its section
-BOOST = {"How-to": 2.0, "Tutorial": 2.0, "Reference": 0.5, "Verification": 0.5, "Papers": 0.5}
+BOOST = {"How-to": 2.0, "Tutorial": 1.5, "Reference": 0.5, "Verification": 0.5, "Papers": 0.5, "Project": 0.5}
 # link at the end of a page; it stays at the edge of the window before that
-TO_TOP = '<p class="to-top"><a href="#">↑ top</a></p>'
+TO_TOP = '<p class="to-top" data-search-exclude><a href="#">↑ top</a></p>'
 # image that is a paragraph of its own
 FIGURE = re.compile(r'<p>(<img alt="([^"]*)" src="([^"]*)" ?/?>)</p>')
 DESCRIPTION = re.compile(r"<dc:description>(.*?)</dc:description>", re.S)
