@@ -72,7 +72,7 @@ def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
     for figure, columns in drawn.values():
         assert len({values.shape for values in columns.values()}) == 1
         assert all(np.isfinite(values).all() for values in columns.values())
-        assert "=" in figure.get_supxlabel()
+        assert "=" in figure.get_label()
         # a unit, or a number of revolutions
         assert all("[" in column or "revolutions" in column for column in columns)
     # of each kind one is written
