@@ -83,7 +83,7 @@ def two_forms(ordinate: str, right: Any, page: Any, title: str = "") -> Panel:
 
 
 def sheet(width: float, height: float, caption: str) -> Figure:
-    """Return an empty figure of this size, inches; its label is the caption, which files have as description."""
+    """Return an empty figure of this size, inches; its label, the caption, is the description in files."""
     figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
     figure.set_label(caption)
     return figure
