@@ -68,6 +68,10 @@ def on_files(files, config):
     return files
 
 
+def on_page_markdown(markdown, **_):
+    return markdown.replace("](../CONTRIBUTING.md", "](contributing.md")
+
+
 def on_page_content(content, page, config, **_):
     page.meta["search"] = {"boost": BOOST.get(page.parent.title if page.parent else "", 1.0)}
     folder = os.path.dirname(page.file.src_uri)

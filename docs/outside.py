@@ -9,4 +9,5 @@ DRAWING = "fmu_src/inertia_module/fmu/pictures/module_named.png"
 
 def page_from_root(name):
     """Return a Markdown page of the root folder with links relative to docs/."""
-    return (ROOT / name).read_text(encoding="utf-8").replace("](docs/", "](")
+    text = (ROOT / name).read_text(encoding="utf-8")
+    return text.replace("](docs/", "](").replace("](CHANGELOG.md)", "](changelog.md)")
