@@ -35,6 +35,20 @@ def test_links_of_the_readme_lead_somewhere():
     assert all((ROOT / link).exists() for link in links)
 
 
+def test_readme_has_links_and_pictures_that_work_on_a_package_index():
+    pytest.importorskip("hatchling")
+    elsewhere = runpy.run_path(str(ROOT / "hatch_build.py"))["readme_elsewhere"]
+    text = (ROOT / "README.md").read_text()
+    relative = re.compile(r"\]\((?!https?:|#)")
+    assert relative.search(text)
+    for address in ("", "https://example.com/module"):
+        assert not relative.search(elsewhere(text, address, "1.0"))
+    assert "](" not in re.sub(r"\]\((https?:|#)", "", elsewhere(text, "", "1.0"))
+    assert "](https://example.com/module/raw/v1.0/docs/mechanism.webp)" in elsewhere(
+        text, "https://example.com/module", "1.0"
+    )
+
+
 def prints_its_residual(names, printed):
     assert "energy residual" in printed
 
