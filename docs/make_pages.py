@@ -18,8 +18,14 @@ from papers.page import papers_page
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
 # link of the README to a file outside this folder
-OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#|CONTRIBUTING)[^)]+\)")
-# page that only the site contains (hooks.py)
+OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#)[^)]+\)")
+# pages and pictures that only the site contains (hooks.py), by their file outside this folder
+SITE_PAGES = {
+    DRAWING: Path(DRAWING).name,
+    "examples/tutorial.ipynb": "tutorial/index.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "CHANGELOG.md": "changelog.md",
+}
 MACHINE = "\n**[Interactive machine](machine.html)**: turn it and change its parameters in your browser.\n"
 # placeholder for a section of a guide, which the documentation in the FMU contains too
 SECTION = re.compile(r"(<!-- (\w+): (.*?) -->\n).*?(<!-- end -->)", re.S)
@@ -28,9 +34,11 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 def start_page():
     """Return the README with links relative to this folder; links to other files become plain text."""
-    text = OUTSIDE.sub(r"\1", README.read_text())
+    text = README.read_text()
+    for outside, page in SITE_PAGES.items():
+        text = text.replace(f"]({outside})", f"](docs/{page})")
+    text = OUTSIDE.sub(r"\1", text)
     text = text.replace("\n## How it works", f"{MACHINE}\n## How it works", 1)
-    text = text.replace(DRAWING, Path(DRAWING).name).replace("](CONTRIBUTING.md)", "](contributing.md)")
     return text.replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
