@@ -19,8 +19,8 @@ FUNCTION = re.compile(r"<mi>((?:arc)?(?:sin|cos|tan)|ln|exp)</mi>")
 BOOST = {"How-to": 2.0, "Tutorial": 1.5, "Reference": 0.5, "Verification": 0.5, "Papers": 0.5, "Project": 0.5}
 # link at the end of a page; it stays at the edge of the window before that
 TO_TOP = '<p class="to-top" data-search-exclude><a href="#">↑ top</a></p>'
-# image that is a paragraph of its own
-FIGURE = re.compile(r'<p>(<img alt="([^"]*)" src="([^"]*)" ?/?>)</p>')
+# image that is a paragraph, and a caption in italics below
+FIGURE = re.compile(r'<p>(<img alt="([^"]*)" src="([^"]*)" ?/?>)</p>(?:\n<p><em>(.*?)</em></p>)?', re.S)
 DESCRIPTION = re.compile(r"<dc:description>(.*?)</dc:description>", re.S)
 # alternative texts that are no captions
 NO_CAPTION = ("Output of the program above",)
@@ -77,8 +77,8 @@ def on_page_content(content, page, config, **_):
     folder = os.path.dirname(page.file.src_uri)
 
     def figure(match):
-        image, alternative, source = match.groups()
-        caption = caption_of(alternative, Path(config.docs_dir, folder, source))
+        image, alternative, source, italics = match.groups()
+        caption = italics or caption_of(alternative, Path(config.docs_dir, folder, source))
         below = f"<figcaption>{caption}</figcaption>" if caption else ""
         return f'<figure><a href="{source}" title="full size">{image}</a>{below}</figure>'
 
