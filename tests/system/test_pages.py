@@ -57,6 +57,10 @@ def holds_the_speed(names, printed):
     assert names["run"].outputs[0][-50:] == pytest.approx([20.0] * 50, abs=1.0)
 
 
+def accelerates_the_shaft(names, printed):
+    assert 50.0 < float(printed) < 120.0
+
+
 def drives_the_shaft(names, printed):
     speed, twist = map(float, printed.split())
     assert speed == pytest.approx(17.0, abs=1.0)  # in one piece 16.77
@@ -73,12 +77,14 @@ def holds_the_engine(names, printed):
     "page, checks",
     [
         ("../README.md", [prints_its_residual]),
+        ("how_to/run.md", [accelerates_the_shaft]),
         ("how_to/control.md", [holds_the_speed]),
         ("how_to/coupling.md", [holds_the_engine, drives_the_shaft]),
     ],
 )
 def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsys):
     (tmp_path / "build").symlink_to(built)
+    shutil.copy(ROOT / "examples" / "planar.toml", tmp_path)
     monkeypatch.chdir(tmp_path)
     for code, check in zip(programs(page), checks, strict=True):
         names = {}
