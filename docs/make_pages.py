@@ -7,7 +7,6 @@ from pathlib import Path
 
 import coupling_page
 import performance_page
-import random_page
 import stability_page
 from commands_page import commands_page
 from outside import DRAWING
@@ -61,8 +60,7 @@ PAGES = {
     "reference/variables.md": variables_page,
     "verification/coupling.md": coupling_page.page,
     "verification/performance.md": lambda: filled("performance.md", performance_page.values()),
-    "stability.md": lambda: filled("stability.md", stability_page.values()),
-    "random.md": lambda: filled("random.md", random_page.values()),
+    "verification/stability.md": lambda: filled("stability.md", stability_page.values()),
     "papers/index.md": papers_page,
 }
 # pages whose numbers depend on the last digits of this machine

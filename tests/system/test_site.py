@@ -21,7 +21,7 @@ LOOKS = Path(__file__).with_name("site.js").read_text()
 FOUND = "links => links.map(link => new URL(link.href).pathname.slice(1)).filter(page => page)"
 TABLES = {
     *("reference/variables.html", "reference/api.html", "reference/commands.html", "papers/index.html"),
-    *("verification/performance.html", "stability.html", "changelog.html"),
+    *("verification/performance.html", "verification/stability.html", "changelog.html"),
 }
 # pages that are no text of the site
 NO_TEXT = {"404.html", "machine.html"}

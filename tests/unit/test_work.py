@@ -92,7 +92,7 @@ def test_constants_of_a_state_are_calculated_anew(compiled, number):
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("field", ["seen", "spin_signs", "mode"])
+@pytest.mark.parametrize("field", ["spin_signs", "mode"])
 def test_a_state_that_counts_by_no_whole_number_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)
