@@ -135,4 +135,4 @@ def test_every_known_limit_is_met_by_a_documented_case():
     for limit in LIMITS:
         cells = [DOCUMENTED[place(case)][case.level.name] for case in every if limit.covers(case)]
         assert any(cell.outcome != "exact" for cell in cells), limit
-        assert not limit.refused or all(cell.outcome == "rejected" for cell in cells), limit
+        assert not limit.rejection or all(cell.outcome == "rejected" for cell in cells), limit
