@@ -45,9 +45,9 @@ def typeset(match):
 
 def caption_of(alternative, file):
     """Return the caption of an image: the description in an SVG file, otherwise the alternative text."""
-    found = DESCRIPTION.search(file.read_text(encoding="utf-8")) if file.suffix == ".svg" else None
-    if found:
-        return found[1]
+    description = DESCRIPTION.search(file.read_text(encoding="utf-8")) if file.suffix == ".svg" else None
+    if description:
+        return description[1]
     return "" if alternative in NO_CAPTION else alternative
 
 

@@ -1,4 +1,4 @@
-"""Draws docs/how_to/wiring.png: which signals go between the models of a host and the flanges of the FMU."""
+"""Draw docs/how_to/wiring.png: signals between the models of a host and the flanges of the FMU."""
 
 from pathlib import Path
 
