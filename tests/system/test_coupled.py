@@ -17,7 +17,7 @@ from inertia_module import driveline
 from inertia_module.fmi.instance import Fmu, FmuError
 from tests.system.programs import DOCS
 
-TABLE = DOCS / "coupling_map.csv"
+TABLE = DOCS / "verification" / "coupling_map.csv"
 SAMPLE = 5e-3
 # kg.m2, nearly all of it on link 1, so that it does not change with the angle
 INTERFACE = 0.1

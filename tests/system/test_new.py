@@ -194,15 +194,15 @@ def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_co
     (clone / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
     assert forced(clone) == {"inertia_module/examples"}
     assert forced(clone, "editable") == set()
-    page = sdist / "fmu_src" / "inertia_module" / "page"
-    page.mkdir(parents=True)
+    viewer = sdist / "fmu_src" / "inertia_module" / "viewer"
+    viewer.mkdir(parents=True)
     (sdist / "PKG-INFO").touch()
     with pytest.raises(
         FileNotFoundError, match=r"missing files of the wheel: build/InertiaModule.fmu, .* Run make dist\.$"
     ):
         forced(sdist)
     (sdist / "build").symlink_to(built)
-    (page / "template.html").touch()
+    (viewer / "template.html").touch()
     ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir() if path.is_file()}
     assert forced(sdist) == ready | {"inertia_module/examples"}
 

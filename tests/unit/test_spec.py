@@ -147,7 +147,7 @@ def test_speed_that_a_design_or_a_run_does_not_reach_is_told():
 
 # --- what is in doubt, though limits are met ---
 
-# design 3 of docs/design.md as it was with weightless satellites
+# design 3 of methods.md as it was with weightless satellites
 POINTS = {
     "layout": "planar",
     "sun_radius": 0.09761,
@@ -189,7 +189,7 @@ def test_figures_tell_what_satellites_that_weigh_something_cannot(density, end):
 
 @pytest.mark.parametrize("density, reached", [(0.0, 9.82), (2700.0, 21.5), (7850.0, None)])
 def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
-    """The module of POINTS in the car of docs/design.md: to 50 km/h in 25 s or not."""
+    """The module of POINTS in the car of methods.md: to 50 km/h in 25 s or not."""
     spec = read_spec(example("design_car"))
     tables = {name: table for name, table in spec.tables.items() if name in Scene.model_fields}
     kept = {name: value for name, value in tables["mechanism"].items() if name != "satellite"}

@@ -461,7 +461,7 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> Torq
 def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> dict[str, Array]:
     """Compute the converter table of a mechanism.
 
-    The output torque of the table is exact at each ratio (docs/mechanics.md).
+    The output torque of the table is exact at each ratio (chart.md).
 
     Args:
         machine: the mechanism.

@@ -1,7 +1,7 @@
 """Engine or motor upstream of a module: limits of its torque, its governor, and the interface inertia.
 
 In a torque-driven module the inertia of the rotor belongs to link 1. The model of the engine is then its
-torque map and its governor, which samples the speed of link 1 at communication points. docs/coupling.md
+torque map and its governor, which samples the speed of link 1 at communication points. coupling.md
 compares other couplings.
 """
 

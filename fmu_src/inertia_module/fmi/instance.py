@@ -464,7 +464,7 @@ class Fmu(Plant, Closing):
             self.time = request.time + self._epoch
 
     def set_rates(self, **rates: float) -> None:
-        """Set the rates of inputs for the next step (native FMUs; see docs/fmu.md).
+        """Set the rates of inputs for the next step (native FMUs; see fmu.md).
 
         Args:
             rates: rates by name, in units of the inputs per second.
@@ -473,7 +473,7 @@ class Fmu(Plant, Closing):
         self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Return the rates of outputs after the last step, per second (see docs/fmu.md).
+        """Return the rates of outputs after the last step, per second (see fmu.md).
 
         Args:
             names: names of outputs, or a single name.
@@ -484,7 +484,7 @@ class Fmu(Plant, Closing):
     def jacobian(self, outputs: str | Sequence[str], inputs: str | Sequence[str]) -> NDArray[np.float64]:
         """Return the derivatives of outputs after the last step with respect to inputs during the step.
 
-        This requires a native FMU (see docs/fmu.md).
+        This requires a native FMU (see fmu.md).
 
         Args:
             outputs: names of outputs, or a single name.

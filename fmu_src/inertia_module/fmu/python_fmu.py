@@ -122,7 +122,10 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
         what = f"{fmu.identifier} for {target.label}"
         kernel = build.attempt(f"compiled kernel in {what}", compiled, target)
         front = build.attempt(
-            f"wrapper library of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
+            f"wrapper library of {what} (see docs/reference/fmu.md)",
+            link_front,
+            target,
+            f"{BEHIND}{target.suffix}",
         )
         if kernel is not None:
             kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel

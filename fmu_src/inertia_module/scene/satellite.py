@@ -52,7 +52,7 @@ class Satellite(Strict):
     def parameters(self, mechanism: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of the module that describe the satellite (CALCULATED).
 
-        Equations: docs/mechanics.md, Satellite from dimensions. The point mass is the mass of the whole
+        Equations: mechanics.md, Satellite from dimensions. The point mass is the mass of the whole
         satellite in its centre of mass. The inertias are about the centre of mass.
 
         Args:

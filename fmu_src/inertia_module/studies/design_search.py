@@ -184,7 +184,7 @@ class Demand(Strict):
 
 
 class Search(Strict):
-    """Settings of the search for designs (docs/design.md).
+    """Settings of the search for designs (design.md).
 
     Attributes:
         population: Number of designs of a generation.
