@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
 import json
 import signal
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +22,8 @@ from .options import Json
 
 STANDARD_OUTPUT = "standard output"
 
+# width of printed lines, characters
+WIDTH = 80
 # part of the output: a line, a title with values by heading, or a function that prints
 Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
 
@@ -59,10 +63,12 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
         try:
             answer = work(**options)
         except (ValueError, RuntimeError, OSError, MemoryError) as error:
-            aside(f"error: {sentence_of(error)}")
+            report_error(sentence_of(error), as_json)
             raise typer.Exit(1) from error
         except KeyboardInterrupt:
             aside("stopped; the same command continues" if work.__name__ in CONTINUED else "stopped")
+            if as_json:
+                print_json_error("stopped")
             raise typer.Exit(128 + signal.SIGINT) from None
         try:
             present(answer, as_json)
@@ -82,6 +88,28 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
     return run
 
 
+def report_error(message: str, as_json: bool) -> None:
+    """Print an error in one line to the error output and, for machines, as a JSON object.
+
+    Args:
+        message: The message, one line.
+        as_json: True to print also {"error": message} to the standard output.
+    """
+    aside(f"error: {message}")
+    if as_json:
+        print_json_error(message)
+
+
+def print_json_error(message: str) -> None:
+    """Print {"error": message} to the standard output, unless that is closed or full.
+
+    Args:
+        message: The message, one line.
+    """
+    with contextlib.suppress(OSError):
+        typer.echo(json.dumps({"error": message}))
+
+
 def present(answer: Answer, as_json: bool) -> None:
     """Print the outcome of a command.
 
@@ -97,8 +125,37 @@ def present(answer: Answer, as_json: bool) -> None:
         aside(f"warning: {warning}")
     for part in answer.output:
         show(part)
-    for name, file in file_names.items():
-        typer.echo(f"{name}: {file}")
+    for line in file_lines(list(answer.files.values())):
+        typer.echo(line)
+
+
+def file_lines(files: Sequence[Path]) -> list[str]:
+    """Return the paths of written files as lines: "  FOLDER: FILE  FILE", one folder after the other.
+
+    Args:
+        files: Paths of the files.
+    """
+    names: dict[Path, list[str]] = {}
+    for file in files:
+        names.setdefault(file.parent, []).append(file.name)
+    texts = [f"{folder}: {'  '.join(names_in_folder)}" for folder, names_in_folder in names.items()]
+    return [line for text in texts for line in indented(text)]
+
+
+def indented(text: str) -> list[str]:
+    """Return a text as lines within WIDTH, indented as below a title; words stay whole.
+
+    Args:
+        text: The text.
+    """
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent="  ",
+        subsequent_indent="    ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def show(part: Shown) -> None:

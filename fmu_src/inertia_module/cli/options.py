@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ..common.errors import must_be
+from ..common.errors import must_be, unknown
 from ..common.units import factor_between, number_of, split_quantity
 from .messages import aside
 
@@ -29,6 +30,32 @@ def option(text: str, metavar: str | None = None, *names: str, **more: Any) -> A
     return typer.Option(*names, metavar=metavar, help=text, **more)
 
 
+def enumeration(text: str, names: Sequence[str], *flags: str) -> Any:
+    """Declare an option whose value is one of some names; the shell completes the names.
+
+    Args:
+        text: Help text.
+        names: Allowed values.
+        flags: Names of the option if they differ from the parameter.
+    """
+    return option(text, "|".join(names), *flags, autocompletion=lambda: list(names))
+
+
+def check_choice(kind: str, name: str | None, names: Sequence[str]) -> None:
+    """Check that the value of an option is one of its names.
+
+    Args:
+        kind: Noun for the names, such as "fidelity".
+        name: Value; None without the option.
+        names: Allowed values.
+
+    Raises:
+        ValueError: The value is not one of the names.
+    """
+    if name is not None and name not in names:
+        raise ValueError(unknown(kind, name, names))
+
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="Scene file (TOML).")]
 OutputFolder = Annotated[File, option("Output folder (created if missing).", "DIR", "--output", "-o")]
 FmuToRun = Annotated[File, option("FMU to use instead of the bundled one.", "FILE.fmu")]
@@ -36,6 +63,9 @@ Keys = Annotated[
     Texts,
     option("Override a scene value, e.g. load.torque='8 N.m'; may be repeated.", "KEY=VALUE", "--set"),
 ]
+# names of the fidelity levels, and the name that selects one of them
+FIDELITIES = ("kinematic", "averaged", "rigid", "elastic", "auto")
+
 Json = Annotated[bool, option("Print the result as JSON.", None, "--json")]
 Scheduler = Annotated[Text, option("Address of a Dask scheduler, e.g. tcp://host:8786.", "ADDRESS")]
 Workers = Annotated[

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import shlex
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,13 +14,29 @@ import inertia_module
 
 from ..common.errors import must_be
 from ..common.files import OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
-from ..common.terminal import progress_bar
-from .answer import Answer, Shown, command
-from .options import File, FmuToRun, Keys, OutputFolder, SceneFile, Text, Texts, option, quantity_of
+from ..common.terminal import progress_bar, terminal
+from .answer import Answer, command
+from .options import (
+    FIDELITIES,
+    File,
+    FmuToRun,
+    Keys,
+    OutputFolder,
+    SceneFile,
+    Text,
+    Texts,
+    check_choice,
+    enumeration,
+    option,
+    quantity_of,
+)
 
 if TYPE_CHECKING:
     from ..fidelity.trials import Choice
     from ..scene import Scene, SceneResult, ShaftScene
+
+# minimum width of the summary on a narrow terminal, characters
+MIN_WIDTH = 40
 
 
 @command
@@ -27,23 +44,26 @@ def run(
     scene: SceneFile,
     output: OutputFolder = None,
     fidelity: Annotated[
-        Text,
-        option("Fidelity level: kinematic, averaged, rigid, elastic, or auto (chosen by --error).", "LEVEL"),
+        Text, enumeration("Fidelity level; auto selects the fastest level that meets --error.", FIDELITIES)
     ] = None,
     error: Annotated[
         Text, option("Maximum error of the outputs for fidelity auto, e.g. 1%.", "ERROR")
     ] = None,
     fmu: FmuToRun = None,
     view: Annotated[bool, option("Also write the viewer to page.html (see view).", None, "--view")] = False,
+    every: Annotated[bool, option("Print every metric, with six digits in SI units.", None, "--all")] = False,
     keys: Keys = None,
 ) -> Answer:
     """Run a scene and write its table, summary and plot.
 
-    Writes table.csv, summary.json and plot.png. Default output folder: out/SCENE.
+    Prints warnings and a summary in the units of the scene. Writes table.csv, summary.json (all metrics) and
+    plot.png. Default output folder: out/SCENE.
     """
     from ..interface.variables import COMPUTED
+    from ..scene.reading import display_units
     from ..viewer.html import html_file, template
 
+    check_choice("fidelity", fidelity, FIDELITIES)
     folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
     if view:
         template()
@@ -60,8 +80,27 @@ def run(
     if page is not None:
         files["page"] = write_atomically(folder / "page.html", page)
 
-    parts: list[Shown] = [(read.title, result.lines()), *([] if choice is None else choice.lines())]
-    return Answer(data, parts, files, warnings=result.warnings)
+    choice_lines = [] if choice is None else choice.lines()
+    if every:
+        return Answer(data, [(read.title, result.lines()), *choice_lines], files, warnings=result.warnings)
+    shown = partial(_print_summary, result, display_units(scene, keys))
+    return Answer(data, [shown, *choice_lines], files)
+
+
+def _print_summary(result: SceneResult, units: Mapping[str, str]) -> None:
+    """Print the summary of a run, with its warnings in colour on a terminal.
+
+    Args:
+        result: Result of the run.
+        units: Display units, by unit of a metric.
+    """
+    from ..scene.summary_text import WIDTH, summary
+
+    console = terminal()
+    text = summary(result, units, max(min(WIDTH, console.width), MIN_WIDTH))
+    for lines, style in ((text.title, "bold"), (text.warnings, "red"), (text.body, None)):
+        for line in lines:
+            console.print(line, style=style, soft_wrap=True)
 
 
 def _run_scene(

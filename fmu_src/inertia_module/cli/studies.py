@@ -22,9 +22,14 @@ from .options import (
     Text,
     Texts,
     Workers,
+    check_choice,
+    enumeration,
     option,
     quantity_of,
 )
+
+# reference angles of an order analysis
+ANGLES = ("link1", "drive_angle")
 
 
 @command
@@ -32,7 +37,8 @@ def orders(
     scene: SceneFile,
     output: OutputFolder = None,
     of: Annotated[
-        str, option("Reference angle: link1 (carrier) or drive_angle (pinion shaft).", "ANGLE")
+        str,
+        enumeration("Reference angle of the orders: carrier (link1) or pinion shaft (drive_angle).", ANGLES),
     ] = "link1",
     signals: Annotated[Texts, option("Output to analyse; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Maximum order.", "ORDER")] = None,
@@ -66,6 +72,7 @@ def orders(
     from ..scene.reading import speed_unit
     from ..studies.order_analysis import BASES
 
+    check_choice("reference angle", of, ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     if uff:
         library("pyuff", "studies")  # before the run
