@@ -15,7 +15,7 @@ import inertia_module
 from ..common.errors import must_be
 from ..common.files import OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
 from ..common.terminal import progress_bar, terminal
-from .answer import Answer, command
+from .answer import Answer, command, indented
 from .options import (
     FIDELITIES,
     File,
@@ -80,7 +80,7 @@ def run(
     if page is not None:
         files["page"] = write_atomically(folder / "page.html", page)
 
-    choice_lines = [] if choice is None else choice.lines()
+    choice_lines = [] if choice is None else [line for text in choice.lines() for line in indented(text)]
     if every:
         return Answer(data, [(read.title, result.lines()), *choice_lines], files, warnings=result.warnings)
     shown = partial(_print_summary, result, display_units(scene, keys))

@@ -38,7 +38,7 @@ def orders(
     output: OutputFolder = None,
     of: Annotated[
         str,
-        enumeration("Reference angle of the orders: carrier (link1) or pinion shaft (drive_angle).", ANGLES),
+        enumeration("Reference angle: carrier (link1) or pinion shaft (drive_angle).", ANGLES),
     ] = "link1",
     signals: Annotated[Texts, option("Output to analyse; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Maximum order.", "ORDER")] = None,
