@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import io
 import os
 import signal
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 import inertia_module
 
 from ..common.errors import sentence_of
-from .answer import STANDARD_OUTPUT
+from .answer import STANDARD_OUTPUT, print_json_error
 from .converter_charts import chart
 from .example_files import new
 from .fmu_files import build, check, export
@@ -23,7 +25,42 @@ from .options import option
 from .scene_runs import report, run, view
 from .studies import design, fit, orders, sweep, tradeoff
 
+# error of the command line, such as an unknown option
+UsageError: Any = typer.BadParameter.__base__
+
+
+class Program(TyperGroup):
+    """Group of the commands; with --json it prints usage errors also as a JSON object."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the options of the program and note whether the command has --json.
+
+        Args:
+            ctx: Context of the command line.
+            args: Arguments of the program.
+        """
+        ctx.meta["as_json"] = "--json" in args
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command.
+
+        Args:
+            ctx: Context of the command line.
+
+        Raises:
+            UsageError: An argument is invalid.
+        """
+        try:
+            return super().invoke(ctx)
+        except UsageError as error:
+            if ctx.meta["as_json"]:
+                print_json_error(" ".join(error.format_message().split()))
+            raise
+
+
 app = typer.Typer(
+    cls=Program,
     context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
     rich_markup_mode=None,  # Rich markup would remove "[free]" from the help
@@ -42,7 +79,7 @@ EXAMPLES = {
     fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2",
     tradeoff: "tradeoff planar.toml --recommend 1%",
     export: "export planar.toml",
-    check: "check InertiaModule.fmu --timeout '5 min'",
+    check: "check build/InertiaModule.fmu",
     build: "build -o build",
 }
 for work, example in EXAMPLES.items():
@@ -77,6 +114,13 @@ def replace_closed_streams() -> None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8"))
 
 
+def replace_unprintable_characters() -> None:
+    """Print "?" for each character that the encoding of a standard stream does not contain."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
 def main() -> None:
     """Run the command line (entry point of the console script).
 
@@ -88,6 +132,7 @@ def main() -> None:
         if kind is not None and signal.getsignal(kind) is not signal.SIG_IGN:
             signal.signal(kind, lambda number, _: sys.exit(128 + number))
     replace_closed_streams()
+    replace_unprintable_characters()
     code: object = 0
     try:
         app()
