@@ -75,7 +75,7 @@ EXAMPLES = {
     chart: "chart planar.toml reference.toml --speed '3000 rpm'",
     orders: "orders orders.toml --highest 8",
     sweep: "sweep planar.toml --vary imbalance_mass=0.5:2:7",
-    design: "design design_car.toml --set search.generations=3",
+    design: "design design_car.toml",
     fit: "fit fit_rig.csv fit_rig.toml --free imbalance_mass=0.5:2",
     tradeoff: "tradeoff planar.toml --recommend 1%",
     export: "export planar.toml",
