@@ -425,7 +425,8 @@ class Writer:
                 f"in {three_digits(metrics[name])} s" if is_reached else remarks[name].partition(" (")[0]
             )
             items.append(f"{speed:.6g} {scale.unit} {outcome}")
-        items += [f"max {self.text('vehicle_speed_maximum')}", self.text("distance")]
+        if metrics["vehicle_speed_maximum"]:
+            items += [f"max {self.text('vehicle_speed_maximum')}", self.text("distance")]
         if TRACTIVE_FORCE in self.metrics:
             grip = self.result.limits[TRACTIVE_FORCE]
             scale = self.scale("N", self.metrics[TRACTIVE_FORCE], grip)
