@@ -178,7 +178,7 @@ def _output_text(speed: NDArray[np.float64], scale: Scale, rest: float) -> str:
     return text if extremes == f"max {scale.number(end)}" else f"{text} ({extremes})"
 
 
-class Writer:
+class SummaryWriter:
     """Writer of a summary.
 
     Args:
@@ -474,5 +474,5 @@ def summary(result: SceneResult, units: Mapping[str, str] = DISPLAY_UNITS, width
         units: Display units, by unit of a metric.
         width: Maximum width of a line, characters.
     """
-    writer = Writer(result, units, width)
+    writer = SummaryWriter(result, units, width)
     return Summary(writer.title(), writer.warnings(), writer.body())
