@@ -234,7 +234,7 @@ def test_vehicle_and_control():
 def test_units_are_those_of_the_operation_in_the_scene(tmp_path):
     reference = example("reference")
     assert display_units(reference) == {"rad/s": "rad/s", "N.m": "N.m"}
-    assert display_units(reference, ["drive.omega1=955 rpm"])["rad/s"] == "rpm"
+    assert display_units(reference, {"drive.omega1": "955 rpm"})["rad/s"] == "rpm"
     assert display_units(reference, {"load.torque": "8 lbf.ft"})["N.m"] == "lbf.ft"
     assert display_units(example("urban"))["km/h"] == "km/h"
     assert display_units(example("engine_launch"))["rad/s"] == "rpm"
