@@ -1,6 +1,7 @@
 """The command as a user types it: its files, its errors before the work, its output and help."""
 
 import importlib
+import io
 import json
 import os
 import re
@@ -12,12 +13,14 @@ from pathlib import Path
 
 import pytest
 from refused import REFUSED
+from rich.console import Console
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import PUBLIC, __version__
-from inertia_module.cli import app, options, show, studies
+from inertia_module.cli import app, options, scene_runs, show, studies
 from inertia_module.common.errors import Refused
+from inertia_module.common.examples import examples
 from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
@@ -27,7 +30,9 @@ from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.interface.variables import ENUMERATIONS
+from inertia_module.scene import load_any_scene, summary_text
 from inertia_module.scene.keys import AUTO
+from inertia_module.scene.summary_text import Summary
 from inertia_module.studies.order_analysis import BASES
 from tests.packed import with_words
 from tests.system.programs import command, is_one_line, process, succeeded
@@ -73,6 +78,32 @@ def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
     title, speed = done.stdout.splitlines()[:2]
     assert re.fullmatch(r"R1: a bevel inertia module starts a flywheel +0\.1 s, rigid", title)
     assert speed.startswith("  Speed       input 100 rad/s   output at the end 3.45 rad/s")
+
+
+SCENES = [path for path in examples().values() if path.suffix == ".toml" and path.stem != "design_car"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_summary_of_each_example_fits_a_terminal_of_80_columns(workshop, scene):
+    done = succeeded("run", scene, folder=workshop)
+    lines = done.stdout.splitlines()
+    assert (done.stderr, max(map(len, lines)) <= 80, len(lines) <= 17) == ("", True, True), done.stdout
+    assert lines[0].startswith(load_any_scene(scene).title[:40])
+    assert lines[-1] == f"  out/{scene.stem}: table.csv  summary.json  plot.png"
+    assert not re.search(r"(?<![\d.])0 (J|N|N·m|rpm|rad/s)", done.stdout)
+
+
+@pytest.mark.parametrize("no_color, code", [("", "\x1b[31m"), ("1", "")])
+def test_warnings_are_red_on_a_terminal_unless_the_user_wants_no_colour(monkeypatch, no_color, code):
+    out = io.StringIO()
+    monkeypatch.setenv("NO_COLOR", no_color)
+    monkeypatch.setattr(scene_runs, "terminal", lambda: Console(file=out, force_terminal=True, width=80))
+    summary = Summary(["title"], ["  ! a warning"], ["  Speed"])
+    monkeypatch.setattr(summary_text, "summary", lambda *_: summary)
+    scene_runs._print_summary(None, {})
+    assert out.getvalue().splitlines()[1].startswith(f"{code}  ! a warning")
+    assert out.getvalue().splitlines()[2] == "  Speed"
 
 
 def test_run_prints_every_metric_with_all(workshop, tmp_path):
