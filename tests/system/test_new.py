@@ -1,6 +1,7 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
 import json
+import re
 import runpy
 import shutil
 import subprocess
@@ -61,6 +62,19 @@ def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
     assert not Path("here/rig.toml").exists()
     told = json.loads(left("new", "planar", "-o", "other.toml", "--json"))
     assert told == {"files": ["other.toml"]}
+
+
+def test_new_without_a_name_lists_all_examples_by_title():
+    lines = left("new").splitlines()
+    assert all(len(line) <= 80 for line in lines)
+    titles = json.loads(left("new", "--json"))["examples"]
+    assert titles["reference"] == "R1: a bevel inertia module starts a flywheel"
+    assert titles["tutorial"].startswith("Tutorial: ")
+    assert list(titles) == list(examples())
+    names = [line.split()[0] for line in lines if re.match("  \\w", line)]
+    assert sorted(names) == sorted(titles)
+    words = " ".join(" ".join(lines).split())
+    assert all(title and title in words for title in titles.values())
 
 
 def test_all_scenes_programs_and_the_notebook_are_examples():
