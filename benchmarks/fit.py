@@ -18,7 +18,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from benchmarks import fit_rig_data as data
 from inertia_module import example, studies
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import write_columns
 from inertia_module.fmu.builder import current_fmu
 from inertia_module.scene import load_scene
@@ -185,7 +185,7 @@ def verdict(kind, true, seed, folder, fmu):
         result = studies.fit(
             write_columns(folder / "measured.csv", one.columns), scene, one.free, output=folder, fmu=fmu
         )
-    except Refused:
+    except InertiaModuleError:
         return Verdict(False, False, False, False, False)
 
     def contains(which):

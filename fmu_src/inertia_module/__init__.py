@@ -5,6 +5,8 @@ The names in PUBLIC are imported at their first use: `from inertia_module import
 
 from importlib import import_module as _import_module
 
+from .common import deprecated as _deprecated
+
 __version__ = "0.2.0"
 # date of this version: built files contain it instead of today, so the same source gives the same bytes
 __date__ = "2026-11-22"
@@ -13,11 +15,16 @@ __date__ = "2026-11-22"
 PUBLIC = {
     "DrivenShaft": "model",
     "Fmu": "fmi.instance",
+    "FmuError": "common.errors",
+    "InertiaModuleError": "common.errors",
+    "MissingDependencyError": "common.errors",
     "Module": "model",
-    "Refused": "common.errors",
+    "ParameterError": "common.errors",
     "Result": "fmi.results",
     "Scene": "scene",
+    "SceneError": "common.errors",
     "SceneResult": "scene",
+    "SimulationTerminated": "common.errors",
     "batch": "studies.batch_run",
     "chart_figure": "plots.studies",
     "current_fmu": "fmu.builder",
@@ -30,17 +37,21 @@ PUBLIC = {
     "load_scene": "scene",
     "orders": "studies.order_analysis",
     "run_scene": "scene",
-    "scene_figure": "figures.scenes",
+    "scene_figure": "plots.scenes",
     "sweep": "studies.parameter_sweep",
     "torque_converter_chart": "analysis.converter_chart",
 }
 __all__ = ["PUBLIC", "__version__", *PUBLIC]  # noqa: PLE0604
 
 
+_deprecated.install()
+_renamed = _deprecated.renamed_names(__name__, Refused="InertiaModuleError", drive="simulate")
+
+
 def __getattr__(name: str) -> object:
-    if name not in PUBLIC:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(_import_module(f".{PUBLIC[name]}", __name__), name)
+    if name in PUBLIC:
+        return getattr(_import_module(f".{PUBLIC[name]}", __name__), name)
+    return _deprecated.renamed_module(name) or _renamed(name)
 
 
 def __dir__() -> list[str]:

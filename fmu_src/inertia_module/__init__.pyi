@@ -1,5 +1,10 @@
 from .analysis.converter_chart import torque_converter_chart as torque_converter_chart
-from .common.errors import Refused as Refused
+from .common.errors import FmuError as FmuError
+from .common.errors import InertiaModuleError as InertiaModuleError
+from .common.errors import MissingDependencyError as MissingDependencyError
+from .common.errors import ParameterError as ParameterError
+from .common.errors import SceneError as SceneError
+from .common.errors import SimulationTerminated as SimulationTerminated
 from .common.examples import example as example
 from .fmi.instance import Fmu as Fmu
 from .fmi.results import Result as Result

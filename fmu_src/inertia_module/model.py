@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Any, ClassVar, Self
 
-from .common.errors import Refused, must_be, unknown
-from .compiling import CompilationUnavailable
+from .common.errors import ParameterError, must_be, unknown
+from .compiling import CompilationError
 from .compiling import load as compiled
 from .interface.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from .interface.records import record_type
@@ -47,18 +47,18 @@ def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[ctypes.CD
         Library of the compiled kernel, or None for plain Python; and a text with the reason.
 
     Raises:
-        CompilationUnavailable: kernel is "compiled", and no compiled kernel is available.
-        Refused: kernel has another value.
+        CompilationError: kernel is "compiled", and no compiled kernel is available.
+        ParameterError: kernel has another value.
     """
     if kernel == "auto":
         kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
     if kernel not in ("auto", "compiled", "plain"):
-        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
+        raise ParameterError(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     if kernel == "plain":
         return None, "plain Python, as requested"
     try:
         return compiled.load(model), "compiled"
-    except CompilationUnavailable as error:
+    except CompilationError as error:
         if kernel == "compiled":
             raise
         warnings.warn(
@@ -152,8 +152,8 @@ class Plant(ABC):
             rows: array for the outputs at the start and after each step, shape (steps + 1, outputs).
 
         Raises:
-            Refused: a name is unknown, or a value or a step is invalid; the plant keeps the state before
-                this step.
+            ParameterError: a name is unknown, or a value or a step is invalid; the plant keeps the state
+                before this step.
         """
         rows[0] = self.read(outputs)
         for row, length, values in zip(rows[1:], lengths.tolist(), input_rows.tolist(), strict=True):
@@ -178,9 +178,9 @@ class ModelInstance(Plant):
         outputs: record y.
 
     Raises:
-        Refused: raised by the methods, which then change nothing. A name is unknown; a value is out of range,
-            alone or in combination; a fixed parameter is set after the start; a call requires the start; a
-            step is invalid.
+        ParameterError: raised by the methods, which then change nothing. A name is unknown; a value is out
+            of range, alone or in combination; a fixed parameter is set after the start; a call requires the
+            start; a step is invalid.
     """
 
     model: ClassVar[Model]
@@ -218,12 +218,12 @@ class ModelInstance(Plant):
             name: name of the variable.
 
         Raises:
-            Refused: there is no such parameter or input.
+            ParameterError: there is no such parameter or input.
         """
         variable = cls.model.by_name.get(name)
         if variable is None or variable.causality not in (INPUT, PARAMETER):
             names = (other.name for other in cls.model.with_causality(INPUT, PARAMETER))
-            raise Refused(unknown("parameter or input", name, names))
+            raise ParameterError(unknown("parameter or input", name, names))
         return variable
 
     def set(self, **values: float | str) -> None:
@@ -236,7 +236,7 @@ class ModelInstance(Plant):
         for name, value in values.items():
             variable = self.settable(name)
             if variable.causality == PARAMETER and self.started and not variable.is_tunable:
-                raise Refused(f"{name} is not tunable and must be set before start() (got {value})")
+                raise ParameterError(f"{name} is not tunable and must be set before start() (got {value})")
             numbers[name] = variable.number(value)
         self.assign(numbers)
 
@@ -247,7 +247,7 @@ class ModelInstance(Plant):
             numbers: numbers in the units of the variables, by name.
 
         Raises:
-            Refused: a tuned parameter is out of range, alone or in combination; nothing changes.
+            ParameterError: a tuned parameter is out of range, alone or in combination; nothing changes.
         """
         changed = [name for name, number in numbers.items() if self.started and number != self[name]]
         tuned = [name for name in changed if self.record(name) is self.parameters]
@@ -260,7 +260,7 @@ class ModelInstance(Plant):
             reason = self.explain(status, 0.0)
             self._write(before)
             self.call(codes.CHECK, 0.0)
-            raise Refused(reason)
+            raise ParameterError(reason)
 
     def _write(self, numbers: Mapping[str, float]) -> None:
         for name, number in numbers.items():
@@ -283,7 +283,7 @@ class ModelInstance(Plant):
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
-                raise Refused(unknown("input", name, inputs))
+                raise ParameterError(unknown("input", name, inputs))
         for name, rate in rates.items():
             setattr(self.inputs, f"{name}_rate", rate)
             setattr(self.inputs, f"{name}_rate_given", 1.0)
@@ -294,7 +294,7 @@ class ModelInstance(Plant):
         The inputs continue as in the last step.
         """
         if not self.started:
-            raise Refused("call start() before rates()")
+            raise ParameterError("call start() before rates()")
         copy = type(self)("plain" if self._compiled is None else "compiled")
         copy.restore(self.save())
         self._check(copy.call(codes.OUTPUT_DERIVATIVES, 0.0), 0.0)
@@ -321,7 +321,7 @@ class ModelInstance(Plant):
         self.set(**values)
         problems = self.model.range_errors(self.parameters)
         if problems:
-            raise Refused("; ".join(problems))
+            raise ParameterError("; ".join(problems))
         self.load_kernel()
 
     def advance(self, step_size: float) -> None:
@@ -331,7 +331,7 @@ class ModelInstance(Plant):
             step_size: length of the step, s.
         """
         if not self.started:
-            raise Refused("call start() before advance()")
+            raise ParameterError("call start() before advance()")
         self._check(self.call(codes.STEP, step_size), step_size)
         # the record of the inputs contains their values, then the rates and the flags "rate is given"
         rates = len(self.inputs.numbers) // 3
@@ -365,7 +365,7 @@ class ModelInstance(Plant):
         request.rates, request.rate_count = self._addresses[2] + 8 * number, 2 * number
         status = self._compiled.inertia_module_kernel_run(ctypes.addressof(request))
         if status != codes.OK:
-            raise Refused(self.explain(status, float(lengths[request.steps])))
+            raise ParameterError(self.explain(status, float(lengths[request.steps])))
 
     def _address(self, name: str) -> int:
         record = RECORD_OF[self.model.by_name[name].causality]
@@ -373,7 +373,7 @@ class ModelInstance(Plant):
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
-            raise Refused(self.explain(status, step_size))
+            raise ParameterError(self.explain(status, step_size))
 
     def warnings(self) -> list[str]:
         """Return a sentence for each warning about accepted parameters."""
@@ -428,27 +428,27 @@ class ModelInstance(Plant):
             must_be_started: True to reject a state that was saved before the start.
 
         Raises:
-            Refused: the state is not from this build, is damaged, or was saved before the start.
+            ParameterError: the state is not from this build, is damaged, or was saved before the start.
         """
         start = len(self._head(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
-            raise Refused(
+            raise ParameterError(
                 f"the state must be saved by this build, with {size} bytes (got {len(saved)} bytes)"
             )
         started = saved.startswith(self._head(True))
         if not started and not saved.startswith(self._head(False)):
-            raise Refused(NO_STATE)
+            raise ParameterError(NO_STATE)
         parts = {}
         for name, record in zip("pduxy", self._records, strict=False):
             parts[name] = type(record).from_buffer_copy(saved, start)
             start += ctypes.sizeof(record)
         if must_be_started and not started:
-            raise Refused("the state must be saved after the start")
+            raise ParameterError("the state must be saved after the start")
         # an index or a choice out of its range would crash the kernel
         is_valid = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
         if not is_valid or (started and self.model.range_errors(parts["p"])):
-            raise Refused(NO_STATE)
+            raise ParameterError(NO_STATE)
         self.load_kernel()
         if started:
             parts["d"] = self._recalculated(parts["p"], parts["d"])
@@ -466,7 +466,7 @@ class ModelInstance(Plant):
         _copy(trial.parameters, parameters)
         _copy(trial.derived, derived)
         if trial.call(codes.CHECK, 0.0) != codes.OK:
-            raise Refused(NO_STATE)
+            raise ParameterError(NO_STATE)
         return trial.derived
 
     def snapshot(self) -> dict[str, Any]:
@@ -490,7 +490,7 @@ class Module(ModelInstance):
             values: parameters and inputs by name: numbers, strings with a unit, names of items.
 
         Raises:
-            Refused: a name is unknown, or a value is out of range, alone or in combination.
+            ParameterError: a name is unknown, or a value is out of range, alone or in combination.
         """
         self._prepare(values)
         self._check(self.call(codes.CHECK, 0.0), 0.0)
@@ -515,7 +515,7 @@ class Module(ModelInstance):
             values: as of start.
 
         Raises:
-            Refused: the parameters cannot be, or there is no periodic orbit.
+            ParameterError: the parameters cannot be, or there is no periodic orbit.
         """
         self._prepare(values)
         self._check(self.call(codes.STEADY, period), period)

@@ -17,7 +17,7 @@ from lxml import etree
 from inertia_module.fmi import loading
 from inertia_module.fmi.examination import examine
 from inertia_module.fmi.experiments import experiments, read_table
-from inertia_module.fmi.instance import Ended, Fmu, read_description
+from inertia_module.fmi.instance import Fmu, SimulationTerminated, read_description
 from inertia_module.fmi.replay import deviations
 from inertia_module.fmi.report import Journal
 from inertia_module.fmi.results import Result
@@ -113,7 +113,7 @@ def test_an_fmu_that_ends_the_simulation_is_held_to_its_references_up_to_there(b
     assert table.time.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
     with Fmu(path) as fmu:
         fmu.advance(0.4)
-        with pytest.raises(Ended, match=rf"{path.name} ends the simulation at 0.4 s"):
+        with pytest.raises(SimulationTerminated, match=rf"{path.name} ends the simulation at 0.4 s"):
             fmu.advance(0.1)
 
 

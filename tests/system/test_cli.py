@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from inertia_module import __version__
 from inertia_module.cli import app, show
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
@@ -308,7 +308,7 @@ def test_other_files_that_are_devices_or_pipes_are_one_line(tmp_path, device):
     ]
     for arguments in commands:
         is_one_line(command(*arguments, folder=tmp_path), device, words)
-    with pytest.raises(Refused, match=re.escape(words)):
+    with pytest.raises(InertiaModuleError, match=re.escape(words)):
         Result.from_csv(Path(place, device))
 
 
@@ -316,7 +316,7 @@ def test_file_that_is_too_large_is_refused(tmp_path):
     path = tmp_path / "table.csv"
     path.touch()
     os.truncate(path, MAX_TEXT_SIZE + 1)
-    with pytest.raises(Refused, match=r"^cannot read .*table.csv: larger than 100 MB$"):
+    with pytest.raises(InertiaModuleError, match=r"^cannot read .*table.csv: larger than 100 MB$"):
         Result.from_csv(path)
 
 

@@ -15,7 +15,7 @@ from refused import assert_refused
 from inertia_module import __version__
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
-from inertia_module.compiling import CompilationUnavailable, load
+from inertia_module.compiling import CompilationError, load
 from inertia_module.fmu import builder
 from inertia_module.interface.models import MODELS
 from inertia_module.model import Module, choose_kernel
@@ -160,7 +160,7 @@ def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
 
 def test_plain_python_is_not_taken_silently(monkeypatch):
     monkeypatch.delenv("INERTIA_MODULE_KERNEL", raising=False)
-    monkeypatch.setattr(load, "load", Mock(side_effect=CompilationUnavailable("there is no compiler")))
+    monkeypatch.setattr(load, "load", Mock(side_effect=CompilationError("there is no compiler")))
     with pytest.warns(
         RuntimeWarning, match=r"slower\. No compiled kernel is available: there is no compiler$"
     ):

@@ -13,7 +13,7 @@ from refused import REFUSED, assert_refused, refusal
 from scipy.io import loadmat
 
 from inertia_module import example, studies
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import Result, read_columns
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.model import Module
@@ -395,7 +395,9 @@ def test_orders_that_cannot_be_are_refused_in_a_sentence(fmu, drive, options, wo
 def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeypatch):
     monkeypatch.setattr(order_run, "SIGNALS", ("omega1", "input_speed"))
     assert_refused("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
-    with pytest.raises(Refused, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"):
+    with pytest.raises(
+        InertiaModuleError, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"
+    ):
         studies.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     words = r"must be increasing .got constant or decreasing at .* s.; choose another time range"

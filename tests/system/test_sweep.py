@@ -15,9 +15,9 @@ import pytest
 from refused import assert_refused
 
 from inertia_module import studies
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.plots.studies import design_figure
-from inertia_module.scene import SceneError, load_scene, run_scene
+from inertia_module.scene import load_scene, run_scene
 from inertia_module.scene.run import Quantity, SceneRunner
 from inertia_module.studies.axes import axes_of, grid
 from inertia_module.studies.design_search import read_spec
@@ -105,7 +105,7 @@ def test_what_is_done_is_not_done_again(scene, fmu, found):
     assert again.new == 0
     assert again.rows == found.rows
     other = scene.replaced(run={"stop_time": 0.2})
-    with pytest.raises(Refused, match="another scene"):
+    with pytest.raises(InertiaModuleError, match="another scene"):
         studies.sweep(other, VARY, output=folder, fmu=fmu)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from refused import REFUSED, assert_refused
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError, ParameterError
 from inertia_module.common.examples import example
 from inertia_module.fmi.results import Result
 from inertia_module.plots.studies import sweep_figure
@@ -82,7 +82,7 @@ def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     axes = axes_of(["imbalance_mass=1:2"], scene)
     assert_refused("imbalance_mass must be FROM:TO:COUNT for a grid .got 1:2 kg.$", grid, axes)
     assert_refused("must be latin:COUNT or sobol:COUNT", shares_sampled, 1, "random:10", 0)
-    with pytest.raises(Refused, match=r"points of a grid must be at most 10000000 \(got "):
+    with pytest.raises(InertiaModuleError, match=r"points of a grid must be at most 10000000 \(got "):
         grid(axes_of(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"], scene))
 
 
@@ -133,7 +133,7 @@ def test_keys_beside_the_scene_have_their_own_value_unit_and_limits(scene):
     (shift,) = free_keys(["shift.time"], scene, beside)
     assert (shift.low, shift.high) == (-0.1, 0.1)
     with pytest.raises(
-        Refused, match=r"unknown sensor parameter 'offset.omega3'; did you mean 'offset.omega2'"
+        ParameterError, match=r"unknown sensor parameter 'offset.omega3'; did you mean 'offset.omega2'"
     ):
         free_keys(["offset.omega3"], scene, beside)
 

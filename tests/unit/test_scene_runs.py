@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from inertia_module.analysis.converter_chart import SteadyMachine, torque_converter_chart
-from inertia_module.common.errors import Refused, UnknownName
+from inertia_module.common.errors import InertiaModuleError, UnknownNameError
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
 from inertia_module.fidelity.trials import run_in_process, time_of
@@ -204,7 +204,7 @@ def test_a_level_without_pulses_says_that_it_does_not_tell_the_duty(fmu, mechani
     assert not result.limits
     assert not result.warnings
     assert not {name for name in result.summary if name.startswith(("housing_", "output_slip"))}
-    with pytest.raises(UnknownName, match="unknown metric of the summary 'housing_torque_peak'; "):
+    with pytest.raises(UnknownNameError, match="unknown metric of the summary 'housing_torque_peak'; "):
         result.summary["housing_torque_peak"]
 
 
@@ -321,7 +321,7 @@ def test_without_a_friction_coefficient_there_is_no_tractive_force(fmu):
 )
 def test_a_grip_that_cannot_be_is_refused(keys, words):
     launch = load_scene(EXAMPLES / "engine_launch.toml")
-    with pytest.raises(Refused, match=words):
+    with pytest.raises(InertiaModuleError, match=words):
         launch.replaced(load=keys)
 
 

@@ -28,7 +28,7 @@ import numpy as np
 from inertia_module.interface.variables import default_parameters
 from inertia_module.kernel.codes import DRIVE_TORQUE, ELASTIC
 
-from .geometry import EX, EZ, Array, Unavailable, attitudes, ratio, satellite_ratio, shaft_frequency
+from .geometry import EX, EZ, Array, UnavailableError, attitudes, ratio, satellite_ratio, shaft_frequency
 from .virtual_work import VirtualWork
 
 # places of a case: freewheels, signs of the slip (0: none) and of sigma M2; then those of the satellites
@@ -91,7 +91,7 @@ class Machine:
         frequency: of elastic shaft and freewheels together, rad/s. highest: harmonic of the torques.
 
     Raises:
-        Unavailable: a freewheel that is not there is a spring.
+        UnavailableError: a freewheel that is not there is a spring.
     """
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
@@ -115,7 +115,7 @@ class Machine:
         p = self.p
         there, sprung = bool(p[f"{name}_freewheel"]), self.elastic and p[f"{spring}_stiffness"] > 0.0
         if sprung and not there:
-            raise Unavailable(f"reference: {spring}_stiffness needs the freewheel")
+            raise UnavailableError(f"reference: {spring}_stiffness needs the freewheel")
         own = (p[f"{name}_{value}"] * there for value in ("drag", "drag_viscous", "engagement_angle"))
         drag, viscous, angle = own
         stiffness = p[f"{spring}_stiffness"] if sprung else 0.0

@@ -17,7 +17,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from . import cases
 from .cases import A1, A2, A3, A4, M1, M2, TC, TH, Forces, Machine, Mode, Q, speed_of
-from .geometry import Array, Unavailable
+from .geometry import Array, UnavailableError
 
 TOLERANCE = 1e-13
 # a speed below this part of that of link 1 is zero
@@ -66,7 +66,7 @@ class Reference:
         mode: the case that holds. switches: times at which freewheels opened or closed, s.
 
     Raises:
-        Unavailable: a freewheel turns backwards at the start, or is a spring where there is none.
+        UnavailableError: a freewheel turns backwards at the start, or is a spring where there is none.
         ArithmeticError: no case holds.
     """
 
@@ -89,7 +89,7 @@ class Reference:
         closed = cases.OPEN if self._wheels[cases.OUTPUT].there else cases.CLOSED
         self.mode: Mode = (cases.OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
         if any(wheel.there and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
-            raise Unavailable("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
+            raise UnavailableError("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         for n, wheel in enumerate(self._wheels):
             self.state[cases.PLAY + n] = wheel.angle * (speed_of(self.state, n) > 0.0)
         self.give(drive_torque, load_torque)
@@ -333,13 +333,13 @@ class Reference:
         A jump knows no friction; the freewheels' conditions hold for impulses and the speeds after it.
 
         Raises:
-            Unavailable: a jump with a freewheel that is a spring.
+            UnavailableError: a jump with a freewheel that is a spring.
         """
         machine, y = self.machine, self.state
         machine.slope = slope
         if omega1 != y[cases.OMEGA1]:
             if any(wheel.stiffness for wheel in self._wheels):
-                raise Unavailable("reference: no jumps with freewheels that are springs")
+                raise UnavailableError("reference: no jumps with freewheels that are springs")
             before = self.energy()
             self._hit(omega1 - y[cases.OMEGA1])
             y[cases.OMEGA1] = omega1

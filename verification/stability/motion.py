@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from pydantic import TypeAdapter
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fidelity.trials import Level
 from inertia_module.interface.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
@@ -279,7 +279,7 @@ def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1, kick: fl
     found, module = Run(), make()
     try:
         motion.started(module)
-    except Refused as error:
+    except InertiaModuleError as error:
         found.refused = str(error)
         return found
     begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
@@ -316,7 +316,7 @@ def _advance(found: Run, module: Module, segment: Segment, split: int, kick: flo
         before = bytes(module.state)
         try:
             module.advance(step)
-        except Refused as error:
+        except InertiaModuleError as error:
             found.refused = str(error)
             if bytes(module.state) != before:
                 found.broken = "a refused step changed the state"
@@ -324,7 +324,7 @@ def _advance(found: Run, module: Module, segment: Segment, split: int, kick: flo
             module.set(omega1=1.0, load_torque=1.0)
             try:
                 module.advance(1e-6)
-            except Refused as next_one:
+            except InertiaModuleError as next_one:
                 found.broken = f"no good step after a refused one: {next_one}"
             return
         found.steps += 1

@@ -29,7 +29,7 @@ from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, RIGID
 from inertia_module.model import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
-from ..reference.geometry import Array, Unavailable, positions, ratio, satellite_ratio
+from ..reference.geometry import Array, UnavailableError, positions, ratio, satellite_ratio
 from ..reference.motion import Reference
 from ..reference.virtual_work import VirtualWork, period
 from . import motion as motions
@@ -197,7 +197,7 @@ def of_momentum(motion: Motion, found: Run, make: Make) -> Figures:
 def _by_reference(motion: Motion, most: float) -> Array:
     """Values of COMPARED after each segment by the reference, as far as it gets with so many evaluations."""
     first, rows = motion.segments[0], []
-    with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
+    with np.errstate(all="ignore"), suppress(ArithmeticError, UnavailableError, np.linalg.LinAlgError):
         reference = Reference(motion.parameters, first.omega1, first.load, first.drive, most)
         for part in motion.segments:
             reference.give(part.drive, part.load)

@@ -12,7 +12,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, Refused, cannot_read, must_be, unknown
+from ..common.deprecated import renamed_names
+from ..common.errors import FmuError, ParameterError, SimulationTerminated, cannot_read, must_be, unknown
 from ..common.files import read_file
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of, with_reason
@@ -76,7 +77,7 @@ def run(
         progress: function that receives the completed share, 0 to 1, or None.
 
     Raises:
-        Refused: a name is unknown, or a value or a step is invalid.
+        ParameterError: a name is unknown, or a value or a step is invalid.
     """
     table = np.reshape([*inputs.values()], (len(inputs), lengths.size))
     lengths, input_rows = np.ascontiguousarray(lengths), np.ascontiguousarray(table.T)
@@ -97,13 +98,13 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
         names: a list of names, or a single name as a string.
 
     Raises:
-        Refused: the names are neither.
+        ParameterError: the names are neither.
     """
     if isinstance(names, str):
         return (names,)
     if isinstance(names, Iterable):
         return tuple(names)
-    raise Refused(must_be("names", "a string or a list of strings", repr(names)))
+    raise ParameterError(must_be("names", "a string or a list of strings", repr(names)))
 
 
 def fmu_file(path: Path | str | None) -> Path:
@@ -214,10 +215,6 @@ class Log:
         self.messages.append(text)
         if status >= WARNING:
             (self.warnings if status == WARNING else self.errors).append(text)
-
-
-class Ended(FmuError):
-    """The FMU ends the simulation in the step that starts at the time of its instance."""
 
 
 class FmuState:
@@ -420,13 +417,15 @@ class Fmu(Plant, Closing):
 
         Raises:
             FmuError: the FMU rejects the step; its state is unchanged.
-            Ended: the FMU ends the simulation.
+            SimulationTerminated: the FMU ends the simulation.
         """
         try:
             self._call("doStep", self.time - self._epoch, step)
         except FmuError as error:
             if self._ends_simulation(error.__cause__):
-                raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
+                raise SimulationTerminated(
+                    f"{self.path.name} ends the simulation at {self.time:.9g} s"
+                ) from error
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
 
@@ -573,3 +572,6 @@ class RestartedFmu(Fmu):
         self.time = time
         self.set(**values)
         self._call("exitInitializationMode")
+
+
+__getattr__ = renamed_names(__name__, Ended="common.errors:SimulationTerminated")

@@ -215,7 +215,7 @@ class Result(ByContent):
         """Return a pandas DataFrame with time, s, as its index, and headings with units.
 
         Raises:
-            NotInstalled: pandas is not installed.
+            MissingDependencyError: pandas is not installed.
         """
         columns = {self.label(name): self[name] for name in self.names[1:]}
         pandas = library("pandas", "notebook")

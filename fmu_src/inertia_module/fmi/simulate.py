@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, listed, must_be, unknown
+from ..common.errors import ParameterError, SimulationTerminated, listed, must_be, unknown
 from ..common.terminal import Progress, progress_bar
 from ..common.time_range import time_warnings
 from ..common.units import split_quantity
-from .instance import Ended, Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
+from .instance import Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
 from .results import TIME, Result, TableError
 
 __all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
@@ -133,7 +133,7 @@ def drive(
     Raises:
         FmuError: the FMU rejects a value or a step.
         TableError: the inputs are not a table, not inputs of this FMU, or not within the run.
-        Refused: stop_time or step is not positive. FmuError and TableError are subclasses.
+        ParameterError: stop_time or step is not positive. FmuError and TableError are subclasses.
     """
     times = communication_points(stop_time, step)
     path, outputs = fmu_file(path), as_names(outputs)
@@ -151,7 +151,7 @@ def drive(
         rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
         try:
             run(fmu, np.diff(times), input_columns, outputs, rows[:, len(table.names) :], report)
-        except Ended:
+        except SimulationTerminated:
             rows = rows[: int(np.searchsorted(times, fmu.time, "right"))]
         units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
     return Result.from_rows((TIME, *columns, *outputs), rows, units)
@@ -166,11 +166,11 @@ def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> 
         name: name of the step in the message.
 
     Raises:
-        Refused: there are more steps.
+        ParameterError: there are more steps.
     """
     if stop_time > step * MAX_STEPS:
         allowed = f"at least {stop_time / MAX_STEPS:g} s, for at most {MAX_STEPS:,} steps"
-        raise Refused(must_be(name, allowed, step))
+        raise ParameterError(must_be(name, allowed, step))
 
 
 def whole_steps(duration: float, step: float) -> int:
@@ -194,11 +194,11 @@ def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
         step: communication step, s.
 
     Raises:
-        Refused: stop_time or step is not positive, or there are more than MAX_STEPS steps.
+        ParameterError: stop_time or step is not positive, or there are more than MAX_STEPS steps.
     """
     for name, value in (("stop_time", stop_time), ("step", step)):
         if not (isinstance(value, Real) and math.isfinite(value) and value > 0.0):
-            raise Refused(must_be(name, "a positive number of seconds", repr(value)))
+            raise ParameterError(must_be(name, "a positive number of seconds", repr(value)))
     check_number_of_steps(stop_time, step)
     count = max(math.ceil(stop_time / step - 1e-9), 1)
     times = np.arange(count + 1, dtype=np.float64) * step

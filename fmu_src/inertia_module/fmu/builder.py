@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from ..common.files import cache_folder, ready_made, writable_folder, write_atomically
-from ..compiling import CompilationUnavailable
+from ..compiling import CompilationError
 from ..compiling.targets import TARGETS, Target, here
 from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
@@ -37,7 +37,7 @@ def content_of(what: NativeFmu | PythonFmu | WebKernel, build: Build | None = No
         build: the build that contains the file; None for a build of this file only.
 
     Raises:
-        CompilationUnavailable: the file cannot be compiled for any target.
+        CompilationError: the file cannot be compiled for any target.
     """
     ready = ready_made(what.file_name)
     return what.content(build or Build()) if ready is None else ready.read_bytes()
@@ -58,7 +58,7 @@ def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target]
         needed = [fmu.library_path(target) for target in targets] if isinstance(fmu, NativeFmu) else []
         guid = root.get("guid") or root.get("instantiationToken")
         return guid == fmu.guid() and set(names) >= set(needed)
-    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationUnavailable):
+    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationError):
         return False
 
 
@@ -116,7 +116,7 @@ def current_fmu(
     try:
         targets = [target for target in TARGETS if target.folder == here().folder]
         path = (folder or cache_folder() / "fmus" / fmu.guid().strip("{}")) / fmu.file_name
-    except CompilationUnavailable as reason:
+    except CompilationError as reason:
         raise RuntimeError(f"cannot build {fmu.file_name}: {reason}") from None
     if not is_current(path, fmu, targets):
         progress(

@@ -145,7 +145,7 @@ def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
         figures: Names of metrics; without names up to MAX_METRICS metrics that vary.
 
     Raises:
-        Refused: The sweep has no metric of this name.
+        ParameterError: The sweep has no metric of this name.
     """
     names = list(figures)
     if not names:

@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from .. import __version__
 from ..analysis.converter_chart import torque_converter_chart
-from ..common.errors import Refused
+from ..common.errors import InertiaModuleError, ParameterError
 from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
 from ..fmi.instance import read_description
@@ -109,7 +109,7 @@ def report_file(
         progress(number / len(PARTS))
         try:
             sections[title] = make(result)
-        except Refused as reason:
+        except InertiaModuleError as reason:
             sections[title] = Part([f"Not available: {reason}."])
     origin = {
         "scene file": f"{file.name}, SHA-256 {hashlib.sha256(content).hexdigest()}",
@@ -220,7 +220,7 @@ def _module(result: SceneResult) -> Scene:
     """Return the scene of a run; reject a scene of a driven shaft."""
     if isinstance(result.scene, Scene):
         return result.scene
-    raise Refused("the scene is a driven shaft without satellites and freewheels")
+    raise ParameterError("the scene is a driven shaft without satellites and freewheels")
 
 
 def _mechanism(result: SceneResult) -> Part:
@@ -237,7 +237,7 @@ def _chart(result: SceneResult) -> Part:
     scene, speeds = _module(result), input_speed(result.record)
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
-        raise Refused("link 1 does not turn")
+        raise ParameterError("link 1 does not turn")
     chart = torque_converter_chart(scene.parameters(), omega1, engagements=True)
     limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
     numbers = chart.summary(omega1, limits).items()
@@ -263,7 +263,7 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
     scene, record = _module(result), result.record
     moving_rows = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
     if not moving_rows.size:
-        raise Refused("link 1 does not turn")
+        raise ParameterError("link 1 does not turn")
     begin, end = record.time[moving_rows[0]], record.time[moving_rows[-1] + 1]
     spectra = orders(scene, fmu, record=record, begin=begin, end=end)
     lines = spectra.lines(NAMED, speed_unit=speed_unit)
@@ -291,7 +291,7 @@ def _duty(result: SceneResult) -> Part:
     """Return the section of the freewheel duty: engagement frequencies, maximum torque and slip."""
     _module(result)
     if DUTY in result.remarks:
-        raise Refused(f"it {result.remarks[DUTY]}")
+        raise ParameterError(f"it {result.remarks[DUTY]}")
     lines = result.lines()
     frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [

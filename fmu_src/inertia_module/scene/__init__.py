@@ -1,6 +1,6 @@
 """Scene files: mechanism, drive, load, accuracy and outputs of a simulation."""
 
-from .keys import SceneError
+from ..common.errors import SceneError
 from .reading import load_any_scene, load_scene
 from .run import SceneResult, run_scene
 from .schema import Scene

@@ -16,7 +16,7 @@ from pydantic_core import core_schema
 
 from ..common.csv_table import CsvTable, TableError
 from ..common.equality import hash_of
-from ..common.errors import Refused, hint, must_be, suggestion
+from ..common.errors import InertiaModuleError, SceneError, hint, must_be, suggestion
 from ..common.time_range import time_warnings
 from ..common.units import allowed_number, number_of, with_reason
 from ..driveline.sources import Signal, Table
@@ -345,19 +345,6 @@ _ALLOWED = {
 }
 
 
-class SceneError(Refused):
-    """Invalid scene; the message is one line with the key, the value and the allowed range.
-
-    Args:
-        message: The message.
-        key: Dotted key whose value is invalid alone; "" if the error is a contradiction between keys.
-    """
-
-    def __init__(self, message: str, key: str = "") -> None:
-        super().__init__(message)
-        self.key = key
-
-
 def _models(annotation: Any) -> list[type[BaseModel]]:
     """Return the models within a type: the type itself, or the members of a union."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
@@ -402,7 +389,7 @@ def _unknown_key_message(scene: type[BaseModel], location: tuple[Any, ...], valu
 
 def _is_combination(error: Any) -> bool:
     """Return True if an error of pydantic is a contradiction between keys."""
-    return error["type"] == "value_error" and isinstance(error["ctx"]["error"], Refused)
+    return error["type"] == "value_error" and isinstance(error["ctx"]["error"], InertiaModuleError)
 
 
 def _message(scene: type[BaseModel], error: Any) -> str:

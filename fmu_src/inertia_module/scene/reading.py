@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import Refused, cannot_read
+from ..common.errors import InertiaModuleError, SceneError, cannot_read
 from ..common.extras import library
 from ..common.files import read_text
-from .keys import SLASHES, Keys, Model, SceneError, changed, keys_of, validated
+from .keys import SLASHES, Keys, Model, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -72,7 +72,7 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
         for name, value in keys_of(keys).items():
             tables = changed(tables, name.split("."), value)
         return validated(kind(tables), tables, path.parent)
-    except Refused as error:
+    except InertiaModuleError as error:
         raise SceneError(f"{path.name}: {error}") from None
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.equality import ByContent
-from ..common.errors import Named, Refused
+from ..common.errors import InertiaModuleError, Named, SceneError
 from ..common.terminal import Progress
 from ..driveline import ClosedLoop, initial_inputs
 from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
@@ -26,7 +26,7 @@ from ..fmi.simulate import Fmu, Result
 from ..interface.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
 from ..kernel.codes import ELASTIC, RIGID
 from .headings import heading
-from .keys import SceneError, scene_time_warnings
+from .keys import scene_time_warnings
 from .parts import VehicleLoad
 from .schema import Scene
 
@@ -686,7 +686,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
-    except Refused:  # stall requires both freewheels
+    except InertiaModuleError:  # stall requires both freewheels
         return {}
     above = f"exceeds the stall torque of {stall:.4g} N.m at {speed:.4g} rad/s ({load:.4g} N.m)"
     return {"load_torque": above} if load > stall else {}

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BaseModel, Field, create_model, model_validator
 
 from .. import driveline
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import InertiaModuleError, SceneError, must_be, unknown
 from ..driveline.closed_loop import PLANT_INPUTS
 from ..driveline.cycles import Cycle
 from ..driveline.sources import Signal, Sources
@@ -21,7 +21,6 @@ from ..model import Module
 from .keys import (
     AUTO,
     Duration,
-    SceneError,
     Strict,
     changed,
     fields_of,
@@ -359,7 +358,7 @@ class Scene(Strict):
             raise SceneError(f"run.communication_step: {error}") from None
         try:
             Module("plain").check(**parameters)
-        except Refused as error:
+        except InertiaModuleError as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
 

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, SceneError, must_be
 from ..common.terminal import Progress
 from ..driveline.sources import evaluate
 from ..fmi.simulate import communication_points, drive
 from ..interface.models import DRIVEN_SHAFT
 from ..interface.variables import LOCAL, OUTPUT, PARAMETER
 from ..model import DrivenShaft
-from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
+from .keys import Duration, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
 from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
@@ -129,7 +129,7 @@ class ShaftScene(Strict):
         parameters = self.parameters()
         try:
             DrivenShaft("plain").start(**parameters)
-        except Refused as error:
+        except InertiaModuleError as error:
             raise SceneError(f"shaft: {error}") from None
         return self
 

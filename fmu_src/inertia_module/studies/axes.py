@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import ParameterError, SceneError, must_be, unknown
 from ..common.units import number_of, parse_unit, split_quantity
 from ..interface.variables import BY_NAME, INTEGER, REAL
-from ..scene import Scene, SceneError
+from ..scene import Scene
 from ..scene.keys import MECHANISM, full_name, unit_of
 
 # values by key of the scene: numbers in SI, or names
@@ -77,13 +77,13 @@ class Axis:
         """Return the values of a grid.
 
         Raises:
-            Refused: The range has no number of points.
+            ParameterError: The range has no number of points.
         """
         if self.values:
             return list(self.values)
         if not self.number:
             text = f"{self.low:g}:{self.high:g} {self.unit}".rstrip()
-            raise Refused(must_be(self.name, "FROM:TO:COUNT for a grid", text))
+            raise ParameterError(must_be(self.name, "FROM:TO:COUNT for a grid", text))
         space = np.geomspace if self.logarithmic else np.linspace
         values = [float(value) for value in space(self.low, self.high, self.number)]
         return list(dict.fromkeys(round(value) * 1.0 for value in values)) if self.whole else list(values)
@@ -127,21 +127,23 @@ def _range(name: str, unit: str, text: str, value: Callable[[str], float | str])
         value: Function that converts one end of the range to SI.
 
     Raises:
-        Refused: The range is invalid.
+        ParameterError: The range is invalid.
     """
     demand = must_be(name, "FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C", repr(text))
     parts = _RANGE.fullmatch(text)
     if parts is None:
-        raise Refused(demand)
+        raise ParameterError(demand)
     low, high = map(value, parts.group(2, 3))
     if isinstance(low, str) or isinstance(high, str):
-        raise Refused(demand)
+        raise ParameterError(demand)
     if not low < high:
-        raise Refused(must_be(name, "a range from a lower to a higher value", f"{low:g}:{high:g}"))
+        raise ParameterError(must_be(name, "a range from a lower to a higher value", f"{low:g}:{high:g}"))
     if parts[1] and low <= 0.0:
-        raise Refused(must_be(f"the lower end of {name}", "above 0 for logarithmic spacing", f"{low:g}"))
+        raise ParameterError(
+            must_be(f"the lower end of {name}", "above 0 for logarithmic spacing", f"{low:g}")
+        )
     if parts[4] and int(parts[4]) < 2:
-        raise Refused(must_be(f"the number of points of {name}", "at least 2", parts[4]))
+        raise ParameterError(must_be(f"the number of points of {name}", "at least 2", parts[4]))
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
@@ -154,17 +156,17 @@ def _by_key(keys: Sequence[str] | Mapping[str, Any], use: str, example: str) -> 
         example: Example, for messages.
 
     Raises:
-        Refused: There is no key, or a key is present twice.
+        ParameterError: There is no key, or a key is present twice.
     """
     pairs: list[tuple[str, Any]] = []
     for item in keys.items() if isinstance(keys, Mapping) else keys:
         name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
         pairs.append((full_name(name.strip()), text if equals else None))
     if not pairs:
-        raise Refused(f"at least one key must be {use}, for example {example}")
+        raise ParameterError(f"at least one key must be {use}, for example {example}")
     for name, times in Counter(name for name, _ in pairs).items():
         if times > 1:
-            raise Refused(f"{name} is {use} {times} times; list it once")
+            raise ParameterError(f"{name} is {use} {times} times; list it once")
     return pairs
 
 
@@ -177,12 +179,12 @@ def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]
         scene: The scene.
 
     Raises:
-        Refused: A key or a range is invalid.
+        ParameterError: A key or a range is invalid.
     """
     axes = []
     for name, range_ in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
         if not range_:
-            raise Refused(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
+            raise ParameterError(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
         (unit, _), value = _unit_and_value(name, scene), partial(_value, scene, name)
         if isinstance(range_, str) and ":" in range_:
             axes.append(_range(name, unit, range_, value))
@@ -199,12 +201,12 @@ def grid(axes: Sequence[Axis]) -> list[Point]:
         axes: The axes.
 
     Raises:
-        Refused: An axis has no number of points, or the grid has more than MAX_GRID points.
+        ParameterError: An axis has no number of points, or the grid has more than MAX_GRID points.
     """
     values = [axis.grid() for axis in axes]
     total = math.prod(map(len, values))
     if total > MAX_GRID:
-        raise Refused(must_be("the number of points of a grid", f"at most {MAX_GRID}", str(total)))
+        raise ParameterError(must_be("the number of points of a grid", f"at most {MAX_GRID}", str(total)))
     names = [axis.name for axis in axes]
     return [dict(zip(names, row, strict=True)) for row in itertools.product(*values)]
 
@@ -228,14 +230,14 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
         seed: Random seed.
 
     Raises:
-        Refused: sample is invalid.
+        ParameterError: sample is invalid.
     """
     from scipy.stats import qmc
 
     samplers = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}
     kind, _, count = sample.partition(":")
     if kind not in samplers or not count.isdigit() or int(count) < 1:
-        raise Refused(must_be("sample", "latin:COUNT or sobol:COUNT, such as latin:200", repr(sample)))
+        raise ParameterError(must_be("sample", "latin:COUNT or sobol:COUNT, such as latin:200", repr(sample)))
     shares: NDArray[np.float64] = samplers[kind](number, rng=seed).random(int(count))
     return shares
 
@@ -291,7 +293,7 @@ def free_keys(
         sensors: Keys of the sensors, by name.
 
     Raises:
-        Refused: A key or a range is invalid.
+        ParameterError: A key or a range is invalid.
     """
     keys, others = [], sensors or {}
     kinds = {name.partition(".")[0] for name in others}
@@ -300,12 +302,12 @@ def free_keys(
             key = others[name]
             keys.append(_free(key, text, partial(_number, name, key.unit)))
         elif name.partition(".")[0] in kinds:
-            raise Refused(unknown("sensor parameter", name, others))
+            raise ParameterError(unknown("sensor parameter", name, others))
         else:
             key, read = key_of_scene(name, scene), partial(_value, scene, name)
             if text is None and not abs(key.start) > 0.0:
                 scene.with_keys({name: 1.0})  # raises SceneError for an unknown key
-                raise Refused(
+                raise ParameterError(
                     f"{name} requires a range, {name}=LOW:HIGH, because the scene has no start value other"
                     " than 0"
                 )
@@ -321,14 +323,14 @@ def key_of_scene(name: str, scene: Scene) -> Free:
         scene: The scene.
 
     Raises:
-        Refused: The key is not a continuous number.
+        ParameterError: The key is not a continuous number.
     """
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
     unit, value = _unit_and_value(name, scene)
     if value is None and variable is not None:
         value = variable.start
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
-        raise Refused(f"{name} must be a continuous number to be free; vary other keys with sweep")
+        raise ParameterError(f"{name} must be a continuous number to be free; vary other keys with sweep")
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     nominal = math.nan if value is None else float(value)
     return Free(
@@ -345,7 +347,7 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
         read: Function that converts a value of the key to SI.
 
     Raises:
-        Refused: The range or prior value is invalid.
+        ParameterError: The range or prior value is invalid.
     """
     if limits is None:
         return key
@@ -354,13 +356,13 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
     if prior is not None:
         mean, deviation = float(read(prior[1])), _number(name, key.unit, prior[2])
         if deviation < 0.0:
-            raise Refused(must_be(f"the deviation of {name}", "at least 0", prior[2].strip()))
+            raise ParameterError(must_be(f"the deviation of {name}", "at least 0", prior[2].strip()))
         return replace(key, start=mean, size=10.0 * deviation or 1.0, deviation=deviation)
     if ":" not in text:
-        raise Refused(must_be(name, "LOW:HIGH or VALUE +- DEVIATION", repr(text)))
+        raise ParameterError(must_be(name, "LOW:HIGH or VALUE +- DEVIATION", repr(text)))
     axis = _range(name, key.unit, text, read)
     if axis.number:
-        raise Refused(must_be(name, "LOW:HIGH without a number of points", repr(text)))
+        raise ParameterError(must_be(name, "LOW:HIGH without a number of points", repr(text)))
     # A key without a value in the scene (NaN) is outside.
     is_inside = axis.low <= key.start <= axis.high
     start = key.start if is_inside else 0.5 * (axis.low + axis.high)
@@ -380,4 +382,4 @@ def _number(name: str, unit: str, text: str) -> float:
         return number_of(text, unit or "1")
     except ValueError as error:
         demand = must_be(name, f"a number in {unit or '1'}", repr(text.strip()))
-        raise Refused(f"{demand}: {error}") from None
+        raise ParameterError(f"{demand}: {error}") from None

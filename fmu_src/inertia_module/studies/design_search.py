@@ -19,7 +19,7 @@ from pydantic import Field, model_validator
 
 from ..analysis.converter_chart import NOMINAL_SPEED, RATIOS, SteadyMachine, torque_converter_chart
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import InertiaModuleError, ParameterError, SceneError, must_be, unknown
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER, write_text
 from ..common.terminal import Progress
@@ -27,7 +27,7 @@ from ..common.units import number_of
 from ..fmi.instance import fmu_content
 from ..interface.variables import BY_NAME, ENUMERATIONS, LARGEST_SPEED
 from ..model import Module
-from ..scene import Scene, SceneError
+from ..scene import Scene
 from ..scene.keys import Duration, Keys, Strict, quantity, validated
 from ..scene.parts import VehicleLoad
 from ..scene.reading import load_tables, scene_text
@@ -496,7 +496,7 @@ def figures_wanted(settings: dict[str, Any], runner: SceneRunner) -> FiguresOf:
         scene = base.with_keys(keys).with_fidelity(str(point[LEVEL]))
         mechanism = Mechanism(scene.parameters())
         if warnings := mechanism.module.warnings():
-            raise Refused("; ".join(warnings))
+            raise ParameterError("; ".join(warnings))
         metrics = {
             name: Quantity(float(NAMED[name].value(mechanism, *at)), NAMED[name].unit)
             for name, at in settings["named"].items()
@@ -541,7 +541,7 @@ def doubts_of(scene: Scene, figures: Mapping[str, float], speed: float) -> dict[
         limit = scene.drive_torque_limit(speed)
         if limit is not None and (beyond := chart.beyond_drive(speed, limit)):
             caveats["drive too weak"] = beyond
-    except Refused as error:
+    except InertiaModuleError as error:
         caveats["no mean torque"] = str(error)
     if mechanism.module["satellite_inertia"] == 0.0:
         caveats["satellites without inertia"] = "satellite_inertia is 0"
@@ -683,8 +683,8 @@ def design(
 
     Raises:
         SceneError: The specification is invalid, or none of the first designs can be computed.
-        Refused: The folder contains results of another specification.
-        NotInstalled: The extra ``studies`` is not installed.
+        ParameterError: The folder contains results of another specification.
+        MissingDependencyError: The extra ``studies`` is not installed.
     """
     for name in ("distributed", "pyarrow", "pymoo", "tomli_w"):
         library(name, "studies")

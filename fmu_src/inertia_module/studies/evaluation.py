@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, ParameterError, must_be
 from ..common.extras import library
 from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
@@ -119,7 +119,7 @@ def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
         start = time.perf_counter()
         try:
             figures, message = figures_of(point), ""
-        except Refused as error:
+        except InertiaModuleError as error:
             figures, message = {}, " ".join(str(error).split())
         cost = time.perf_counter() - start
         batch.units.update({name: quantity.unit for name, quantity in figures.items()})
@@ -144,7 +144,7 @@ class Evaluator(ExitStack):
         new: Number of results that were not in the journal.
 
     Raises:
-        Refused: The folder contains results of another task, or workers is invalid.
+        ParameterError: The folder contains results of another task, or workers is invalid.
         OSError: The folder cannot be written.
     """
 
@@ -158,7 +158,7 @@ class Evaluator(ExitStack):
     ) -> None:
         super().__init__()
         if workers is not None and workers < 1:
-            raise Refused(must_be("workers", "at least 1", workers))
+            raise ParameterError(must_be("workers", "at least 1", workers))
         self.path = writable_folder(folder) / JOURNAL
         self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})
@@ -166,7 +166,7 @@ class Evaluator(ExitStack):
         text = self.path.read_text(encoding="utf-8") if exists else f"{head}\n"
         first_line, _, results = text.partition("\n")
         if first_line != head:
-            raise Refused(
+            raise ParameterError(
                 f"{folder} contains results of another scene or version; use another folder or delete"
                 f" {JOURNAL} in it"
             )

@@ -27,7 +27,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be
+from ..common.errors import ParameterError, must_be
 from ..common.extras import library
 from ..common.files import write_atomically, write_text
 from ..common.terminal import Progress
@@ -394,7 +394,7 @@ class Orders(ByContent):
             path: Path of the file.
 
         Raises:
-            NotInstalled: The package pyuff is not installed.
+            MissingDependencyError: The package pyuff is not installed.
         """
         sets = [UFF_UNITS]
         for node, (name, rows) in enumerate(self.spectrum.items(), 1):
@@ -435,24 +435,24 @@ def spectra(
         drive: Revolutions of the pinion shaft up to each row, for lines that shift with it.
 
     Raises:
-        Refused: turned does not increase or is too short for a window, or the rows are too far apart.
+        ParameterError: turned does not increase or is too short for a window, or the rows are too far apart.
     """
     steps, all_turns = np.diff(turned), float(turned[-1] - turned[0])
     constant_rows = np.flatnonzero(steps <= 0.0)
     if constant_rows.size:
         at = f"constant or decreasing at {table.time[constant_rows[0]]:g} s"
-        raise Refused(
+        raise ParameterError(
             f"{must_be('the angle that orders refer to', 'increasing', at)}; choose another time range"
         )
     resolved = 1.0 / (POINTS_PER_CYCLE * float(steps.max()))
     if highest is not None and not 0.0 < highest <= resolved * (1.0 + ROUNDING):
         demand = must_be("highest (maximum order)", f"above 0 and at most {resolved:.4g}", f"{highest:g}")
-        raise Refused(f"{demand}; a shorter run.communication_step allows higher orders")
+        raise ParameterError(f"{demand}; a shorter run.communication_step allows higher orders")
     limit = resolved if highest is None else highest
     per_window = min(TURNS, max(MIN_TURNS, all_turns / 4.0)) if turns is None else turns
     if not MIN_TURNS <= per_window <= all_turns:
         allowed = f"at least {MIN_TURNS:g} and at most {all_turns:.4g} (1 turn = 1 {BASES[of]})"
-        raise Refused(must_be("turns (window length)", allowed, f"{per_window:.4g}"))
+        raise ParameterError(must_be("turns (window length)", allowed, f"{per_window:.4g}"))
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / MAX_REFINEMENT))
     size = round(per_window * samples)
     angle = np.arange(math.floor(all_turns * samples) + 1) / samples
@@ -532,20 +532,20 @@ def orders(
 
     Raises:
         SceneError: The scene is invalid, or has no signal of this name.
-        Refused: Reasons of spectra, fidelity averaged (no pulses), an invalid interval, or a signal that the
-            scene computes once per communication step.
+        ParameterError: Reasons of spectra, fidelity averaged (no pulses), an invalid interval, or a signal
+            that the scene computes once per communication step.
     """
     if of not in BASES:
-        raise Refused(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
+        raise ParameterError(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
     scene, _ = read(scene)
     if scene.parameters().get("fidelity") == AVERAGED:
         demand = must_be("fidelity", "kinematic, rigid or elastic for orders", "averaged")
-        raise Refused(f"{demand}: this fidelity level has no pulses")
+        raise ParameterError(f"{demand}: this fidelity level has no pulses")
     last = scene.run.stop_time if end is None else end
     first = begin or 0.0
     if not 0.0 <= first < last <= scene.run.stop_time:
         limits = f"increasing and within 0 to {scene.run.stop_time:g} s"
-        raise Refused(must_be("the time range", limits, f"{first:g} to {last:g} s"))
+        raise ParameterError(must_be("the time range", limits, f"{first:g} to {last:g} s"))
     selection = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
     outputs = dict.fromkeys([*(BEARING.get(name, name) for name in selection), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(outputs)})
@@ -563,7 +563,7 @@ def orders(
     table = recorder.part(signals_table, first_row)
     varying = [name for name in selection if np.ptp(table[name]) > rounding(table, name)]
     if not varying and signals is None:
-        raise Refused(f"all signals are constant: {', '.join(selection)}")
+        raise ParameterError(f"all signals are constant: {', '.join(selection)}")
     names = varying if signals is None else selection
     return spectra(
         table, _revolutions(table, of), names, of, sampling.highest, turns, _revolutions(table, DRIVE)
@@ -595,7 +595,7 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
         highest: Maximum order; None for HARMONICS harmonics of the pulses.
 
     Raises:
-        Refused: The maximum order is not positive.
+        ParameterError: The maximum order is not positive.
     """
     rate, pinion_rate = (_fastest(table, base) for base in (of, DRIVE))
     module = Module("plain")
@@ -605,7 +605,7 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
     pulses = 1.0 if d.planar else 2.0 + d.s
     limit = HARMONICS * pulses * (d.k if of == LINK1 else 1.0) if highest is None else highest
     if not (math.isfinite(limit) and limit > 0.0):
-        raise Refused(must_be("highest (maximum order)", "above 0", f"{limit:g}"))
+        raise ParameterError(must_be("highest (maximum order)", "above 0", f"{limit:g}"))
     sampling = max(POINTS_PER_CYCLE * limit * rate, limit * rate + ALIASED_HARMONIC * pulses * pinion_rate)
     return _Sampling(limit, 1.0 / sampling if sampling > 0.0 else math.inf)
 
@@ -673,7 +673,7 @@ class _Recorder(NamedTuple):
             names: Names of the analysed signals.
 
         Raises:
-            Refused: The run would have too many rows, or the scene computes a signal once per step.
+            ParameterError: The run would have too many rows, or the scene computes a signal once per step.
         """
         step = self.scene.run.communication_step
         number = math.ceil(step / sampling.step - ROUNDING)
@@ -681,7 +681,7 @@ class _Recorder(NamedTuple):
             return 1
         limit = MAX_ROWS * sampling.step
         if self.last > limit:
-            raise Refused(
+            raise ParameterError(
                 f"orders up to {sampling.highest:.4g} need steps of {_step_text(sampling.step)}, more than"
                 f" {MAX_ROWS:,} in {self.last:g} s; lower highest, or end the time range before {limit:.3g} s"
             )
@@ -692,7 +692,7 @@ class _Recorder(NamedTuple):
         if parameters.get("input_hold", 0.0) and parameters.get("drive", DRIVE_SPEED) == DRIVE_SPEED:
             once_per_step.append("omega1 with mechanism.input_hold = linear")
         if once_per_step:
-            raise Refused(
+            raise ParameterError(
                 f"orders up to {sampling.highest:.4g} need run.communication_step ="
                 f" {_step_text(0.9 * sampling.step)} or less (got {step:g} s): the scene computes"
                 f" {', '.join(once_per_step)} once per communication step"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import ParameterError, must_be, unknown
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
@@ -78,11 +78,11 @@ class SweepResult(ByContent):
             name: Name of the metric.
 
         Raises:
-            Refused: No row has the metric.
+            ParameterError: No row has the metric.
         """
         names = self.figures
         if name not in names:
-            raise Refused(unknown("metric", name, names))
+            raise ParameterError(unknown("metric", name, names))
         return np.array([row.figures.get(name, np.nan) for row in self.rows])
 
     @property
@@ -121,21 +121,21 @@ def sweep(
         progress: Function called with the completed fraction, 0 to 1.
 
     Raises:
-        Refused: The scene, a range or a sample is invalid, or the folder contains another sweep.
-        NotInstalled: The extra ``studies`` is not installed.
+        ParameterError: The scene, a range or a sample is invalid, or the folder contains another sweep.
+        MissingDependencyError: The extra ``studies`` is not installed.
     """
     for library_name in ("distributed", "pyarrow"):
         library(library_name, "studies")
     base, name = read(scene)
     axes = axes_of(vary, base)
     if seed < 0:
-        raise Refused(must_be("seed", "at least 0", seed))
+        raise ParameterError(must_be("seed", "at least 0", seed))
     if sensitivity is not None and (sensitivity < 2 or sensitivity & (sensitivity - 1)):
-        raise Refused(must_be("sensitivity", "a power of 2, such as 256", sensitivity))
+        raise ParameterError(must_be("sensitivity", "a power of 2, such as 256", sensitivity))
     if sensitivity is None:
         points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
     elif sample is not None:
-        raise Refused("only one of sample and sensitivity is allowed (got both)")
+        raise ParameterError("only one of sample and sensitivity is allowed (got both)")
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
     task = Task(fmu_content(fmu), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
@@ -189,7 +189,7 @@ def indices(
         Sobol indices, and the n (d + 2) rows.
 
     Raises:
-        Refused: A run fails; the indices require a run at every point.
+        ParameterError: A run fails; the indices require a run at every point.
     """
     from scipy.stats import sobol_indices, uniform
 
@@ -200,7 +200,7 @@ def indices(
         rows = evaluate(of_shares(axes, shares.T))
         for row in rows:
             if row.refused:
-                raise Refused(
+                raise ParameterError(
                     f"Sobol indices require a run at every point; {row.point} is rejected: {row.refused}"
                 )
         all_rows.extend(rows)

@@ -32,7 +32,7 @@ from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
 from .. import __version__
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, must_be
 from ..common.files import naming
 from ..scene.run import SceneRunner
 from .axes import Point
@@ -263,7 +263,7 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
                 continue
             message = f"its worker ended {error.allowed_failures + 1} times"
             result = Batch([Row(batch[0], {}, math.nan, message)], {})
-        except Refused:
+        except InertiaModuleError:
             raise
         except Exception as error:
             raise ClusterError(f"a worker cannot do the task: {type(error).__name__}: {error}") from error
