@@ -688,9 +688,6 @@ def orders(
     ] = None,
     hz: Annotated[bool, option("Print and plot frequencies in Hz and speeds in rpm.", None, "--hz")] = False,
     mat: Annotated[bool, option("Also write complex amplitudes to orders.mat.", None, "--mat")] = False,
-    uff: Annotated[
-        bool, option("Also write complex amplitudes to orders.uff (data set 58).", None, "--uff")
-    ] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -699,14 +696,11 @@ def orders(
     Analyses torques, speeds and forces. Writes orders.csv, waterfall.csv (spectra over the run),
     summary.json and orders.png. Default output folder: out/orders/SCENE.
     """
-    from .common.extras import library
     from .plots.studies import order_figure
     from .scene.reading import speed_unit
     from .studies.order_analysis import BASES
 
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
-    if uff:
-        library("pyuff", "studies")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, keys)
     with progress_bar(read.title) as progress:
@@ -723,7 +717,6 @@ def orders(
         )
     unit, files = speed_unit(scene, keys), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
-    files |= {"uff": result.write_uff(folder / "orders.uff")} if uff else {}
     files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
 
     parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
@@ -830,7 +823,8 @@ def sweep(
     sensitivity: Annotated[
         int | None, option("Sobol indices from N * (number of keys + 2) runs; N must be a power of 2.", "N")
     ] = None,
-    figure: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    metric: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    figure: Annotated[Texts, option("Former name of --metric.", "NAME", hidden=True)] = None,
     seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
@@ -859,7 +853,8 @@ def sweep(
             workers=workers,
             progress=progress,
         )
-    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, figure or ()))}
+    metrics = [*(metric or ()), *(figure or ())]
+    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, metrics))}
     numbers = {"rows": len(result.rows), "new": result.new, "refused": len(result.refused)}
 
     runs = len(result.rows)
@@ -874,7 +869,7 @@ def sweep(
 def design(
     spec: Annotated[
         Path,
-        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [figures]."),
+        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [metrics]."),
     ],
     output: OutputFolder = None,
     keys: Keys = None,
@@ -887,7 +882,7 @@ def design(
     Writes pareto.csv, checked.csv (and .parquet), plot.png and each verified design as a scene
     (design_1.toml, ...). Default output folder: out/SPEC_design.
     """
-    from .studies.design_search import read_spec
+    from .studies.design_specification import read_spec
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:

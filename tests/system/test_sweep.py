@@ -20,7 +20,7 @@ from inertia_module.plots.studies import design_figure
 from inertia_module.scene import load_scene, run_scene
 from inertia_module.scene.run import Quantity, SceneRunner
 from inertia_module.studies.axes import axes_of, grid
-from inertia_module.studies.design_search import read_spec
+from inertia_module.studies.design_specification import read_spec
 from inertia_module.studies.evaluation import Task, evaluate, summaries
 from inertia_module.studies.workers import evaluations, pool
 from tests.system.conftest import Cluster
@@ -81,9 +81,9 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
     assert "z17 must be a whole number between" in rows.pop(3).refused
     for row in rows:
         summary = run_scene(scene.with_keys(row.point), fmu).summary
-        assert row.figures == {name: value for name, value in summary.items() if name in row.figures}
-        assert set(summary) - set(row.figures) == {"wall_time", "real_time_factor"}
-    assert rows[1].figures == rows[-1].figures
+        assert row.metrics == {name: value for name, value in summary.items() if name in row.metrics}
+        assert set(summary) - set(row.metrics) == {"wall_time", "real_time_factor"}
+    assert rows[1].metrics == rows[-1].metrics
 
 
 def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_sentence(scene, found, fmu):
@@ -92,10 +92,10 @@ def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_se
     assert len(found.refused) == 8
     for row in found.refused:
         assert "housing_freewheel" in row.refused
-        assert row.figures == {}
+        assert row.metrics == {}
         assert row.point["mechanism.housing_freewheel"] == "false"
         assert row.point["mechanism.fidelity"] == "averaged"
-    assert all(row.figures["energy_in"] > 0.0 for row in found.rows if not row.refused)
+    assert all(row.metrics["energy_in"] > 0.0 for row in found.rows if not row.refused)
 
 
 def test_what_is_done_is_not_done_again(scene, fmu, found):
@@ -141,7 +141,7 @@ def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can
     assert sorted(row.point["number"] for row in rows) == [point["number"] for point in points]
     refused = [row for row in rows if row.refused]
     assert [(row.point["number"], row.refused) for row in refused] == [(200.0, "its worker ended 2 times")]
-    assert all(row.figures["double"] == 2.0 * row.point["number"] for row in rows if not row.refused)
+    assert all(row.metrics["double"] == 2.0 * row.point["number"] for row in rows if not row.refused)
     assert len(addresses) > 2
     assert {address.ip for address in addresses} == {"127.0.0.1"}
 
@@ -332,11 +332,11 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
     assert len(designs.chosen) == 3
     for row in designs.front:
         assert designs.judge.meets(row)
-        mass, ripple = row.figures["total_imbalance_mass"], row.figures["torque_ripple"]
+        mass, ripple = row.metrics["total_imbalance_mass"], row.metrics["torque_ripple"]
         for other in designs.rows:
             if designs.judge.meets(other, 0.05):
-                lighter = other.figures["total_imbalance_mass"] <= mass
-                assert not (lighter and other.figures["torque_ripple"] < ripple)
+                lighter = other.metrics["total_imbalance_mass"] <= mass
+                assert not (lighter and other.metrics["torque_ripple"] < ripple)
     verdict = designs.verdict()
     assert verdict.startswith("3 of 3 verified designs satisfy all limits; converged; best of 3 starts: ")
     assert "; tightest in design 1: " in verdict
@@ -353,7 +353,7 @@ def test_a_chosen_design_is_a_scene_with_units_that_runs_and_gives_its_figures(d
         read, text = load_scene(one.file), one.file.read_text()
         assert read.tables == one.scene.tables
         assert read.mechanism.fidelity == 2.0
-        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.figures["omega_out_final"]
+        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.metrics["omega_out_final"]
         assert 'layout = "planar"' in text
         assert f'title = "A light module: design {number}"' in text
         point = one.searched.point
@@ -375,7 +375,7 @@ def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
 
 
 def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
-    harder = read_spec(spec, ["figures.stall_torque.minimum=2 kN.m"])
+    harder = read_spec(spec, ["metrics.stall_torque.minimum=2 kN.m"])
     folder = designs.files["checked csv"].parent
     stopped = studies.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
@@ -389,7 +389,7 @@ def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu
 def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec, fmu, cluster, tmp_path):
     """Whatever the seed: after one generation no design meets all limits, and there are some."""
     # far from what the first generation has, within what the ranges allow
-    far = ["figures.stall_torque.minimum=300 N.m", "search.generations=1"]
+    far = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
         keys = [*far, f"search.seed={seed}"]
         found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
@@ -421,7 +421,7 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
 
 def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
     """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
-    lone = ["figures.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
+    lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
         found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
@@ -432,6 +432,6 @@ def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
     with pytest.raises(
-        SceneError, match=r"figures: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
+        SceneError, match=r"metrics: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
     ):
         studies.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)

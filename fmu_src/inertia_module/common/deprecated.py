@@ -1,8 +1,8 @@
 """Deprecated names: each works for one release, with a DeprecationWarning that contains the new name.
 
-MODULES lists the renamed modules, which a finder of the import system replaces. renamed_names makes the
-function __getattr__ of a module with renamed classes or functions, and renamed_arguments a decorator for
-renamed arguments.
+MODULES lists the renamed modules, which a finder of the import system replaces. renamed_names and
+renamed_attributes make the function __getattr__ of a module or of a class with renamed members, and
+renamed_arguments a decorator for renamed arguments.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 Arguments = ParamSpec("Arguments")
 Returned = TypeVar("Returned")
@@ -168,6 +168,23 @@ def renamed_names(module: str, **names: str) -> Callable[[str], object]:
         warn_renamed(f"{module}.{name}", f"{new_place}.{new}")
         setattr(sys.modules[module], name, value)  # an import reads the name twice, and warns once
         return value
+
+    return getattr_
+
+
+def renamed_attributes(**names: str) -> Callable[[object, str], Any]:
+    """Return the method __getattr__ of a class whose attributes have changed their names.
+
+    Args:
+        names: new names by old name.
+    """
+
+    def getattr_(self: object, name: str) -> Any:
+        kind = type(self).__name__
+        if name not in names:
+            raise AttributeError(f"{kind!r} object has no attribute {name!r}")
+        warn_renamed(f"{kind}.{name}", f"{kind}.{names[name]}")
+        return getattr(self, names[name])
 
     return getattr_
 

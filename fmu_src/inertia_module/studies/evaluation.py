@@ -25,8 +25,8 @@ from ..scene.keys import validated
 from ..scene.run import Quantity, SceneRunner
 from .axes import Point
 
-Figures = dict[str, Quantity]
-FiguresOf = Callable[[Point], Figures]
+Metrics = dict[str, Quantity]
+MetricsOf = Callable[[Point], Metrics]
 # metrics of a summary that depend on the computer
 TIMES = ("wall_time", "real_time_factor")
 JOURNAL = "journal.jsonl"
@@ -37,13 +37,13 @@ class Row(NamedTuple):
 
     Attributes:
         point: Values by key.
-        figures: Metrics by name.
+        metrics: Metrics by name.
         cost: Run time, s.
         refused: Message of a failed run; "" for a successful run.
     """
 
     point: Point
-    figures: dict[str, float]
+    metrics: dict[str, float]
     cost: float
     refused: str = ""
 
@@ -76,7 +76,7 @@ class Task(ByContent):
 
     fmu: bytes
     settings: dict[str, Any]
-    prepare: Callable[[dict[str, Any], SceneRunner], FiguresOf]
+    prepare: Callable[[dict[str, Any], SceneRunner], MetricsOf]
 
     @property
     def identity(self) -> str:
@@ -85,7 +85,7 @@ class Task(ByContent):
         return content_hash({"scene": settings.encode(), "fmu": self.fmu})
 
 
-def summaries(tables: dict[str, Any], runner: SceneRunner) -> FiguresOf:
+def summaries(tables: dict[str, Any], runner: SceneRunner) -> MetricsOf:
     """Return a function from a point to the summary of a scene, as Task.prepare.
 
     Args:
@@ -96,7 +96,7 @@ def summaries(tables: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     return lambda point: summary_of(runner, scene.with_keys(point))
 
 
-def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
+def summary_of(runner: SceneRunner, scene: Scene) -> Metrics:
     """Run a scene and return the metrics of its summary, except TIMES.
 
     Args:
@@ -107,23 +107,23 @@ def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
     return {name: quantity for name, quantity in quantities.items() if name not in TIMES}
 
 
-def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
+def evaluate(metrics_of: MetricsOf, points: list[Point]) -> Batch:
     """Evaluate points sequentially; a failed run is a result.
 
     Args:
-        figures_of: Function from a point to metrics.
+        metrics_of: Function from a point to metrics.
         points: The points.
     """
     batch = Batch([], {})
     for point in points:
         start = time.perf_counter()
         try:
-            figures, message = figures_of(point), ""
+            metrics, message = metrics_of(point), ""
         except InertiaModuleError as error:
-            figures, message = {}, " ".join(str(error).split())
+            metrics, message = {}, " ".join(str(error).split())
         cost = time.perf_counter() - start
-        batch.units.update({name: quantity.unit for name, quantity in figures.items()})
-        values = {name: quantity.value for name, quantity in figures.items()}
+        batch.units.update({name: quantity.unit for name, quantity in metrics.items()})
+        values = {name: quantity.value for name, quantity in metrics.items()}
         batch.rows.append(Row(point, values, cost, message))
     return batch
 
@@ -253,9 +253,9 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
         Paths of the files, by kind.
     """
     arrow, parquet = library("pyarrow", "studies"), library("pyarrow.parquet", "studies")
-    records = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
+    records = [{**row.point, **row.metrics, "cost": row.cost, "refused": row.refused} for row in rows]
     keys = [name for row in rows for name in row.point]
-    names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
+    names = dict.fromkeys([*keys, *(name for row in rows for name in row.metrics), "cost", "refused"])
     columns = {name: [record.get(name) for record in records] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
     table, buffer = arrow.table(columns), arrow.BufferOutputStream()

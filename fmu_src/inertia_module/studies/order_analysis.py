@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,8 +26,7 @@ from scipy.interpolate import CubicSpline
 
 from ..common.equality import ByContent
 from ..common.errors import ParameterError, must_be
-from ..common.extras import library
-from ..common.files import write_atomically, write_text
+from ..common.files import write_text
 from ..common.terminal import Progress
 from ..common.units import factor_between
 from ..driveline import ClosedLoop
@@ -85,12 +82,6 @@ SHIFT_FACTOR = 1.1
 TURNS, MIN_TURNS = 32.0, 4.0
 # relative round-off of a signal (of its maximum or nominal value) and of limits
 ROUNDING = 1e-8
-# units of a UFF file, and common fields of its data sets: amplitudes over orders, speed on the z axis
-UFF_UNITS: dict[str, Any] = {"type": 164, "units_code": 1, "units_description": "SI", "length": 1.0}
-UFF_UNITS |= {"force": 1.0, "temp": 1.0, "temp_offset": 273.15}
-UFF_LINES: dict[str, Any] = {"type": 58, "func_type": 0, "ref_node": 0, "ref_dir": 0}
-UFF_LINES |= {"abscissa_spec_data_type": 20, "abscissa_spacing": 1, "orddenom_spec_data_type": 0}
-UFF_LINES |= {"z_axis_spec_data_type": 19, "z_axis_axis_lab": "speed", "z_axis_axis_units_lab": "rpm"}
 # units of the axes in files
 UNITS = {"time": "s", "speed": "rad/s", "rpm": "rpm", "frequency": "Hz"}
 
@@ -386,31 +377,6 @@ class Orders(ByContent):
         """
         axes = {name: getattr(self, name) for name in ("order", *UNITS)}
         return write_mat(path, "orders", {**axes, **self.spectrum}, {**self.units, **UNITS})
-
-    def write_uff(self, path: Path) -> Path:
-        """Write a UFF file: for each signal and window a complex data set 58 over orders, rpm on the z axis.
-
-        Args:
-            path: Path of the file.
-
-        Raises:
-            MissingDependencyError: The package pyuff is not installed.
-        """
-        sets = [UFF_UNITS]
-        for node, (name, rows) in enumerate(self.spectrum.items(), 1):
-            # Directions of forces are 1 to 3, directions of moments are 4 to 6.
-            component = re.search("_(force|moment)_([xyz])$", name)
-            side = "xyz".index(component[2]) + (1 if component[1] == "force" else 4) if component else 0
-            fields = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles per {BASES[self.of]}"}
-            fields |= {"rsp_node": node, "rsp_dir": side, "ordinate_axis_lab": name[:20]}
-            fields["ordinate_axis_units_lab"] = self.units[name] or "NONE"
-            for row, time, rpm in zip(rows, self.time, self.rpm, strict=True):
-                sets.append({**fields, "id3": f"at {time:g} s", "data": row, "z_axis_value": rpm})
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "orders.uff"
-            library("pyuff", "studies").UFF(str(file)).write_sets(sets, "overwrite")
-            write_atomically(path, file.read_bytes())
-        return path
 
 
 def spectra(

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.deprecated import renamed_attributes
 from ..common.equality import ByContent
 from ..common.errors import ParameterError, must_be, unknown
 from ..common.extras import library
@@ -32,13 +33,13 @@ class Share(NamedTuple):
     Source: Saltelli et al. (2010), Variance based sensitivity analysis of model output, table 2.
 
     Attributes:
-        figure: Name of the metric.
+        metric: Name of the metric.
         key: Dotted key.
         first_order: Fraction of the variance that the key alone causes.
         total: Fraction of the variance that the key causes, including interactions with other keys.
     """
 
-    figure: str
+    metric: str
     key: str
     first_order: float
     total: float
@@ -66,12 +67,14 @@ class SweepResult(ByContent):
     sensitivity: list[Share]
     files: dict[str, Path]
 
+    __getattr__ = renamed_attributes(figure="metric", figures="metrics")
+
     @property
     def refused(self) -> list[Row]:
         """Return the rows of failed runs."""
         return [row for row in self.rows if row.refused]
 
-    def figure(self, name: str) -> NDArray[np.float64]:
+    def metric(self, name: str) -> NDArray[np.float64]:
         """Return the values of a metric, NaN for failed runs, shape (rows,).
 
         Args:
@@ -80,15 +83,15 @@ class SweepResult(ByContent):
         Raises:
             ParameterError: No row has the metric.
         """
-        names = self.figures
+        names = self.metrics
         if name not in names:
             raise ParameterError(unknown("metric", name, names))
-        return np.array([row.figures.get(name, np.nan) for row in self.rows])
+        return np.array([row.metrics.get(name, np.nan) for row in self.rows])
 
     @property
-    def figures(self) -> list[str]:
+    def metrics(self) -> list[str]:
         """Return the names of the metrics."""
-        return list(dict.fromkeys(name for row in self.rows for name in row.figures))
+        return list(dict.fromkeys(name for row in self.rows for name in row.metrics))
 
 
 def sweep(
@@ -170,7 +173,7 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
         rows: Rows of the sweep.
     """
     names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
-    counts = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
+    counts = {name: sum(name not in row.metrics for row in rows if not row.refused) for name in names}
     return {name: number for name, number in counts.items() if number}
 
 
@@ -195,7 +198,7 @@ def indices(
 
     all_rows, names = list[Row](), list[str]()
 
-    def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    def metrics_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return metrics, shape (m, points), at fractions of the ranges, shape (axes, points)."""
         rows = evaluate(of_shares(axes, shares.T))
         for row in rows:
@@ -204,16 +207,16 @@ def indices(
                     f"Sobol indices require a run at every point; {row.point} is rejected: {row.refused}"
                 )
         all_rows.extend(rows)
-        names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
-        return np.array([[row.figures[name] for row in rows] for name in names])
+        names[:] = names or sorted(set.intersection(*(set(row.metrics) for row in rows)))
+        return np.array([[row.metrics[name] for row in rows] for name in names])
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        sobol = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
+        sobol = sobol_indices(func=metrics_at, n=number, dists=[uniform()] * len(axes), rng=seed)
     shape = len(names), len(axes)  # SciPy omits the axis of a single range
     first, total = (np.reshape(part, shape).tolist() for part in (sobol.first_order, sobol.total_order))
     shares = []
     for name, *of_axes in zip(names, first, total, strict=True):
-        if varies(np.array([row.figures[name] for row in all_rows])):
+        if varies(np.array([row.metrics[name] for row in all_rows])):
             keys = [axis.name for axis in axes]
             shares += [Share(name, *values) for values in zip(keys, *of_axes, strict=True)]
     return shares, all_rows

@@ -91,10 +91,10 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         Args:
             points: The points.
         """
-        if not hasattr(self.local, "figures_of"):
+        if not hasattr(self.local, "metrics_of"):
             runner = self.closing.enter_context(SceneRunner(self.path))
-            self.local.figures_of = self.task.prepare(self.task.settings, runner)
-        return evaluate(self.local.figures_of, points)
+            self.local.metrics_of = self.task.prepare(self.task.settings, runner)
+        return evaluate(self.local.metrics_of, points)
 
 
 def _evaluate_on_worker(name: str, points: list[Point]) -> Batch:
