@@ -1,6 +1,6 @@
 """The inertia module: an inertial torque transformer as an FMI 2.0 or 3.0 co-simulation FMU.
 
-The names in PUBLIC are imported at their first use: `from inertia_module import Fmu, drive`.
+The names in PUBLIC are imported at their first use: `from inertia_module import Fmu, simulate`.
 """
 
 from importlib import import_module as _import_module
@@ -30,7 +30,6 @@ PUBLIC = {
     "current_fmu": "fmu.builder",
     "design": "studies.design_search",
     "design_figure": "plots.studies",
-    "drive": "fmi.simulate",
     "example": "common.examples",
     "fit": "studies.parameter_fit",
     "fit_figure": "plots.studies",
@@ -38,6 +37,7 @@ PUBLIC = {
     "orders": "studies.order_analysis",
     "run_scene": "scene",
     "scene_figure": "plots.scenes",
+    "simulate": "scene",
     "sweep": "studies.parameter_sweep",
     "torque_converter_chart": "analysis.converter_chart",
 }

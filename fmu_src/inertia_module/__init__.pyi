@@ -8,7 +8,6 @@ from .common.errors import SimulationTerminated as SimulationTerminated
 from .common.examples import example as example
 from .fmi.instance import Fmu as Fmu
 from .fmi.results import Result as Result
-from .fmi.simulate import drive as drive
 from .fmu.builder import current_fmu as current_fmu
 from .model import DrivenShaft as DrivenShaft
 from .model import Module as Module
@@ -20,6 +19,7 @@ from .scene import Scene as Scene
 from .scene import SceneResult as SceneResult
 from .scene import load_scene as load_scene
 from .scene import run_scene as run_scene
+from .scene import simulate as simulate
 from .studies.batch_run import batch as batch
 from .studies.design_search import design as design
 from .studies.order_analysis import orders as orders

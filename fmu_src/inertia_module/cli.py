@@ -219,6 +219,20 @@ def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> fl
         raise ValueError(f"{option} {error}") from None
 
 
+def values_of(keys: list[str] | None) -> dict[str, object]:
+    """Return the values of the options --set by dotted key.
+
+    Args:
+        keys: Texts KEY=VALUE.
+
+    Raises:
+        SceneError: A text is not of this form.
+    """
+    from .scene.keys import keys_of_texts
+
+    return keys_of_texts(keys)
+
+
 def speed_of(text: str) -> float:
     """Convert the option --speed, such as "3000 rpm", to rad/s; negative for backward rotation.
 
@@ -314,7 +328,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from .scene.run import scene_plan
 
     folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
-    paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
+    paths = write(scene_plan(inertia_module.load_scene(scene, values_of(keys))), folder, aside)
 
     lines = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, lines)
@@ -383,6 +397,7 @@ def run(
     Writes table.csv, summary.json and plot.png. Default output folder: out/SCENE.
     """
     from .interface.variables import COMPUTED
+    from .scene import Scene
     from .viewer.html import html_file, template
 
     folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
@@ -390,7 +405,7 @@ def run(
         template()
     read, choice = _read_scene(scene, keys, fidelity, error, view)
     result, _ = _run_scene(read, fmu, COMPUTED if view else ())
-    page = html_file(result.scene, result) if view else None
+    page = html_file(result.scene, result) if view and isinstance(result.scene, Scene) else None
     choice_data = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     data = {"scene": str(scene), **result.as_dict(), **choice_data}
     files = {
@@ -418,10 +433,10 @@ def _run_scene(
     Returns:
         The result and the path of the FMU.
     """
-    from .fmu.builder import MODULE_FMU, SHAFT_FMU, current_fmu
+    from .fmu.builder import current_fmu
     from .scene import ShaftScene, run_shaft_scene
 
-    path = fmu or current_fmu(SHAFT_FMU if isinstance(scene, ShaftScene) else MODULE_FMU)
+    path = fmu or current_fmu("DrivenShaft" if isinstance(scene, ShaftScene) else "InertiaModule")
     with progress_bar(scene.title) as progress:
         if isinstance(scene, ShaftScene):
             return run_shaft_scene(scene, path, progress), path
@@ -449,7 +464,7 @@ def _read_scene(
     from .fidelity.trials import choose
     from .scene import Scene, load_any_scene
 
-    read = load_any_scene(scene, keys)
+    read = load_any_scene(scene, values_of(keys))
     if not isinstance(read, Scene):
         if view or fidelity is not None or error is not None:
             raise ValueError("--fidelity, --error and --view require a scene of the module")
@@ -539,7 +554,7 @@ def report(
     words = [word for name, values in options.items() for value in values for word in (name, value)]
     line = shlex.join(["inertia-module", "report", str(scene), *words])
     with progress_bar(f"report of {scene.name}") as progress:
-        content = report_file(scene, keys or [], result, fmu_path, line, choice_lines, progress)
+        content = report_file(scene, values_of(keys), result, fmu_path, line, choice_lines, progress)
     return _write_html(scene, "report", path, content, result.warnings)
 
 
@@ -562,7 +577,7 @@ def tradeoff(
     with progress_bar("comparing the fidelity levels") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
-        read = inertia_module.load_scene(scene, keys)
+        read = inertia_module.load_scene(scene, values_of(keys))
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
         rows = measure(read, progress)
@@ -615,7 +630,7 @@ def chart(
         omega1 or steady.NOMINAL_SPEED,
         (split_quantity(speed)[1] if speed else "") or "rad/s",
     )
-    read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
+    read = {scene.stem: inertia_module.load_scene(scene, values_of(keys)) for scene in scenes}
     make = partial(inertia_module.torque_converter_chart, omega1=reference_speed, engagements=True)
     charts = {name: make(scene.parameters()) for name, scene in read.items()}
     with_losses = [name for name, result in charts.items() if not result.lossless]
@@ -702,7 +717,7 @@ def orders(
 
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
-    read = inertia_module.load_scene(scene, keys)
+    read = inertia_module.load_scene(scene, values_of(keys))
     with progress_bar(read.title) as progress:
         result = inertia_module.orders(
             read,
@@ -715,7 +730,7 @@ def orders(
             end=last,
             progress=progress,
         )
-    unit, files = speed_unit(scene, keys), result.write(folder)
+    unit, files = speed_unit(scene, values_of(keys)), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
     files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
 
@@ -789,7 +804,7 @@ def fit(
     with progress_bar(f"fit to {measured.name}") as progress:
         result = inertia_module.fit(
             measured,
-            inertia_module.load_scene(scene, keys),
+            inertia_module.load_scene(scene, values_of(keys)),
             free or [],
             columns=columns or [],
             starts=starts,
@@ -842,7 +857,7 @@ def sweep(
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
-            inertia_module.load_scene(scene, keys),
+            inertia_module.load_scene(scene, values_of(keys)),
             vary or [],
             sample=sample,
             sensitivity=sensitivity,
@@ -887,7 +902,7 @@ def design(
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
         result = inertia_module.design(
-            read_spec(spec, keys),
+            read_spec(spec, values_of(keys)),
             output=folder,
             fmu=fmu,
             scheduler=scheduler,

@@ -151,7 +151,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
     monkeypatch.setattr(builder.NativeFmu, "content", lambda *_: pytest.fail("compiled"))
-    assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
+    assert builder.current_fmu(folder=tmp_path) == built / "InertiaModule.fmu"
     done = builder.build(tmp_path)
     assert not done.skipped
     assert all(path.read_bytes() == (built / path.name).read_bytes() for path in done.paths)
@@ -171,7 +171,7 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
     nothing = builder.Build(skipped={"InertiaModule.fmu": "there is no compiler"})
     monkeypatch.setattr(builder, "build", lambda *_: nothing)
     with pytest.raises(RuntimeError, match=r"cannot build InertiaModule.fmu: there is no compiler"):
-        builder.current_fmu(builder.MODULE_FMU, tmp_path)
+        builder.current_fmu(folder=tmp_path)
 
 
 def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_complete_wheel_or_none(

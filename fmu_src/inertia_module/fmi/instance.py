@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.deprecated import renamed_names
+from ..common.deprecated import renamed_arguments, renamed_names
 from ..common.errors import FmuError, ParameterError, SimulationTerminated, cannot_read, must_be, unknown
 from ..common.files import read_file
 from ..common.terminal import Progress
@@ -245,7 +245,7 @@ class Fmu(Plant, Closing):
     FMUs of FMI 3.0 run without event mode and early return.
 
     Args:
-        path: path of the .fmu file; None for the FMU of the module, from the wheel or built on demand.
+        fmu: path of the .fmu file; None for current_fmu().
         parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
             or item name.
         inputs: inputs by name; they are set before the end of initialisation, so there is no jump at the
@@ -267,16 +267,17 @@ class Fmu(Plant, Closing):
             raise it for unknown names, for calls that the FMU rejects or does not support, and after close.
     """
 
+    @renamed_arguments(path="fmu")
     def __init__(
         self,
-        path: Path | str | None = None,
+        fmu: Path | str | None = None,
         parameters: Mapping[str, float | bool | str] | None = None,
         inputs: Mapping[str, float | str] | None = None,
         tolerance: float | None = None,
         start_time: float = 0.0,
         stop_time: float | None = None,
     ) -> None:
-        self.path = fmu_file(path)
+        self.path = fmu_file(fmu)
         self.time = start_time
         self._epoch = 0.0  # s; time at which the clock of the instance is at 0
         self._log = Log()
@@ -295,6 +296,9 @@ class Fmu(Plant, Closing):
         except BaseException:
             self.close()
             raise
+
+    def __repr__(self) -> str:
+        return f"Fmu({str(self.path)!r}, time {self.time:g} s)"
 
     def _load(self) -> None:
         from .archive import read_archive

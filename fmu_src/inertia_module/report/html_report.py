@@ -72,7 +72,7 @@ class Part(NamedTuple):
 
 def report_file(
     file: Path,
-    keys: Sequence[str],
+    keys: Mapping[str, object],
     result: SceneResult,
     fmu: Path,
     command: str,
@@ -83,7 +83,7 @@ def report_file(
 
     Args:
         file: Scene file.
-        keys: Values that replace values of the file, KEY=VALUE each.
+        keys: Values that replace values of the file, by dotted key.
         result: Result of the run; for a module with the variables in RECORDED.
         fmu: FMU file of the run.
         command: Command that repeats the report.
@@ -159,13 +159,13 @@ def _text_of(value: Any) -> str:
     return re.sub(r"\d+\.\d{6,}", lambda digits: f"{float(digits[0]):.6g}", str(value))
 
 
-def _input_sections(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
+def _input_sections(scene: Any, text: str, keys: Mapping[str, object]) -> dict[str, Part]:
     """Return sections with the keys of a scene, their values and sources.
 
     Args:
         scene: The scene.
         text: Text of the scene file.
-        keys: Values that replace values of the file, KEY=VALUE each.
+        keys: Values that replace values of the file, by dotted key.
 
     Returns:
         Section of the inputs, then a section of the model's parameters for each group.
@@ -234,7 +234,7 @@ def _mechanism(result: SceneResult) -> Part:
 
 def _chart(result: SceneResult) -> Part:
     """Return the section with the chart at the maximum speed of link 1 in the run."""
-    scene, speeds = _module(result), input_speed(result.record)
+    scene, speeds = _module(result), input_speed(result)
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
         raise ParameterError("link 1 does not turn")
@@ -260,7 +260,7 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
         fmu: FMU file of the run, for a run in shorter steps.
         speed_unit: Unit of the speed of link 1.
     """
-    scene, record = _module(result), result.record
+    scene, record = _module(result), result
     moving_rows = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
     if not moving_rows.size:
         raise ParameterError("link 1 does not turn")

@@ -5,6 +5,7 @@ from .reading import load_any_scene, load_scene
 from .run import SceneResult, run_scene
 from .schema import Scene
 from .shaft import ShaftScene, run_shaft_scene
+from .simulate import simulate
 
 __all__ = [
     "Scene",
@@ -15,4 +16,5 @@ __all__ = [
     "load_scene",
     "run_scene",
     "run_shaft_scene",
+    "simulate",
 ]

@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
 from ..common.csv_table import CsvTable, TableError
+from ..common.deprecated import warn_renamed
 from ..common.equality import hash_of
 from ..common.errors import InertiaModuleError, SceneError, hint, must_be, suggestion
 from ..common.time_range import time_warnings
@@ -417,32 +418,46 @@ def _message(scene: type[BaseModel], error: Any) -> str:
     return must_be(key, allowed, repr(value))
 
 
+# keys of a scene outside of its tables
+_TITLES = ("title", "description")
+
+
 def full_name(name: str) -> str:
     """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot.
 
     Args:
-        name: Dotted key, or name of a parameter of the mechanism.
+        name: Dotted key, name of a parameter of the mechanism, "title" or "description".
     """
-    return name if "." in name else f"{MECHANISM}{name}"
+    return name if "." in name or name in _TITLES else f"{MECHANISM}{name}"
 
 
-# values by dotted key, or texts such as "imbalance_mass=2 kg" or "load.kind=shaft"
-Keys = Mapping[str, Any] | Iterable[str] | None
+# values by dotted key, or by the name of a parameter of the mechanism
+Keys = Mapping[str, object]
 
 
-def keys_of(keys: Keys) -> dict[str, Any]:
+def keys_of(keys: Keys | Iterable[str] | None) -> dict[str, object]:
     """Return values by dotted key.
 
     Args:
-        keys: Mapping, or texts KEY=VALUE with values as in a scene file; strings need no quotes.
+        keys: Values by key or by the name of a parameter of the mechanism. Texts KEY=VALUE are deprecated.
+    """
+    if keys is not None and not isinstance(keys, Mapping):
+        warn_renamed("a list of texts KEY=VALUE", "a mapping from keys to values")
+        keys = keys_of_texts(keys)
+    return {full_name(name): value for name, value in (keys or {}).items()}
+
+
+def keys_of_texts(texts: Iterable[str] | None) -> dict[str, object]:
+    """Return values by dotted key from the options --set of the command line.
+
+    Args:
+        texts: Texts KEY=VALUE with values as in a scene file; strings need no quotes.
 
     Raises:
         SceneError: A text is not of the form KEY=VALUE.
     """
-    if isinstance(keys, Mapping):
-        return dict(keys)
-    values = {}
-    for text in keys or ():
+    values: dict[str, object] = {}
+    for text in texts or ():
         name, _, value = (part.strip() for part in text.partition("="))
         if not (name and value):
             raise SceneError(f"expected KEY=VALUE (got {text!r})")

@@ -21,10 +21,12 @@ from ..model import Module
 from .keys import (
     AUTO,
     Duration,
+    Keys,
     Strict,
     changed,
     fields_of,
     in_range,
+    keys_of,
     quantity,
     scene_time_warnings,
     validated,
@@ -262,7 +264,7 @@ class Scene(Strict):
         sources = [system.signals for system in self.systems() if isinstance(system, Sources)]
         return {name: signals[name] for signals in sources for name in PLANT_INPUTS if name in signals}
 
-    def replaced(self, **tables: Mapping[str, Any]) -> Scene:
+    def replaced(self, **tables: Mapping[str, object]) -> Scene:
         """Return a copy of the scene with other values, checked again.
 
         Args:
@@ -275,15 +277,17 @@ class Scene(Strict):
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
         )
 
-    def with_keys(self, keys: Mapping[str, Any]) -> Scene:
+    def with_keys(self, keys: Keys) -> Scene:
         """Return a copy of the scene with other values, checked again.
 
         Args:
-            keys: Values by dotted key, such as {"load.coupling.stiffness": "2 kN.m/rad"}; None removes a key.
+            keys: Values by dotted key or by the name of a parameter of the mechanism, such as
+                {"imbalance_mass": 2, "load.torque": "8 N.m"}; None removes a key.
 
         Raises:
             SceneError: The new scene is invalid.
         """
+        keys = keys_of(keys)
         names = {name.partition(".")[0] for name in keys}
         # The units of a controller depend on the load.
         names |= {"controller"} if "load" in names else set()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -11,14 +11,26 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
+from ..common.deprecated import renamed_arguments
 from ..common.errors import InertiaModuleError, SceneError, must_be
 from ..common.terminal import Progress
 from ..driveline.sources import evaluate
-from ..fmi.simulate import communication_points, drive
+from ..fmi.simulate import communication_points, simulate_fmu
+from ..fmu.builder import current_fmu
 from ..interface.models import DRIVEN_SHAFT
 from ..interface.variables import LOCAL, OUTPUT, PARAMETER
 from ..model import DrivenShaft
-from .keys import Duration, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
+from .keys import (
+    Duration,
+    Strict,
+    Tabulated,
+    Times,
+    changed,
+    fields_of,
+    quantity,
+    scene_time_warnings,
+    validated,
+)
 from .parts import TorqueLoad
 from .run import Quantity, SceneResult, energy
 from .schema import Run
@@ -121,6 +133,20 @@ class ShaftScene(Strict):
     load: TorqueLoad = TorqueLoad(kind="torque", torque=0.0)
     run: ShaftRun
 
+    def with_keys(self, keys: Mapping[str, object]) -> ShaftScene:
+        """Return a copy of the scene with other values, checked again.
+
+        Args:
+            keys: Values by dotted key, such as {"shaft.shaft_stiffness": "2 kN.m/rad"}; None removes a key.
+
+        Raises:
+            SceneError: The new scene is invalid.
+        """
+        tables = self.model_dump(exclude_none=True)
+        for name, value in keys.items():
+            tables = changed(tables, name.split("."), value)
+        return validated(ShaftScene, tables)
+
     @model_validator(mode="after")
     def _check(self) -> ShaftScene:
         """Reject unknown outputs; the model of the shaft checks all parameters together."""
@@ -152,17 +178,21 @@ class ShaftScene(Strict):
         return values
 
 
-def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
+@renamed_arguments(fmu_path="fmu")
+def run_shaft_scene(
+    scene: ShaftScene, fmu: Path | str | None = None, progress: Progress | None = None
+) -> SceneResult:
     """Run a scene with an FMU of the driven shaft.
 
     Args:
         scene: The scene.
-        fmu_path: Path of DrivenShaft.fmu, or of another FMU with the same variables.
+        fmu: DrivenShaft.fmu, or another FMU with the same variables; None for current_fmu("DrivenShaft").
         progress: Function called with the completed fraction of the run, 0 to 1.
 
     Raises:
         FmuError: The FMU cannot be loaded, or rejects a value or a step.
     """
+    path = current_fmu("DrivenShaft") if fmu is None else fmu
     times = communication_points(scene.run.stop_time, scene.run.communication_step)
     torque = scene.load.one_signal()
     inputs: dict[str, ArrayLike] = {
@@ -171,8 +201,8 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         "load_torque": [evaluate(torque, moment) for moment in times],
     }
     run, values, start = scene.run, scene.parameters(), time.perf_counter()
-    record = drive(
-        fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
+    record = simulate_fmu(
+        path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
     )
     wall_time, duration = time.perf_counter() - start, float(record.time[-1])
     names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
@@ -185,4 +215,4 @@ def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress 
         "real_time_factor": Quantity(duration / wall_time, ""),
     }
     warnings = tuple(scene_time_warnings(scene, run.stop_time))
-    return SceneResult(scene=scene, record=record, quantities=quantities, warnings=warnings)
+    return SceneResult(record.columns, record.units, scene=scene, quantities=quantities, warnings=warnings)

@@ -140,7 +140,7 @@ class Spec(Scene):
         return self
 
 
-def read_spec(path: Path | str, keys: Keys = None) -> Spec:
+def read_spec(path: Path | str, keys: Keys | None = None) -> Spec:
     """Read and check a specification: a scene file with tables [free], [metrics] and [search].
 
     Args:

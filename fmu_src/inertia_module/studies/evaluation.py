@@ -20,8 +20,9 @@ from ..common.extras import library
 from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
 from ..fmi.results import heading, write_rows
-from ..scene import Scene, load_scene
+from ..scene import Scene
 from ..scene.keys import validated
+from ..scene.reading import as_scene
 from ..scene.run import Quantity, SceneRunner
 from .axes import Point
 
@@ -235,7 +236,7 @@ def read(scene: Scene | Path | str) -> tuple[Scene, str]:
     Raises:
         SceneError: The file is invalid.
     """
-    return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
+    return as_scene(scene), "scene" if isinstance(scene, Scene) else Path(scene).stem
 
 
 def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, str]) -> dict[str, Path]:

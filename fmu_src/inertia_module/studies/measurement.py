@@ -209,8 +209,8 @@ class Rig(SceneRunner):
         rejection: reason of the last rejected run, or "".
     """
 
-    def __init__(self, scene: Scene, data: Measurement, fmu_path: Path) -> None:
-        super().__init__(fmu_path)
+    def __init__(self, scene: Scene, data: Measurement, fmu: Path) -> None:
+        super().__init__(fmu)
         self.scene, self.data, self.runs, self.rejection = scene, data, 0, ""
         signals = scene.surroundings.output_labels
         self._read = tuple(name for name in data.columns if name not in signals)

@@ -24,6 +24,7 @@ from scipy import signal
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from ..common.deprecated import renamed_arguments
 from ..common.equality import ByContent
 from ..common.errors import ParameterError, must_be
 from ..common.files import write_text
@@ -465,9 +466,10 @@ def rounding(table: Result, name: str) -> float:
     return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
 
 
+@renamed_arguments(fmu_path="fmu")
 def orders(
     scene: Scene | Path | str,
-    fmu_path: Path | str | None = None,
+    fmu: Path | str | None = None,
     *,
     of: str = LINK1,
     signals: Sequence[str] | None = None,
@@ -482,7 +484,7 @@ def orders(
 
     Args:
         scene: Scene, or path of its file.
-        fmu_path: FMU of the module; None for current_fmu().
+        fmu: FMU of the module; None for current_fmu().
         of: Reference angle, "link1" or "drive_angle" (pinion shaft).
         signals: Names of outputs, local variables, signals of the loop, or names in BEARING; None for the
             signals in SIGNALS that are not constant.
@@ -515,7 +517,7 @@ def orders(
     selection = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
     outputs = dict.fromkeys([*(BEARING.get(name, name) for name in selection), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(outputs)})
-    recorder = _Recorder(scene, fmu_path, first, last, progress)
+    recorder = _Recorder(scene, fmu, first, last, progress)
     record = recorder.record() if record is None else record
     first_row = recorder.first_row(record, of if begin is None else None)
     sampling = _sampling(scene, recorder.part(record, first_row), of, highest)
@@ -586,14 +588,14 @@ class _Recorder(NamedTuple):
 
     Attributes:
         scene: Scene with the outputs to record.
-        fmu_path: FMU of the module; None for current_fmu().
+        fmu: FMU of the module; None for current_fmu().
         first: Start of the time range, s.
         last: End of the time range, s.
         progress: Function called with the completed fraction of a run, 0 to 1.
     """
 
     scene: Scene
-    fmu_path: Path | str | None
+    fmu: Path | str | None
     first: float
     last: float
     progress: Progress | None
@@ -607,8 +609,10 @@ class _Recorder(NamedTuple):
         step = self.scene.run.communication_step
         stop = min(self.scene.run.stop_time, math.ceil(self.last / step - ROUNDING) * step)
         values, inputs = start_of(self.scene)
-        with Fmu(self.fmu_path, values, inputs, stop_time=stop) as fmu:
-            loop = ClosedLoop(fmu, self.scene.surroundings, self.scene.run.outputs, self.scene.signal_units)
+        with Fmu(self.fmu, values, inputs, stop_time=stop) as instance:
+            loop = ClosedLoop(
+                instance, self.scene.surroundings, self.scene.run.outputs, self.scene.signal_units
+            )
             return loop.run(stop, self.progress, substeps)
 
     def first_row(self, record: Result, of: str | None) -> int:

@@ -83,7 +83,7 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
     """
     record, run = None, None
     if outcome is not None:
-        record, run = outcome.record, page_run(outcome.record, outcome.warnings)
+        record, run = outcome, page_run(outcome, outcome.warnings)
     start = {"scene": page_scene(scene, record), "run": run}
     data = [
         f'<script id="kernel" type="text/plain">{_pack(content_of(WEB_KERNEL))}</script>',
