@@ -39,7 +39,7 @@ PUBLIC = {
     "scene_figure": "plots.scenes",
     "simulate": "scene",
     "sweep": "studies.parameter_sweep",
-    "torque_converter_chart": "analysis.converter_chart",
+    "torque_converter_chart": "scene",
 }
 __all__ = ["PUBLIC", "__version__", *PUBLIC]  # noqa: PLE0604
 

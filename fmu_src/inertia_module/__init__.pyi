@@ -1,4 +1,3 @@
-from .analysis.converter_chart import torque_converter_chart as torque_converter_chart
 from .common.errors import FmuError as FmuError
 from .common.errors import InertiaModuleError as InertiaModuleError
 from .common.errors import MissingDependencyError as MissingDependencyError
@@ -20,6 +19,7 @@ from .scene import SceneResult as SceneResult
 from .scene import load_scene as load_scene
 from .scene import run_scene as run_scene
 from .scene import simulate as simulate
+from .scene import torque_converter_chart as torque_converter_chart
 from .studies.batch_run import batch as batch
 from .studies.design_search import design as design
 from .studies.order_analysis import orders as orders

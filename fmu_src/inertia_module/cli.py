@@ -800,12 +800,14 @@ def fit(
 
     Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
+    from .studies.axes import ranges_of_texts
+
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
         result = inertia_module.fit(
             measured,
             inertia_module.load_scene(scene, values_of(keys)),
-            free or [],
+            ranges_of_texts(free or []),
             columns=columns or [],
             starts=starts,
             seed=seed,
@@ -853,12 +855,13 @@ def sweep(
     Default output folder: out/SCENE_sweep.
     """
     from .plots.studies import sweep_figure
+    from .studies.axes import ranges_of_texts
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
             inertia_module.load_scene(scene, values_of(keys)),
-            vary or [],
+            ranges_of_texts(vary or []),
             sample=sample,
             sensitivity=sensitivity,
             seed=seed,

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from refused import REFUSED, assert_refused, refusal
 
-from inertia_module.fmi.simulate import Fmu, FmuError, drive
+from inertia_module.common.errors import FmuError
+from inertia_module.fmi.simulate import Fmu, drive
 
 from .conftest import R1
 

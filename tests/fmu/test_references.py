@@ -14,10 +14,11 @@ from fmpy.cross_check.validate_vendor_repo import validate_repo
 from fmpy.fmi1 import FMICallException
 from lxml import etree
 
+from inertia_module.common.errors import SimulationTerminated
 from inertia_module.fmi import loading
 from inertia_module.fmi.examination import examine
 from inertia_module.fmi.experiments import experiments, read_table
-from inertia_module.fmi.instance import Fmu, SimulationTerminated, read_description
+from inertia_module.fmi.instance import Fmu, read_description
 from inertia_module.fmi.replay import deviations
 from inertia_module.fmi.report import Journal
 from inertia_module.fmi.results import Result

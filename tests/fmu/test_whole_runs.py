@@ -9,9 +9,9 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from refused import assert_refused, refusal
 
-from inertia_module.common.errors import InertiaModuleError
+from inertia_module.common.errors import FmuError, InertiaModuleError
 from inertia_module.fmi import instance
-from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.fmi.instance import Fmu
 from inertia_module.interface.variables import COMPUTED
 from inertia_module.model import Module, Plant, Run
 

@@ -201,7 +201,7 @@ COMMANDS = {
     "run": (["run", REFERENCE], "scene.run_scene"),
     "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
     "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
-    "chart": (["chart", REFERENCE], "analysis.converter_chart.torque_converter_chart"),
+    "chart": (["chart", REFERENCE], "scene.chart.compute_chart"),
     "export": (["export", REFERENCE], "export.systems.export"),
 }
 

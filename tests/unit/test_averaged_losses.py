@@ -14,8 +14,9 @@ import pytest
 from averaged_errors import REALISTIC, of_map, of_pulses
 from scenes import FOUND, MECHANISMS, advanced, input_angle, mechanism, started
 
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.driveline import interface_inertia
-from inertia_module.model import InertiaModuleError, Module
+from inertia_module.model import Module
 
 PLANAR = MECHANISMS["planar"]
 TABLES = tomllib.loads(Path(__file__).with_name("averaged_losses.toml").read_text(encoding="utf-8"))

@@ -6,11 +6,12 @@ import pytest
 from differences import assert_rates
 from scenes import ENGINE, FOUND, MECHANISMS, mechanism, started
 
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.interface.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.averaged import periodic_orbit
 from inertia_module.kernel.links import inertia_at_input
-from inertia_module.model import InertiaModuleError, Module
+from inertia_module.model import Module
 from verification.stability.motion import solve_at
 
 PLANAR = MECHANISMS["planar"]

@@ -130,7 +130,12 @@ def table():
 
 
 def of_scene(**others):
-    return SceneResult(scene=load_scene(example("planar")), record=table(), **{"quantities": {}, **others})
+    return SceneResult(
+        table().columns,
+        table().units,
+        scene=load_scene(example("planar")),
+        **{"quantities": {}, **others},
+    )
 
 
 def test_result_as_pandas_has_units_in_its_headings():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from inertia_module.analysis.converter_chart import SteadyMachine, torque_converter_chart
+from inertia_module.analysis.converter_chart import SteadyMachine, compute_chart
 from inertia_module.common.errors import InertiaModuleError, UnknownNameError
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
@@ -616,7 +616,7 @@ def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, label, fa
 
 @pytest.mark.usefixtures("compiled")
 def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided():
-    ratio, output, taken, _ = chart_figure({"ideal": torque_converter_chart({})}).axes
+    ratio, output, taken, _ = chart_figure({"ideal": compute_chart({})}).axes
     speeds, ratios = ratio.lines[0].get_data()
     assert ratios == pytest.approx(1.0 / speeds, rel=1e-9)
     assert ratios.max() > 5.0

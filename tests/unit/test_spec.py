@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from refused import REFUSED, assert_refused
 
-from inertia_module.analysis.converter_chart import torque_converter_chart
+from inertia_module.analysis.converter_chart import compute_chart
 from inertia_module.common.examples import example
 from inertia_module.kernel.layout import imbalance_position
 from inertia_module.model import Module
@@ -339,7 +339,7 @@ def test_a_drive_that_cannot_hold_the_speed_of_the_figures_is_a_caveat():
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
     found = doubts_of(scene, {}, 200.0)["drive too weak"]
-    chart = torque_converter_chart(scene.parameters(), 200.0)
+    chart = compute_chart(scene.parameters(), 200.0)
     assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
     assert "drive too weak" not in doubts_of(strong, {}, 200.0)

@@ -8,7 +8,7 @@ from scenes import DRIVEN, MECHANISMS, parameters, started
 
 from benchmarks.peers import PEERS, integrators, mujoco_model
 from benchmarks.trade_off import Case, converged
-from inertia_module.common.extras import MissingDependencyError
+from inertia_module.common.errors import MissingDependencyError
 from verification.reference.geometry import Unavailable, ratio
 
 CASES = {

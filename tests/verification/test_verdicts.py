@@ -7,8 +7,9 @@ import pytest
 from faulty import faulty, raising, showing
 from scenes import REFERENCE
 
+from inertia_module.common.errors import ParameterError
 from inertia_module.kernel import engine
-from inertia_module.model import Module, ParameterError
+from inertia_module.model import Module
 from verification.stability import verdicts
 from verification.stability.extremes import Case
 from verification.stability.motion import LEVELS, Motion, Run, Segment

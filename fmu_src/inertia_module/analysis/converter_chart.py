@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.deprecated import renamed_names
 from ..common.equality import ByContent
 from ..common.errors import ParameterError, must_be
 from ..common.units import factor_between
@@ -231,7 +232,7 @@ MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TorqueConverterChart(ByContent):
     """Means over the speed ratio, shape (n,) each; torques are divided by omega1^2.
 
@@ -260,6 +261,10 @@ class TorqueConverterChart(ByContent):
     lock_up_torque: Array
     housing_engagements: Array | None = None
     output_engagements: Array | None = None
+
+    def __repr__(self) -> str:
+        ratios = f"{self.speed_ratio.size} speed ratios 0…{self.speed_ratio[-1]:.3g}"
+        return f"TorqueConverterChart({ratios}, stall torque {self.stall_torque:.4g} N m s²)"
 
     @property
     def stall_torque(self) -> float:
@@ -406,7 +411,7 @@ def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
     return dict(zip(SteadyPulses._fields, rows.T, strict=True))
 
 
-def torque_converter_chart(
+def compute_chart(
     parameters: Mapping[str, float | str],
     omega1: float = NOMINAL_SPEED,
     engagements: bool = False,
@@ -525,3 +530,6 @@ def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> lis
         write_mat(Path(f"{stem}.mat"), "converter", {"omega1": omega1, **table}, units),
         write_rows(Path(f"{stem}.vtcc"), VECTO_HEADINGS, rows),
     ]
+
+
+__getattr__ = renamed_names(__name__, torque_converter_chart="compute_chart")

@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .. import __version__
-from ..analysis.converter_chart import torque_converter_chart
+from ..analysis.converter_chart import compute_chart
 from ..common.errors import InertiaModuleError, ParameterError
 from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
@@ -238,7 +238,7 @@ def _chart(result: SceneResult) -> Part:
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
         raise ParameterError("link 1 does not turn")
-    chart = torque_converter_chart(scene.parameters(), omega1, engagements=True)
+    chart = compute_chart(scene.parameters(), omega1, engagements=True)
     limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
     numbers = chart.summary(omega1, limits).items()
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]

@@ -513,6 +513,7 @@ class SceneResult(Result):
     Attributes:
         columns: Columns by name, shape (n,) each.
         units: Units of the columns, by name.
+        origin: None.
         scene: The scene.
         quantities: Metrics with units, by name.
         summary: Values of the metrics, by name.

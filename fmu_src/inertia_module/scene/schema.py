@@ -167,6 +167,17 @@ class Run(Strict):
         return self
 
 
+def brief(scene: Any) -> str:
+    """Return a line that describes a scene of a module or of a driven shaft, for __repr__.
+
+    Args:
+        scene: The scene.
+    """
+    run, kinds = scene.run, f"drive {scene.drive.kind}, load {scene.load.kind}"
+    times = f"{run.stop_time:g} s in steps of {run.communication_step:g} s"
+    return f"{type(scene).__name__}({scene.title!r}, {kinds}, {times})"
+
+
 class Scene(Strict):
     """A valid scene of a module; all quantities in SI units.
 
@@ -193,6 +204,11 @@ class Scene(Strict):
     freewheels: Freewheels = Field(default_factory=Freewheels)
     accuracy: Accuracy = Field(default_factory=Accuracy)
     run: Run
+
+    def __repr__(self) -> str:
+        return brief(self)
+
+    __str__ = __repr__
 
     @property
     def measured(self) -> str:

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.deprecated import renamed_arguments
 from ..common.errors import InertiaModuleError, SceneError, must_be
-from ..common.terminal import Progress
-from ..driveline.sources import evaluate
-from ..fmi.simulate import communication_points, simulate_fmu
-from ..fmu.builder import current_fmu
 from ..interface.models import DRIVEN_SHAFT
 from ..interface.variables import LOCAL, OUTPUT, PARAMETER
 from ..model import DrivenShaft
@@ -32,10 +25,9 @@ from .keys import (
     validated,
 )
 from .parts import TorqueLoad
-from .run import Quantity, SceneResult, energy
-from .schema import Run
+from .schema import Run, brief
 
-_READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
+READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
 
 Array = NDArray[np.float64]
 
@@ -133,6 +125,11 @@ class ShaftScene(Strict):
     load: TorqueLoad = TorqueLoad(kind="torque", torque=0.0)
     run: ShaftRun
 
+    def __repr__(self) -> str:
+        return brief(self)
+
+    __str__ = __repr__
+
     def with_keys(self, keys: Mapping[str, object]) -> ShaftScene:
         """Return a copy of the scene with other values, checked again.
 
@@ -150,7 +147,7 @@ class ShaftScene(Strict):
     @model_validator(mode="after")
     def _check(self) -> ShaftScene:
         """Reject unknown outputs; the model of the shaft checks all parameters together."""
-        self.run.check_outputs(_READABLE)
+        self.run.check_outputs(READABLE)
         scene_time_warnings(self, self.run.stop_time)
         parameters = self.parameters()
         try:
@@ -176,43 +173,3 @@ class ShaftScene(Strict):
             per_time = criterion / self.drive.T
             values[parameter] = inertia * (per_time**2 if name == "nu" else 2.0 * per_time)
         return values
-
-
-@renamed_arguments(fmu_path="fmu")
-def run_shaft_scene(
-    scene: ShaftScene, fmu: Path | str | None = None, progress: Progress | None = None
-) -> SceneResult:
-    """Run a scene with an FMU of the driven shaft.
-
-    Args:
-        scene: The scene.
-        fmu: DrivenShaft.fmu, or another FMU with the same variables; None for current_fmu("DrivenShaft").
-        progress: Function called with the completed fraction of the run, 0 to 1.
-
-    Raises:
-        FmuError: The FMU cannot be loaded, or rejects a value or a step.
-    """
-    path = current_fmu("DrivenShaft") if fmu is None else fmu
-    times = communication_points(scene.run.stop_time, scene.run.communication_step)
-    torque = scene.load.one_signal()
-    inputs: dict[str, ArrayLike] = {
-        "time": times,
-        "hub_speed": scene.drive.signal()(times),
-        "load_torque": [evaluate(torque, moment) for moment in times],
-    }
-    run, values, start = scene.run, scene.parameters(), time.perf_counter()
-    record = simulate_fmu(
-        path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
-    )
-    wall_time, duration = time.perf_counter() - start, float(record.time[-1])
-    names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
-    peaks = {name: float(np.abs(record[name]).max()) for name in names}
-    quantities = {
-        "simulated_time": Quantity(duration, "s"),
-        **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
-        **energy(record),
-        "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(duration / wall_time, ""),
-    }
-    warnings = tuple(scene_time_warnings(scene, run.stop_time))
-    return SceneResult(record.columns, record.units, scene=scene, quantities=quantities, warnings=warnings)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from ..common.deprecated import warn_renamed
 from ..common.errors import ParameterError, SceneError, must_be, unknown
 from ..common.units import number_of, parse_unit, split_quantity
 from ..interface.variables import BY_NAME, INTEGER, REAL
@@ -23,8 +23,9 @@ from ..scene.keys import MECHANISM, full_name, unit_of
 
 # values by key of the scene: numbers in SI, or names
 Point = dict[str, float | str]
-# range or prior value of a free key
-Range = str | tuple[float, float] | None
+# range or prior value of a key as a text, its ends, or its values
+Range = str | Sequence[float | str] | None
+Ranges = Mapping[str, Range]
 MAX_GRID = 10_000_000
 _RANGE = re.compile(r"(log:)?([^:]+):([^:]+?)(?::\s*(\d+)\s*)?")
 # prior value and its standard deviation
@@ -147,42 +148,61 @@ def _range(name: str, unit: str, text: str, value: Callable[[str], float | str])
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
-def _by_key(keys: Sequence[str] | Mapping[str, Any], use: str, example: str) -> list[tuple[str, Any]]:
-    """Return pairs of a full dotted key and its range, None without a range.
+def ranges_of_texts(texts: Iterable[str]) -> dict[str, str]:
+    """Return ranges by name, "" without a range, from the options of the command line.
 
     Args:
-        keys: Texts NAME or NAME=RANGE, or ranges by name.
+        texts: Texts NAME or NAME=RANGE.
+
+    Raises:
+        ParameterError: A name is present twice.
+    """
+    ranges: dict[str, str] = {}
+    for text in texts:
+        name, _, range_ = text.partition("=")
+        if name.strip() in ranges:
+            raise ParameterError(f"{name.strip()} is present twice; list it once")
+        ranges[name.strip()] = range_
+    return ranges
+
+
+def _by_key(ranges: Ranges | Iterable[str], use: str, example: str) -> dict[str, Range]:
+    """Return ranges by full dotted key.
+
+    Args:
+        ranges: Ranges by name. Texts NAME or NAME=RANGE are deprecated.
         use: Use of the keys, for messages.
         example: Example, for messages.
 
     Raises:
         ParameterError: There is no key, or a key is present twice.
     """
-    pairs: list[tuple[str, Any]] = []
-    for item in keys.items() if isinstance(keys, Mapping) else keys:
-        name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
-        pairs.append((full_name(name.strip()), text if equals else None))
-    if not pairs:
+    if not isinstance(ranges, Mapping):
+        warn_renamed("a list of texts NAME=RANGE", "a mapping from names to ranges")
+        ranges = ranges_of_texts(ranges)
+    if not ranges:
         raise ParameterError(f"at least one key must be {use}, for example {example}")
-    for name, times in Counter(name for name, _ in pairs).items():
-        if times > 1:
-            raise ParameterError(f"{name} is {use} {times} times; list it once")
-    return pairs
+    by_key: dict[str, Range] = {}
+    for name, range_ in ranges.items():
+        if full_name(name) in by_key:
+            raise ParameterError(f"{full_name(name)} is {use} twice; list it once")
+        by_key[full_name(name)] = range_ or None
+    return by_key
 
 
-def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
+def axes_of(vary: Ranges, scene: Scene) -> list[Axis]:
     """Return the axes of a sweep of a scene.
 
     Args:
-        vary: Texts "NAME=RANGE", or ranges by name. A range is "FROM:TO:COUNT", "FROM:TO",
-            "log:FROM:TO:COUNT" or "A,B,C", with optional units, or a list of values.
+        vary: Ranges by name. A range is "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or "A,B,C", with
+            optional units, or a list of values.
         scene: The scene.
 
     Raises:
         ParameterError: A key or a range is invalid.
     """
     axes = []
-    for name, range_ in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
+    for name, range_ in _by_key(vary, "varied", "imbalance_mass=0.5:2:7").items():
         if not range_:
             raise ParameterError(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
         (unit, _), value = _unit_and_value(name, scene), partial(_value, scene, name)
@@ -280,15 +300,12 @@ class Free(Axis):
         return f"{self.name}: the range {allowed} does not contain the value in the scene, {self.nominal:g}"
 
 
-def free_keys(
-    free: Sequence[str] | Mapping[str, Range], scene: Scene, sensors: Mapping[str, Free] | None = None
-) -> list[Free]:
+def free_keys(free: Ranges, scene: Scene, sensors: Mapping[str, Free] | None = None) -> list[Free]:
     """Return the free keys of a fit.
 
     Args:
-        free: Texts "NAME", "NAME=LOW:HIGH", "NAME=log:LOW:HIGH" (starts are equally spaced in the logarithm)
-            or "NAME=VALUE +- DEVIATION" (prior value). A mapping has such a range as a text, (low, high) or
-            None by name.
+        free: Ranges by name: "LOW:HIGH" or (low, high), "log:LOW:HIGH" (starts are equally spaced in the
+            logarithm), "VALUE +- DEVIATION" (prior value), or None.
         scene: Scene with the start values.
         sensors: Keys of the sensors, by name.
 
@@ -297,7 +314,7 @@ def free_keys(
     """
     keys, others = [], sensors or {}
     kinds = {name.partition(".")[0] for name in others}
-    for name, text in _by_key(free, "free", "imbalance_mass=0.5:2"):
+    for name, text in _by_key(free, "free", "imbalance_mass=0.5:2").items():
         if name in others:
             key = others[name]
             keys.append(_free(key, text, partial(_number, name, key.unit)))

@@ -76,7 +76,7 @@ def doubts_of(scene: Scene, metrics: Mapping[str, float], speed: float) -> dict[
     return caveats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DesignResult(ByContent):
     """Result of a design.
 
@@ -97,6 +97,10 @@ class DesignResult(ByContent):
     new: int
     files: dict[str, Path]
     searched: Searched
+
+    def __repr__(self) -> str:
+        verified = f"{len(self.chosen)} of {len(self.finalists)} verified designs satisfy all limits"
+        return f"DesignResult({len(self.rows)} designs; {verified})"
 
     @property
     def cut(self) -> bool:

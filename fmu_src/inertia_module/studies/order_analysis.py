@@ -26,7 +26,7 @@ from scipy.interpolate import CubicSpline
 
 from ..common.deprecated import renamed_arguments
 from ..common.equality import ByContent
-from ..common.errors import ParameterError, must_be
+from ..common.errors import ParameterError, listed, must_be
 from ..common.files import write_text
 from ..common.terminal import Progress
 from ..common.units import factor_between
@@ -137,7 +137,7 @@ def leakage(distance: float) -> float:
     return 1.0 / (math.pi * distance * (distance**2 - 1.0)) if distance > HALF_LOBE else 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Orders(ByContent):
     """Spectra of signals over n orders in m windows.
 
@@ -168,6 +168,10 @@ class Orders(ByContent):
     units: dict[str, str]
     highest: float
     step: float
+
+    def __repr__(self) -> str:
+        signals = listed(self.spectrum)
+        return f"Orders({signals}: up to {self.highest:.4g} per {BASES[self.of]}, {self.time.size} windows)"
 
     @cached_property
     def waterfall(self) -> dict[str, Array]:
@@ -325,7 +329,7 @@ class Orders(ByContent):
         )
         return line, at
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return the main lines of each signal, for JSON."""
         return {
             "of": BASES[self.of],

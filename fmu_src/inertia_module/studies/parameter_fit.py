@@ -21,7 +21,7 @@ from ..common.units import has_mass
 from ..fmi.instance import fmu_file
 from ..fmi.simulate import Result
 from ..scene import Scene
-from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
+from .axes import Free, Point, free_keys, of_shares, shares_sampled
 from .candidates import Candidate, candidate_keys, causes, release_candidates
 from .evaluation import read
 from .fit_result import (
@@ -58,7 +58,7 @@ SCALE_FACTOR, MAX_SCALE_CHANGE = 1.1, 1.0
 def fit(
     measured: Result | Path | str,
     scene: Scene | Path | str,
-    free: Sequence[str] | Mapping[str, Range],
+    free: Mapping[str, str | Sequence[float | str] | None],
     *,
     columns: Sequence[str] = (),
     starts: int = 16,
@@ -72,10 +72,11 @@ def fit(
     Args:
         measured: table, or CSV file; see measurement.
         scene: scene, or its file.
-        free: "NAME", "NAME=LOW:HIGH" or, with prior knowledge, "NAME=VALUE +- DEVIATION" each; or the text
-            after the sign (or None) by name. NAME is a key of the scene by dots, a parameter of the
-            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late) of a sensor;
-            "shift.time" is for all columns. A DEVIATION of 0 declares the value exact.
+        free: ranges by name: "LOW:HIGH", (low, high), "log:LOW:HIGH", with prior knowledge
+            "VALUE +- DEVIATION", or None for a search from the value in the scene. A name is a dotted key of
+            the scene, a parameter of the mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s,
+            positive if late) of a sensor; "shift.time" is for all columns. A deviation of 0 declares the
+            value exact.
         columns: names of the compared columns; by default all that the scene computes.
         starts: points of the ranges (Latin hypercube) that are compared besides the values of the scene. The
             best N_SEARCHES of them start a search.

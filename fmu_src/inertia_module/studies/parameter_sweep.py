@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.deprecated import renamed_attributes
 from ..common.equality import ByContent
-from ..common.errors import ParameterError, must_be, unknown
+from ..common.errors import ParameterError, listed, must_be, unknown
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
@@ -45,7 +45,7 @@ class Share(NamedTuple):
     total: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SweepResult(ByContent):
     """Result of a sweep.
 
@@ -66,6 +66,11 @@ class SweepResult(ByContent):
     unreached: dict[str, int]
     sensitivity: list[Share]
     files: dict[str, Path]
+
+    def __repr__(self) -> str:
+        keys = listed(axis.name for axis in self.axes)
+        runs = f"{len(self.rows)} runs, {len(self.refused)} failed"
+        return f"SweepResult({runs}: {len(self.metrics)} metrics over {keys})"
 
     __getattr__ = renamed_attributes(figure="metric", figures="metrics")
 
@@ -96,7 +101,7 @@ class SweepResult(ByContent):
 
 def sweep(
     scene: Scene | Path | str,
-    vary: Sequence[str] | Mapping[str, Any],
+    vary: Mapping[str, str | Sequence[float | str]],
     *,
     sample: str | None = None,
     sensitivity: int | None = None,
@@ -111,8 +116,8 @@ def sweep(
 
     Args:
         scene: Scene, or path of its file.
-        vary: Texts "NAME=FROM:TO:COUNT", "NAME=log:FROM:TO:COUNT" or "NAME=A,B,C", or such ranges by name.
-            NAME is a dotted key of the scene or a parameter of the mechanism.
+        vary: Ranges "FROM:TO:COUNT", "log:FROM:TO:COUNT" or "A,B,C" with optional units, or lists of values,
+            by dotted key of the scene or by parameter of the mechanism.
         sample: "latin:COUNT" or "sobol:COUNT" for samples; None for a grid.
         sensitivity: Number n of base samples for Sobol indices, a power of 2. The sweep then has n (d + 2)
             runs over d ranges instead of a grid.

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..analysis.converter_chart import RATIOS, SteadyMachine, torque_converter_chart
+from ..analysis.converter_chart import RATIOS, SteadyMachine, compute_chart
 from ..model import Module
 
 
@@ -27,7 +27,7 @@ class SteadyMechanism(SteadyMachine):
         super().__init__(parameters)
         self.pulses = cache(self.at)
         self.sampled = cache(self.samples)
-        self.chart = cache(lambda speed: torque_converter_chart(parameters, speed))
+        self.chart = cache(lambda speed: compute_chart(parameters, speed))
 
     @property
     def envelope_diameter(self) -> float:

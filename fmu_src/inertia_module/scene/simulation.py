@@ -17,7 +17,8 @@ from ..fmi.simulate import simulate_fmu
 from .reading import load_any_scene
 from .run import SceneResult, run_scene
 from .schema import Scene
-from .shaft import ShaftScene, run_shaft_scene
+from .shaft import ShaftScene
+from .shaft_run import run_shaft_scene
 
 
 @overload
