@@ -13,18 +13,23 @@ __date__ = "2026-11-22"
 
 # module of each public name; __init__.pyi lists the same names for type checkers
 PUBLIC = {
+    "DesignResult": "studies.design_result",
     "DrivenShaft": "model",
+    "FitResult": "studies.fit_result",
     "Fmu": "fmi.instance",
     "FmuError": "common.errors",
     "InertiaModuleError": "common.errors",
     "MissingDependencyError": "common.errors",
     "Module": "model",
+    "Orders": "studies.order_analysis",
     "ParameterError": "common.errors",
     "Result": "fmi.results",
     "Scene": "scene",
     "SceneError": "common.errors",
     "SceneResult": "scene",
     "SimulationTerminated": "common.errors",
+    "SweepResult": "studies.parameter_sweep",
+    "TorqueConverterChart": "analysis.converter_chart",
     "batch": "studies.batch_run",
     "chart_figure": "plots.studies",
     "current_fmu": "fmu.builder",

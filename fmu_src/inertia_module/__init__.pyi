@@ -1,3 +1,4 @@
+from .analysis.converter_chart import TorqueConverterChart as TorqueConverterChart
 from .common.errors import FmuError as FmuError
 from .common.errors import InertiaModuleError as InertiaModuleError
 from .common.errors import MissingDependencyError as MissingDependencyError
@@ -21,9 +22,13 @@ from .scene import run_scene as run_scene
 from .scene import simulate as simulate
 from .scene import torque_converter_chart as torque_converter_chart
 from .studies.batch_run import batch as batch
+from .studies.design_result import DesignResult as DesignResult
 from .studies.design_search import design as design
+from .studies.fit_result import FitResult as FitResult
+from .studies.order_analysis import Orders as Orders
 from .studies.order_analysis import orders as orders
 from .studies.parameter_fit import fit as fit
+from .studies.parameter_sweep import SweepResult as SweepResult
 from .studies.parameter_sweep import sweep as sweep
 
 PUBLIC: dict[str, str]

@@ -8,7 +8,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from .common.errors import ParameterError, must_be, unknown
 from .compiling import CompilationError
@@ -17,6 +17,12 @@ from .interface.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from .interface.records import record_type
 from .interface.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER, Variable
 from .kernel import codes
+
+if TYPE_CHECKING:  # the Python FMU runs without NumPy
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 NO_STATE = "the state must be saved by this build (it is damaged or from another build)"
 # maximum number of stored maps of fidelity averaged: equal instances share the map of the first one
@@ -102,7 +108,7 @@ class Run(ctypes.Structure):
         *(("rates", ctypes.c_void_p), ("rate_count", ctypes.c_size_t)),
     )
 
-    def __init__(self, lengths: Any, inputs: int, input_rows: Any, outputs: int, rows: Any) -> None:
+    def __init__(self, lengths: Array, inputs: int, input_rows: Array, outputs: int, rows: Array) -> None:
         super().__init__(0.0, len(lengths), lengths.ctypes.data)
         self.input_count, self.inputs, self.set = input_rows.shape[1], inputs, input_rows.ctypes.data
         self.output_count, self.outputs, self.read = rows.shape[1], outputs, rows.ctypes.data
@@ -137,7 +143,7 @@ class Plant(ABC):
         """
 
     def take_steps(
-        self, lengths: Any, inputs: Sequence[str], input_rows: Any, outputs: Sequence[str], rows: Any
+        self, lengths: Array, inputs: Sequence[str], input_rows: Array, outputs: Sequence[str], rows: Array
     ) -> None:
         """Take many steps.
 
@@ -266,13 +272,14 @@ class ModelInstance(Plant):
         for name, number in numbers.items():
             setattr(self.record(name), name, number)
 
-    def record(self, name: str) -> Any:
+    def record(self, name: str) -> ctypes.Union:
         """Return the record of a variable.
 
         Args:
             name: name of the variable.
         """
-        return self._records[RECORD_OF[self.model.by_name[name].causality]]
+        record: ctypes.Union = self._records[RECORD_OF[self.model.by_name[name].causality]]
+        return record
 
     def set_rates(self, **rates: float) -> None:
         """Set constant rates of inputs for the next step, which starts at their present values.
@@ -338,7 +345,7 @@ class ModelInstance(Plant):
         self.inputs.numbers[rates:] = (0.0,) * (2 * rates)
 
     def take_steps(
-        self, lengths: Any, inputs: Sequence[str], input_rows: Any, outputs: Sequence[str], rows: Any
+        self, lengths: Array, inputs: Sequence[str], input_rows: Array, outputs: Sequence[str], rows: Array
     ) -> None:
         """Take many steps; a compiled kernel takes them in one call.
 
@@ -469,7 +476,7 @@ class ModelInstance(Plant):
             raise ParameterError(NO_STATE)
         return trial.derived
 
-    def snapshot(self) -> dict[str, Any]:
+    def snapshot(self) -> dict[str, float]:
         """Return the values of all variables by name."""
         return {name: self[name] for name in self.model.by_name}
 

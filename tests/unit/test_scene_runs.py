@@ -177,7 +177,7 @@ def test_duty_is_what_the_module_counts_and_limits_that_are_passed_warn(fmu):
     assert numbers["housing_torque_peak"] >= table["housing_torque_peak"].max() > 100.0
     assert numbers["output_torque_peak"] == table["torque_peak"].max() > 80.0
     assert numbers["housing_slip_peak"] == pytest.approx(table["omega2"].max(), rel=1e-3)
-    assert result.units["output_slip_peak"] == "rad/s"
+    assert result.metric_units["output_slip_peak"] == "rad/s"
     of_limits = {"housing": 60.0, "output": 20.0}
     expected = {f"{name}_engagement_frequency_maximum": limit for name, limit in of_limits.items()}
     assert result.as_dict()["limits"] == result.limits == {**expected, "output_torque_peak": 80.0}
@@ -351,7 +351,7 @@ def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
 
 def test_controlled_run_tells_how_well_it_follows_and_where_its_energy_went(fmu, tmp_path):
     result = run_scene(scene(5, mechanism={"satellites": 3, "input_friction": 0.05}, **DRIVEN_CAR), fmu)
-    assert result.units["tracking_error_rms"] == "km/h"
+    assert result.metric_units["tracking_error_rms"] == "km/h"
     assert 0.1 < result.summary["tracking_error_rms"] < result.summary["tracking_error_maximum"] < 3.0
     assert result.summary["distance"] == pytest.approx(5.0, rel=0.2)
     figure = scene_figure(result)
@@ -435,7 +435,7 @@ def test_an_ideal_run_leaves_the_wanted_columns_and_is_drawn_without_panels_of_l
     assert result.table.names == ["time", *wanted, "load_torque", "omega1"]
     assert len(result.table) == round(stop / step) + 1
     assert seen[-1] == 1.0
-    assert set(result.summary) == set(result.units)
+    assert set(result.summary) == set(result.metric_units)
     assert result.summary["energy_residual_relative"] < 1e-5
     assert result.summary["efficiency"] == 1.0
     figure = scene_figure(result)

@@ -253,7 +253,7 @@ class Scene(Strict):
         return self.load.build(self.run.communication_step, prevents_reverse, start_speed)
 
     @cached_property
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> dict[str, object]:
         """Return all values in the scene file as nested tables, in SI units."""
         return self.model_dump(exclude_none=True)
 

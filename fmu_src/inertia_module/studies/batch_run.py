@@ -26,7 +26,7 @@ def batch(
     outputs: str | Sequence[str] = "omega_out",
     step: float | None = None,
     workers: int | None = None,
-) -> Mapping[str, AnyArray]:
+) -> Mapping[str, NDArray[np.float64] | NDArray[np.object_]]:
     """Run the module over arrays of parameters and inputs, broadcast together: one run per element.
 
     Args:
