@@ -200,6 +200,9 @@ class ModelInstance(Plant):
         self._addresses = tuple(ctypes.addressof(record) for record in self._records)
         self.started = False
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({'started' if self.started else 'not started'})"
+
     def load_kernel(self) -> None:
         """Load the kernel now instead of at the start; compile it if the cache does not contain it."""
         if not self.kernel:

@@ -47,7 +47,7 @@ class Origin(ByContent):
     unread: dict[str, str]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, match_args=False)
 class Result(ByContent):
     """Table with columns of equal length n; the first column is ``time`` (s).
 
@@ -182,14 +182,6 @@ class Result(ByContent):
             name: self[name] * _factor(name, self.units.get(name, unit), unit) for name, unit in units.items()
         }
         return replace(self, columns=self.columns | columns, units=self.units | dict(units))
-
-    def place(self, row: int) -> str:
-        """Return the file and the line of a row, for the start of a message; "" without a file.
-
-        Args:
-            row: index of the row.
-        """
-        return f"{self.origin.path} line {self.origin.lines[row]}: " if self.origin else ""
 
     def last(self) -> dict[str, float]:
         """Return the values of the last row by name."""

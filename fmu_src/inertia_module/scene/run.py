@@ -503,7 +503,7 @@ def summarise(
 # --- runs ---
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False, match_args=False)
 class SceneResult(Result):
     """Result of a scene, of a module or of a driven shaft alone: a table over time and a summary.
 
@@ -534,7 +534,7 @@ class SceneResult(Result):
 
     @property
     def table(self) -> Result:
-        """Return the outputs of the scene and the signals of the loop, at each communication point."""
+        """Return the table of the outputs of the scene and the signals of the loop."""
         variables = self.scene.VARIABLES.values()
         outputs = {row.name for row in variables if row.causality in (OUTPUT, LOCAL)}
         return self.record.without(outputs - set(self.scene.run.outputs))

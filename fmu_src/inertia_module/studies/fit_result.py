@@ -290,7 +290,11 @@ class FitResult(ByContent):
         return Result(columns, units)
 
     def write(self, folder: Path) -> dict[str, Path]:
-        """Write fitted.toml, residuals.csv and fit.json, each whole or not at all."""
+        """Write fitted.toml, residuals.csv and fit.json, each atomically; return their paths by kind.
+
+        Args:
+            folder: output folder (created if missing).
+        """
         return {
             "scene": write_text(folder / "fitted.toml", scene_text(self.scene)),
             "residuals": self.table().to_csv(folder / "residuals.csv"),

@@ -165,7 +165,8 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     for name, deviation in noise.items():
         if deviation.min() <= 0.0:
             row = int(np.argmin(deviation))
-            raise ParameterError(must_be(f"{si.place(row)}{name}{NOISE}", "above 0", f"{deviation[row]:g}"))
+            place = f"{si.origin.path} line {si.origin.lines[row]}: " if si.origin else ""
+            raise ParameterError(must_be(f"{place}{name}{NOISE}", "above 0", f"{deviation[row]:g}"))
     counted = np.ones((len(table), len(compared)), dtype=bool)
     counted[0, [name.endswith(MEAN) for name in compared]] = False
     of_steps = np.array([name.endswith((MEAN, PEAK)) for name in compared])
