@@ -22,7 +22,8 @@ Arguments = ParamSpec("Arguments")
 Returned = TypeVar("Returned")
 
 PACKAGE = __name__.partition(".")[0]
-IMPORT_SYSTEM = ("importlib", "importlib._bootstrap", "importlib._bootstrap_external")
+# packages whose lines are not the user of a name
+INTERNAL = (PACKAGE, "importlib", "pydantic")
 # new name of each renamed module within the package; other modules in a renamed folder keep their names
 MODULES = {
     "bridge": "control",
@@ -46,14 +47,14 @@ MODULES = {
 
 
 def warn_renamed(old: str, new: str) -> None:
-    """Warn that a name is deprecated, at the line outside of the import system that uses the name.
+    """Warn that a name is deprecated, at the line outside of this package that uses the name.
 
     Args:
         old: old name.
         new: new name.
     """
     frame = sys._getframe(1)
-    while frame.f_back and frame.f_globals.get("__name__") in (__name__, PACKAGE, *IMPORT_SYSTEM):
+    while frame.f_back and str(frame.f_globals.get("__name__")).partition(".")[0] in INTERNAL:
         frame = frame.f_back
     values = frame.f_globals
     warnings.warn_explicit(
