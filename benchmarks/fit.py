@@ -26,7 +26,7 @@ from verification.reference.cases import OMEGA2, OMEGA3
 from verification.reference.motion import Reference
 
 SETS = 100
-FREE = ("imbalance_mass", "link2_inertia")
+FREE = {"imbalance_mass": None, "link2_inertia": None}
 COLUMNS = [f"{name} [rpm]" for name in data.NOISE]
 TIME = "time [ms]"
 # losses, least and greatest

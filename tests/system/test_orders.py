@@ -283,7 +283,7 @@ def test_a_signal_that_the_scene_computes_too_seldom_is_refused_with_the_step_th
 def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
     assert speed_unit(example("engine_launch")) == "rpm"
     assert speed_unit(example("orders")) == "rad/s"
-    assert speed_unit(example("orders"), ["drive.final='2000 rpm'"]) == "rpm"
+    assert speed_unit(example("orders"), {"drive.final": "2000 rpm"}) == "rpm"
     found = known(highest=8.0)
     line = found.largest(1)["x"][0]
     text = found.lines(1, speed_unit="rpm")["x"]["order 2.5"]

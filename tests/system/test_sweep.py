@@ -18,6 +18,7 @@ from inertia_module import studies
 from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.plots.studies import design_figure
 from inertia_module.scene import load_scene, run_scene
+from inertia_module.scene.keys import keys_of_texts
 from inertia_module.scene.run import Quantity, SceneRunner
 from inertia_module.studies.axes import axes_of, grid
 from inertia_module.studies.design_specification import read_spec
@@ -35,14 +36,14 @@ workers = pytest.importorskip("inertia_module.studies.workers")
 REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 SHORT = {"load": {"kind": "shaft", "torque": None, "inertia": 0.5}, "run": {"stop_time": 0.1}}
 # runs of some hundredths of a second
-SLOW = ["imbalance_mass=0.5:2:60"]
+SLOW = {"imbalance_mass": "0.5:2:60"}
 LONG = {"accuracy.tolerance": "1e-6", "run.stop_time": "20 s", "run.communication_step": "1 s"}
-VARY = [
-    "imbalance_mass=0.5:2:4",
-    "layout=bevel,planar",
-    "fidelity=averaged,rigid",
-    "housing_freewheel=false,true",
-]
+VARY = {
+    "imbalance_mass": "0.5:2:4",
+    "layout": "bevel,planar",
+    "fidelity": "averaged,rigid",
+    "housing_freewheel": "false,true",
+}
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +165,15 @@ def slow_scene():
 
 
 def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
-    command = [sys.executable, "-m", "inertia_module", "sweep", str(REFERENCE), "--vary", SLOW[0]]
+    command = [
+        sys.executable,
+        "-m",
+        "inertia_module",
+        "sweep",
+        str(REFERENCE),
+        "--vary",
+        "imbalance_mass=0.5:2:60",
+    ]
     options = [*(f"--set={key}={value}" for key, value in LONG.items())]
     options += ["-o", str(tmp_path / "out"), "--fmu", str(fmu), "--scheduler", cluster.address]
     client = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
@@ -215,7 +224,15 @@ def empty_cluster(tmp_path):
 def sweep_command(fmu, folder, *options):
     """A command that sweeps 60 points of some hundredths of a second."""
     keys = [f"--set={key}={value}" for key, value in LONG.items()]
-    command = [sys.executable, "-m", "inertia_module", "sweep", str(REFERENCE), "--vary", SLOW[0]]
+    command = [
+        sys.executable,
+        "-m",
+        "inertia_module",
+        "sweep",
+        str(REFERENCE),
+        "--vary",
+        "imbalance_mass=0.5:2:60",
+    ]
     return [*command, *keys, "-o", str(folder), "--fmu", str(fmu), *options]
 
 
@@ -281,7 +298,7 @@ def test_scheduler_without_workers_is_a_notice_and_workers_that_come_do_the_work
 
 SCRIPT = """
 from inertia_module import sweep
-print(len(sweep({scene!r}, ["imbalance_mass=1:2:4"], output="out", fmu={fmu!r}, workers=1).rows))
+print(len(sweep({scene!r}, {{"imbalance_mass": "1:2:4"}}, output="out", fmu={fmu!r}, workers=1).rows))
 """
 
 
@@ -375,7 +392,7 @@ def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
 
 
 def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
-    harder = read_spec(spec, ["metrics.stall_torque.minimum=2 kN.m"])
+    harder = read_spec(spec, {"metrics.stall_torque.minimum": "2 kN.m"})
     folder = designs.files["checked csv"].parent
     stopped = studies.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
@@ -392,11 +409,13 @@ def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec,
     far = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
         keys = [*far, f"search.seed={seed}"]
-        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        found = studies.design(
+            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
         assert found.chosen, seed
         assert len(found.rows) > 12
         assert not found.cut
-    short = read_spec(spec, [*far, "search.seed=1", "search.longest=0.001 ms"])
+    short = read_spec(spec, keys_of_texts([*far, "search.seed=1", "search.longest=0.001 ms"]))
     cut = studies.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
@@ -408,7 +427,9 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
     given = [[], [*short, "search.seed=7"]]
     long, brief = (
-        studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        studies.design(
+            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
         for keys in given
     )
     told = "dominated by another search"
@@ -424,7 +445,9 @@ def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
     lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
-        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        found = studies.design(
+            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
         assert bool(found.chosen) == (starts == 50)
 
 

@@ -115,7 +115,7 @@ def test_what_another_search_found_is_better_only_within_the_limits_and_in_no_go
 def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     path = tmp_path / "spec.toml"
     path.write_text(SPEC)
-    keys = ["search.population=8", "metrics.stall_torque.minimum=30 N.m", "free.satellites=2:3"]
+    keys = {"search.population": 8, "metrics.stall_torque.minimum": "30 N.m", "free.satellites": "2:3"}
     spec = read_spec(path, keys)
     assert spec.search.population == 8
     assert [limit.bound for limit in limits_of("stall_torque", spec.metrics["stall_torque"], "N.m")] == [30.0]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from refused import REFUSED
 
-from inertia_module.common.errors import ParameterError, SceneError
+from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.common.examples import example
 from inertia_module.fmi.results import Result, TableError
 from inertia_module.scene import load_scene
@@ -273,4 +273,4 @@ def test_every_error_of_the_package_is_of_one_kind():
     from inertia_module.fmi.simulate import FmuError
 
     for kind in (FmuError, TableError, SceneError):
-        assert issubclass(kind, ParameterError)
+        assert issubclass(kind, InertiaModuleError)

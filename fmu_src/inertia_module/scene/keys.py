@@ -418,17 +418,30 @@ def _message(scene: type[BaseModel], error: Any) -> str:
     return must_be(key, allowed, repr(value))
 
 
-# keys of a scene outside of its tables
-_TITLES = ("title", "description")
+# tables and texts of a scene, shaft or specification; "drive" is also a parameter of the mechanism
+_TABLES = (
+    "title",
+    "description",
+    "mechanism",
+    "shaft",
+    "load",
+    "controller",
+    "freewheels",
+    "accuracy",
+    "run",
+    "free",
+    "metrics",
+    "search",
+)
 
 
 def full_name(name: str) -> str:
-    """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot.
+    """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot and is no table.
 
     Args:
-        name: Dotted key, name of a parameter of the mechanism, "title" or "description".
+        name: Dotted key, name of a parameter of the mechanism, or name of a table.
     """
-    return name if "." in name or name in _TITLES else f"{MECHANISM}{name}"
+    return name if "." in name or name in _TABLES else f"{MECHANISM}{name}"
 
 
 # values by dotted key, or by the name of a parameter of the mechanism
@@ -444,7 +457,9 @@ def keys_of(keys: Keys | Iterable[str] | None) -> dict[str, object]:
     if keys is not None and not isinstance(keys, Mapping):
         warn_renamed("a list of texts KEY=VALUE", "a mapping from keys to values")
         keys = keys_of_texts(keys)
-    return {full_name(name): value for name, value in (keys or {}).items()}
+    values = keys or {}
+    is_table = isinstance(values.get("drive"), Mapping | BaseModel)
+    return {name if name == "drive" and is_table else full_name(name): values[name] for name in values}
 
 
 def keys_of_texts(texts: Iterable[str] | None) -> dict[str, object]:
