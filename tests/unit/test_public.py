@@ -51,37 +51,6 @@ def test_import_of_the_package_loads_only_the_deprecated_names():
     assert process.stdout.split() == modules
 
 
-def functions():
-    """Public functions, and the public methods of public classes."""
-    for name in NAMES:
-        found = getattr(inertia_module, name)
-        yield name, found
-        for method, value in vars(found).items() if inspect.isclass(found) else ():
-            if inspect.isfunction(value) and not method.startswith("_"):
-                yield f"{name}.{method}", value
-
-
-DOCUMENTED = dict(functions())
-ERRORS = {name for name in NAMES if name.endswith("Error") or name == "SimulationTerminated"}
-
-
-@pytest.mark.parametrize("name", sorted(DOCUMENTED))
-def test_every_argument_is_told_of(name):
-    found = DOCUMENTED[name]
-    text = inspect.getdoc(found)
-    assert text, f"{name} has no docstring"
-    if name in ERRORS:
-        return
-    arguments = [argument for argument in inspect.signature(found).parameters if argument != "self"]
-    for argument in arguments:
-        assert re.search(rf"\b{argument}\b", text), f"{name} does not tell of {argument}"
-
-
-@pytest.mark.parametrize("name", sorted(set(NAMES) - ERRORS))
-def test_signature_of_a_public_name_fits_on_a_screen(name):
-    assert len(str(inspect.signature(getattr(inertia_module, name)))) < 1200
-
-
 def frozen_dataclasses():
     """All frozen dataclasses of the package."""
     for module in pkgutil.walk_packages(inertia_module.__path__, "inertia_module."):

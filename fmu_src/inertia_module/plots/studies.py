@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..analysis.converter_chart import TorqueConverterChart
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..common.deprecated import renamed_arguments
 from ..common.units import factor_between
 from ..studies.axes import Axis
 from ..studies.design_result import DesignResult
@@ -137,6 +138,7 @@ USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_me
 MAX_METRICS = 3
 
 
+@renamed_arguments(figures="metrics")
 def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
     """Draw a sweep: maps over two keys, otherwise each metric over each key.
 

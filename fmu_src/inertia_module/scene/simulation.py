@@ -69,8 +69,11 @@ def simulate(
 
     Args:
         model: scene, path of a scene file (.toml), or path of an FMU (.fmu).
-        inputs: inputs of an FMU: arrays or constants by name (with time), a Result, or the path of a CSV file
-            (see docs/fmu.md). A scene contains its own inputs.
+        inputs: inputs of an FMU by name: constants, or arrays with an array time; or a Result, or the path of
+            a CSV file. They are interpolated linearly between rows and constant outside; two rows with the
+            same time are a step. Columns in other units (`omega1 [rpm]`) are converted. Columns of computed
+            variables are measured values, which the result contains as `NAME_measured`. A scene contains its
+            own inputs.
         stop_time: stop time, s; the run starts at 0. Required for an FMU; replaces the value of a scene.
         step: communication step, s. Required for an FMU; replaces the value of a scene.
         outputs: names of variables to record, or a single name; None for the outputs of the scene, or for all

@@ -50,7 +50,7 @@ TIMEOUT = 5.0
 LOG = logging.getLogger(__name__)
 
 
-class ClusterError(RuntimeError):
+class ClusterError(InertiaModuleError, RuntimeError):
     """Failure of the scheduler or its workers."""
 
 
