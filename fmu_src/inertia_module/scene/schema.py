@@ -167,7 +167,7 @@ class Run(Strict):
         return self
 
 
-def brief(scene: Any) -> str:
+def repr_of(scene: Any) -> str:
     """Return a line that describes a scene of a module or of a driven shaft, for __repr__.
 
     Args:
@@ -206,7 +206,7 @@ class Scene(Strict):
     run: Run
 
     def __repr__(self) -> str:
-        return brief(self)
+        return repr_of(self)
 
     __str__ = __repr__
 

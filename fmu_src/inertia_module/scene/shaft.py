@@ -25,7 +25,7 @@ from .keys import (
     validated,
 )
 from .parts import TorqueLoad
-from .schema import Run, brief
+from .schema import Run, repr_of
 
 READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
 
@@ -126,7 +126,7 @@ class ShaftScene(Strict):
     run: ShaftRun
 
     def __repr__(self) -> str:
-        return brief(self)
+        return repr_of(self)
 
     __str__ = __repr__
 
