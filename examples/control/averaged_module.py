@@ -79,7 +79,8 @@ def averaged_system(
         control.NonlinearIOSystem with the state omega_out, rad/s.
 
     Raises:
-        Refused: The parameters are invalid, or a freewheel is missing, so that there is no mean torque.
+        ParameterError: The parameters are invalid, or a freewheel is missing, so that there is no mean
+            torque.
         ValueError: An input or output is unknown, omega1 or load_torque is missing, or drive is torque.
     """
     if BY_NAME["drive"].number((parameters or {}).get("drive", codes.DRIVE_SPEED)) != codes.DRIVE_SPEED:
@@ -327,7 +328,7 @@ def transient_inertia(
         kernel: Kernel, as in Module.
 
     Raises:
-        Refused: The parameters are invalid.
+        ParameterError: The parameters are invalid.
         ValueError: A speed is out of range, or there are no torque pulses at these speeds.
     """
     if not 0.0 < omega_out < omega1:

@@ -14,7 +14,8 @@ from examples.coupling import study
 from examples.coupling.engine import SCHEMES, CoupledEngine, Engine, Scheme
 from examples.coupling.study import TORQUE, coupled_engine, course, planar, trial
 from inertia_module import driveline
-from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.common.errors import FmuError
+from inertia_module.fmi.instance import Fmu
 from tests.system.programs import DOCS
 
 TABLE = DOCS / "verification" / "coupling_map.csv"

@@ -16,6 +16,7 @@ from fmpy.validation import validate_fmu
 from scenes import ELASTIC, MECHANISMS
 from scenes import REFERENCE as INPUTS
 
+from inertia_module.common.errors import SceneError
 from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
 from inertia_module.fmi.instance import Fmu
@@ -23,7 +24,6 @@ from inertia_module.fmu.builder import FMUS
 from inertia_module.fmu.native_fmu import Build
 from inertia_module.interface.variables import REAL
 from inertia_module.scene import load_scene
-from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
 from tests.packed import files_of
 from tests.ready import HERE

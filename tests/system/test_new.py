@@ -16,7 +16,7 @@ from refused import assert_refused
 from inertia_module import __version__
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
-from inertia_module.compiling import CompilationUnavailable, load
+from inertia_module.compiling import CompilationError, load
 from inertia_module.fmu import builder
 from inertia_module.interface.models import MODELS
 from inertia_module.model import Module, choose_kernel
@@ -168,7 +168,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
     monkeypatch.setattr(builder.NativeFmu, "content", lambda *_: pytest.fail("compiled"))
-    assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
+    assert builder.current_fmu(folder=tmp_path) == built / "InertiaModule.fmu"
     done = builder.build(tmp_path)
     assert not done.skipped
     assert all(path.read_bytes() == (built / path.name).read_bytes() for path in done.paths)
@@ -177,7 +177,7 @@ def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
 
 def test_plain_python_is_not_taken_silently(monkeypatch):
     monkeypatch.delenv("INERTIA_MODULE_KERNEL", raising=False)
-    monkeypatch.setattr(load, "load", Mock(side_effect=CompilationUnavailable("there is no compiler")))
+    monkeypatch.setattr(load, "load", Mock(side_effect=CompilationError("there is no compiler")))
     with pytest.warns(
         RuntimeWarning, match=r"slower\. No compiled kernel is available: there is no compiler$"
     ):
@@ -188,7 +188,7 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
     nothing = builder.Build(skipped={"InertiaModule.fmu": "there is no compiler"})
     monkeypatch.setattr(builder, "build", lambda *_: nothing)
     with pytest.raises(RuntimeError, match=r"cannot build InertiaModule.fmu: there is no compiler"):
-        builder.current_fmu(builder.MODULE_FMU, tmp_path)
+        builder.current_fmu(folder=tmp_path)
 
 
 def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_complete_wheel_or_none(

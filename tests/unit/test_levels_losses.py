@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import ALL_LOSSES, GEARS, PLAY, WIND_UP
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC
 from inertia_module.model import Module
 from verification.stability.motion import LEVELS
@@ -45,7 +45,7 @@ def found(level, name, by_torque=False):
     """Effect of a parameter at a level: yes, no or rejected."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
-    except Refused as error:
+    except InertiaModuleError as error:
         return "rejected" if name in str(error) else str(error)
     return "yes" if changed else "no"
 

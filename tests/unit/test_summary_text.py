@@ -68,9 +68,11 @@ def run_result(speed=100.0, omega_out=None, remarks=None, limits=None, warnings=
         "omega_out": 17.968 * TIME if omega_out is None else omega_out + 0.0 * TIME,
         "energy_stored": 123.375 * TIME,
     }
+    table = Result.from_columns(columns)
     return SceneResult(
+        columns=table.columns,
+        units=table.units,
         scene=scene or load_scene(example("reference")),
-        record=Result.from_columns(columns),
         quantities=quantities(**values),
         remarks=remarks or {},
         limits=limits or {},

@@ -26,6 +26,7 @@ from .options import (
     enumeration,
     option,
     quantity_of,
+    values_of,
 )
 
 # reference angles of an order analysis
@@ -56,9 +57,6 @@ def orders(
     ] = None,
     hz: Annotated[bool, option("Print and plot frequencies in Hz and speeds in rpm.", None, "--hz")] = False,
     mat: Annotated[bool, option("Also write complex amplitudes to orders.mat.", None, "--mat")] = False,
-    uff: Annotated[
-        bool, option("Also write complex amplitudes to orders.uff (data set 58).", None, "--uff")
-    ] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -67,17 +65,14 @@ def orders(
     Analyses torques, speeds and forces. Writes orders.csv, waterfall.csv (spectra over the run),
     summary.json and orders.png. Default output folder: out/orders/SCENE.
     """
-    from ..common.extras import library
     from ..plots.studies import order_figure
     from ..scene.reading import speed_unit
     from ..studies.order_analysis import BASES
 
     check_choice("reference angle", of, ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
-    if uff:
-        library("pyuff", "studies")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
-    read = inertia_module.load_scene(scene, keys)
+    read = inertia_module.load_scene(scene, values_of(keys))
     with progress_bar(read.title) as progress:
         result = inertia_module.orders(
             read,
@@ -90,9 +85,8 @@ def orders(
             end=last,
             progress=progress,
         )
-    unit, files = speed_unit(scene, keys), result.write(folder)
+    unit, files = speed_unit(scene, values_of(keys)), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
-    files |= {"uff": result.write_uff(folder / "orders.uff")} if uff else {}
     files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
 
     parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
@@ -120,7 +114,8 @@ def sweep(
     sensitivity: Annotated[
         int | None, option("Sobol indices from N * (number of keys + 2) runs; N must be a power of 2.", "N")
     ] = None,
-    figure: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    metric: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    figure: Annotated[Texts, option("Former name of --metric.", "NAME", hidden=True)] = None,
     seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
@@ -134,12 +129,13 @@ def sweep(
     Default output folder: out/SCENE_sweep.
     """
     from ..plots.studies import sweep_figure
+    from ..studies.axes import ranges_of_texts
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
-            inertia_module.load_scene(scene, keys),
-            vary or [],
+            inertia_module.load_scene(scene, values_of(keys)),
+            ranges_of_texts(vary or []),
             sample=sample,
             sensitivity=sensitivity,
             seed=seed,
@@ -149,7 +145,8 @@ def sweep(
             workers=workers,
             progress=progress,
         )
-    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, figure or ()))}
+    metrics = [*(metric or ()), *(figure or ())]
+    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, metrics))}
     numbers = {"rows": len(result.rows), "new": result.new, "refused": len(result.refused)}
 
     runs = len(result.rows)
@@ -164,7 +161,7 @@ def sweep(
 def design(
     spec: Annotated[
         Path,
-        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [figures]."),
+        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [metrics]."),
     ],
     output: OutputFolder = None,
     keys: Keys = None,
@@ -177,12 +174,12 @@ def design(
     Writes pareto.csv, checked.csv (and .parquet), plot.png and each verified design as a scene
     (design_1.toml, ...). Default output folder: out/SPEC_design.
     """
-    from ..studies.design_search import read_spec
+    from ..studies.design_specification import read_spec
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     with progress_bar(f"design of {spec.name}") as progress:
         result = inertia_module.design(
-            read_spec(spec, keys),
+            read_spec(spec, values_of(keys)),
             output=folder,
             fmu=fmu,
             scheduler=scheduler,
@@ -256,12 +253,14 @@ def fit(
 
     Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
+    from ..studies.axes import ranges_of_texts
+
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     with progress_bar(f"fit to {measured.name}") as progress:
         result = inertia_module.fit(
             measured,
-            inertia_module.load_scene(scene, keys),
-            free or [],
+            inertia_module.load_scene(scene, values_of(keys)),
+            ranges_of_texts(free or []),
             columns=columns or [],
             starts=starts,
             seed=seed,
@@ -298,7 +297,7 @@ def tradeoff(
     with progress_bar("comparing the fidelity levels") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
-        read = inertia_module.load_scene(scene, keys)
+        read = inertia_module.load_scene(scene, values_of(keys))
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
         rows = measure(read, progress)

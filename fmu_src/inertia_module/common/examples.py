@@ -7,7 +7,7 @@ import tomllib
 from functools import cache
 from pathlib import Path
 
-from .errors import Refused, unknown
+from .errors import ParameterError, unknown
 from .files import PACKAGE_FOLDER
 
 # folder of the examples: in a wheel within the package, in a clone next to it
@@ -38,12 +38,12 @@ def example(name: str) -> Path:
         name: name of the example, such as "planar" or "tutorial", or name of its file.
 
     Raises:
-        Refused: there is no such example.
+        ParameterError: there is no such example.
     """
     files = {file.name: file for file in examples().values()}
     path = examples().get(name) or files.get(name)
     if path is None:
-        raise Refused(unknown("example", name, examples()))
+        raise ParameterError(unknown("example", name, examples()))
     return path
 
 

@@ -225,6 +225,10 @@ class _Whole:
 class FmuSystem(Closing):
     """FMU as a system of python-control; a context manager, which closes the FMU.
 
+    Args:
+        stepper: Steps and states of the FMU, from fmu_system.
+        names: Names of inputs, outputs and system for control.nlsys.
+
     Attributes:
         system: Discrete-time control.NonlinearIOSystem. Copies share the FMU. This is safe in one thread,
             because no result depends on earlier calls.

@@ -251,7 +251,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
         Minimum, mean and maximum of Phi over a period of the planet-shaft angle.
 
     Raises:
-        Refused: The module rejects the parameters.
+        ParameterError: The module rejects the parameters.
     """
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})

@@ -320,7 +320,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
         Paths of the files.
 
     Raises:
-        CompilationUnavailable: the native FMUs cannot be built on this machine.
+        CompilationError: the native FMUs cannot be built on this machine.
     """
     fmus = {}
     for part in plan.parts:

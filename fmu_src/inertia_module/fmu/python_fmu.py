@@ -25,7 +25,7 @@ from .native_fmu import Build, NativeFmu, accompanying_files, library
 
 BUNDLED = (
     "__init__.py",
-    *("common/__init__.py", "common/errors.py", "common/files.py", "common/units.py"),
+    *("common/__init__.py", "common/deprecated.py", "common/errors.py", "common/files.py", "common/units.py"),
     *("compiling/__init__.py", "compiling/load.py", "compiling/targets.py"),
     "interface/*.py",
     *("fmu/__init__.py", "fmu/slave.py"),

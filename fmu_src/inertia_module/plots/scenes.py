@@ -15,7 +15,7 @@ from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERM
 from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from ..fmi.simulate import Result
 from ..interface.variables import LOSSES, LOST_TO
-from ..scene import SceneResult
+from ..scene import Scene, SceneResult
 from ..scene.run import TIME_TO, forces, work
 from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
 
@@ -79,13 +79,13 @@ def scene_figure(result: SceneResult) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
-    figure, table = sheet(result.scene.title), result.record
-    gain = table["energy_stored"] - table["energy_stored"][0]
-    table = Result(table.columns | forces(table) | {GAIN: gain}, table.units)
+    figure, scene = sheet(result.scene.title), result.scene
+    gain = result["energy_stored"] - result["energy_stored"][0]
+    table = Result(result.columns | forces(result) | {GAIN: gain}, result.units)
     if "hub_speed" in table:
         _shaft_panels(figure, result, table)
-    elif result.scene.controller is not None and "vehicle_speed" in table:
-        _driving_panels(figure, result, table)
+    elif isinstance(scene, Scene) and scene.controller is not None and "vehicle_speed" in table:
+        _driving_panels(figure, result, table, scene.cycle)
     else:
         _pulse_panels(figure, result, table)
     return figure
@@ -279,15 +279,15 @@ def _magnitudes(
 # --- driving ---
 
 
-def _driving_panels(figure: Figure, result: SceneResult, table: Result) -> None:
+def _driving_panels(figure: Figure, result: SceneResult, table: Result, cycle: Cycle | None) -> None:
     """Draw the vehicle speed in its tolerance band, speeds of the module, torques and energies."""
     numbers, causes = result.summary, losses(table)
     figure.set_figheight(SIZE[1] * (1.2 if causes else 1.0))
     heights = (1.6, 1, 1, 1.2, 1) if causes else (1.6, 1, 1, 1.2)
     panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    _tracking(panels[0], table, result.scene.cycle)
+    _tracking(panels[0], table, cycle)
     text = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
-    if result.scene.cycle is not None:
+    if cycle is not None:
         text = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + text
     headline(panels[0], text.format_map(numbers))
     names, input_label = (_input(table), "omega_out"), "input ω1 (commanded)"

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from ..analysis.converter_chart import TorqueConverterChart
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..common.deprecated import renamed_arguments
 from ..common.units import factor_between
 from ..studies.axes import Axis
-from ..studies.design_search import DesignResult
+from ..studies.design_result import DesignResult
 from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
 from ..studies.order_analysis import BASES, Orders
@@ -137,25 +138,26 @@ USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_me
 MAX_METRICS = 3
 
 
-def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
+@renamed_arguments(figures="metrics")
+def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
     """Draw a sweep: maps over two keys, otherwise each metric over each key.
 
     Args:
         sweep: Result of the sweep.
-        figures: Names of metrics; without names up to MAX_METRICS metrics that vary.
+        metrics: Names of metrics; without names up to MAX_METRICS metrics that vary.
 
     Raises:
-        Refused: The sweep has no metric of this name.
+        ParameterError: The sweep has no metric of this name.
     """
-    names = list(figures)
+    names = list(metrics)
     if not names:
-        candidates = sorted(sweep.figures, key=lambda name: name not in USUAL)
-        names = [name for name in candidates if varies(sweep.figure(name))][:MAX_METRICS]
+        candidates = sorted(sweep.metrics, key=lambda name: name not in USUAL)
+        names = [name for name in candidates if varies(sweep.metric(name))][:MAX_METRICS]
     rows, columns = max(len(names), 1), 1 if len(sweep.axes) == 2 else len(sweep.axes)
     picture = sheet(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
     panels = picture.subplots(rows, columns, sharey="row", squeeze=False)
     for row, name in zip(panels, names, strict=False):
-        values, label = sweep.figure(name), titled(name, sweep.units.get(name, ""))
+        values, label = sweep.metric(name), titled(name, sweep.units.get(name, ""))
         if len(sweep.axes) == 2:
             _map(row[0], sweep, values, label)
             continue
@@ -219,8 +221,8 @@ def _goals(panel: Axes, result: DesignResult, across: str | None, up: str) -> No
 
     def points(rows: Sequence[Row]) -> tuple[Array, Array]:
         """Return the coordinates of rows; NaN for missing metrics."""
-        x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
-        return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows])
+        x = [place[str(row.point)] if across is None else row.metrics.get(across, np.nan) for row in rows]
+        return np.array(x, dtype=float), np.array([row.metrics.get(up, np.nan) for row in rows])
 
     meets = [result.judge.meets(row) for row in result.rows]
     groups = ("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")

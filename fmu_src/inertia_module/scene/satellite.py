@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from ..common.errors import must_be
+from ..common.errors import SceneError, must_be
 from ..common.units import allowed_number
 from ..interface.variables import default_parameters
-from .keys import InUnit, SceneError, Strict, checked, quantity
+from .keys import InUnit, Strict, checked, quantity
 
 # density, kg/m3; tungsten is the heavy alloy that balance weights are made of
 MATERIALS = {"polyamide": 1140.0, "aluminium": 2700.0, "steel": 7850.0, "brass": 8500.0, "tungsten": 17000.0}
