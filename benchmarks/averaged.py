@@ -9,7 +9,8 @@ import numpy as np
 
 from inertia_module.common.examples import example
 from inertia_module.driveline import interface_inertia
-from inertia_module.fidelity.trials import kernel_time, run_in_process
+from inertia_module.fidelity.measure import run_in_process
+from inertia_module.fidelity.timing import kernel_time
 from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, RIGID
 from inertia_module.model import Module
 from inertia_module.scene import load_scene

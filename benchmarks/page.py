@@ -15,7 +15,7 @@ from playwright.sync_api import sync_playwright
 
 from benchmarks.figures import R1, in_turns, keep_parts
 from inertia_module.common.examples import example
-from inertia_module.fidelity.trials import kernel_time
+from inertia_module.fidelity.timing import kernel_time
 from inertia_module.model import Module
 from inertia_module.scene import load_scene
 from inertia_module.viewer.html import html_file

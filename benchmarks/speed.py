@@ -21,7 +21,7 @@ from rich.progress import track
 from benchmarks import averaged, native
 from benchmarks.figures import R1, TABLE, in_turns, keep_parts
 from inertia_module.compiling.tools import ZIG
-from inertia_module.fidelity.trials import kernel_time, median_time
+from inertia_module.fidelity.timing import kernel_time, median_time
 from inertia_module.fmi.instance import Fmu
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
 from inertia_module.model import Module

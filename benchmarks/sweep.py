@@ -14,7 +14,7 @@ import time
 
 from inertia_module import current_fmu, example, load_scene
 from inertia_module.driveline.closed_loop import PLANT_INPUTS
-from inertia_module.fidelity.trials import kernel_time
+from inertia_module.fidelity.timing import kernel_time
 from inertia_module.fmi.simulate import whole_steps
 from inertia_module.model import Module
 from inertia_module.scene.run import SceneRunner, start_of

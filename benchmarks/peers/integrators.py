@@ -24,7 +24,7 @@ from inertia_module.common.errors import Refused
 from inertia_module.common.extras import library
 from inertia_module.compiling.c_compiler import link
 from inertia_module.compiling.targets import here
-from inertia_module.fidelity.trials import median_time
+from inertia_module.fidelity.timing import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.model import Module
 from verification.reference.cases import HOUSING, OUTPUT, Machine

@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from inertia_module.common.extras import library
-from inertia_module.fidelity.trials import median_time
+from inertia_module.fidelity.timing import median_time
 from verification.reference import geometry
 from verification.reference.geometry import EX, EZ, Array, Parameters, ratio, satellite_ratio
 

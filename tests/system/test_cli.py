@@ -19,8 +19,8 @@ from inertia_module.cli import app, show
 from inertia_module.common.errors import Refused
 from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.fidelity.trials import Row as Measured
-from inertia_module.fidelity.trials import print_levels
+from inertia_module.fidelity.level_table import print_levels
+from inertia_module.fidelity.rows import Row as Measured
 from inertia_module.fmi.results import Result
 from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
@@ -98,7 +98,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
     done = succeeded("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
     found = json.loads(done.stdout)
     assert found["recommendation"]["chosen"]["error"] <= 0.01
-    assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
+    assert found["recommendation"]["request"] == {"error": 0.01, "outputs": ["omega_out"]}
     settings = {(row["fidelity"], row["method"], row["setting"]) for row in found["rows"]}
     assert {("averaged", "", "map"), ("rigid", "", "tolerance 1e-05")} <= settings
     rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
@@ -199,8 +199,8 @@ def test_files_that_are_none_are_named_and_no_folder_is_made_for_nothing(tmp_pat
 COMMANDS = {
     "build": (["build"], "fmu.builder.content_of"),
     "run": (["run", REFERENCE], "scene.run_scene"),
-    "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
-    "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
+    "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.choice.choose"),
+    "tradeoff": (["tradeoff", REFERENCE], "fidelity.measure.trial_rows"),
     "chart": (["chart", REFERENCE], "analysis.converter_chart.torque_converter_chart"),
     "export": (["export", REFERENCE], "export.systems.export"),
 }

@@ -12,7 +12,7 @@ from inertia_module.analysis.converter_chart import SteadyMachine, torque_conver
 from inertia_module.common.errors import Refused, UnknownName
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.fidelity.trials import run_in_process, time_of
+from inertia_module.fidelity.measure import run_in_process, time_of
 from inertia_module.fmi.results import Result
 from inertia_module.interface.variables import BY_NAME, LOSSES
 from inertia_module.plots.scenes import FLOWS, end_of_run, losses, plot, scene_figure
