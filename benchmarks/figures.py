@@ -5,7 +5,7 @@ from pathlib import Path
 
 from inertia_module.fmi.results import write_rows
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[1] / "docs"
 TABLE = DOCS / "performance.csv"
 HEADINGS = ("part", "case", "quantity", "value", "unit")
 R1 = {"omega1": 100.0, "load_torque": 10.0}
