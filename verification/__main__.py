@@ -29,7 +29,13 @@ app = typer.Typer(
 
 
 def print_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Print rows below their headings; of numbers that are not whole three digits."""
+    """Print a table; floats have three significant digits.
+
+    Args:
+        title: Title of the table.
+        headings: Headings of the columns.
+        rows: Cells by row.
+    """
     table = Table(*headings, title=title, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
     for row in rows:
         table.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row))
@@ -61,47 +67,55 @@ def stability(
         return _random_motions(random, seed, losses, folder)
     from .stability import verdicts
 
-    chosen = verdicts.chosen_cases(only, quick)
+    cases = verdicts.chosen_cases(only, quick)
     with progress_bar("running extreme cases") as progress:
-        found = verdicts.run_study(chosen, progress)
-    rows = verdicts.rows_of(found)
+        results = verdicts.run_study(cases, progress)
+    rows = verdicts.rows_of(results)
     files = {
         "verdicts": verdicts.write_rows(folder / "stability.csv", rows),
         "summary": write_figure(folder / "stability_summary.png", verdicts.summary(rows)),
     }
-    counted = [
-        (axis, level, *(count[name] for name in verdicts.OUTCOMES), largest)
+    counts = [
+        (axis, level, *(count[name] for name in verdicts.OUTCOMES), max_error)
         for axis in dict.fromkeys(row.axis for row in rows)
-        for level, (count, largest) in verdicts.counts([row for row in rows if row.axis == axis]).items()
+        for level, (count, max_error) in verdicts.counts([row for row in rows if row.axis == axis]).items()
     ]
     headings = "axis", "fidelity level", *verdicts.OUTCOMES, "maximum error"
-    total = Counter(verdict.outcome for verdict in found)
-    shown: list[Shown] = [
-        partial(print_table, "", headings, counted),
+    total = Counter(verdict.outcome for verdict in results)
+    parts: list[Shown] = [
+        partial(print_table, "", headings, counts),
         *verdicts.reasons(rows),
         ", ".join(f"{total[name]} {name}" for name in verdicts.OUTCOMES),
     ]
-    told = {"verdicts": [verdict.as_record() for verdict in found]}
-    return Answer(told, shown, files, total[verdicts.BROKEN] > 0)
+    data = {"verdicts": [verdict.as_record() for verdict in results]}
+    return Answer(data, parts, files, total[verdicts.BROKEN] > 0)
 
 
 def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answer:
-    """Run random motions, print what does not hold with what reproduces it, write the counts."""
+    """Run random motions, print violated invariants with a reproducer, and write the counts.
+
+    Args:
+        number: Number of motions.
+        seed: Random seed.
+        losses: True to add losses and gravity.
+        folder: Output folder.
+    """
     from inertia_module.fmi.results import write_rows
 
     from .stability.random_motions import HEADINGS, findings, rows_of, run_random
 
     with progress_bar("running random motions") as progress:
         outcomes = run_random(number, seed, folder, progress, losses)
-    rows, found = rows_of(outcomes), findings(outcomes)
+    rows, violations = rows_of(outcomes), findings(outcomes)
     path = folder / ("random_losses.csv" if losses else "random.csv")
-    told = "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}"
-    shown: list[Shown] = [
+    template = "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}"
+    parts: list[Shown] = [
         partial(print_table, "", HEADINGS, rows),
-        *(told.format_map(one) for one in found),
+        *(template.format_map(violation) for violation in violations),
     ]
     files = {"invariants": write_rows(path, HEADINGS, rows)}
-    return Answer({"findings": found}, shown, files, any(one.finding.failed for one in outcomes))
+    failed = any(outcome.finding.failed for outcome in outcomes)
+    return Answer({"findings": violations}, parts, files, failed)
 
 
 @app.command()
@@ -110,14 +124,14 @@ def references() -> Answer:
     """Recompute the reference results of the FMUs in the package."""
     from .reference.experiments import files, package_folder
 
-    written = list[Path]()
+    paths = list[Path]()
     with progress_bar("integrating the references") as progress:
         for number, model in enumerate(MODELS.values(), 1):
             for name, content in files(model).items():
-                written.append(package_folder(model) / name)
-                write_atomically(written[-1], content)
+                paths.append(package_folder(model) / name)
+                write_atomically(paths[-1], content)
             progress(number / len(MODELS))
-    return Answer({"files": list(map(str, written))}, [f"wrote {path}" for path in written])
+    return Answer({"files": list(map(str, paths))}, [f"wrote {path}" for path in paths])
 
 
 @app.command()
@@ -129,9 +143,9 @@ def compatibility(output: OutputFolder = None) -> Answer:
     """
     from .compatibility import write_tree
 
-    written, found = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), aside)
-    shown = [*(f"wrote {path}" for path in written), *found, f"{len(found) or 'no'} problems found"]
-    return Answer({"files": list(map(str, written)), "problems": found}, shown, failed=bool(found))
+    paths, problems = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), aside)
+    parts = [*(f"wrote {path}" for path in paths), *problems, f"{len(problems) or 'no'} problems found"]
+    return Answer({"files": list(map(str, paths)), "problems": problems}, parts, failed=bool(problems))
 
 
 if __name__ == "__main__":
