@@ -25,13 +25,13 @@ PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
 SPEED, TORQUE_STEP = 100.0, 1.0
 
 
-one_piece = study.one_piece
+monolithic = study.monolithic
 
 
 @cache
 def reference(name, ratio):
     """Course of a case in one piece, which takes seconds."""
-    return one_piece(study.CASES[name](ratio))
+    return monolithic(study.CASES[name](ratio))
 
 
 # --- the added-mass limit, on a module that is an inertia and little else ---
@@ -136,7 +136,7 @@ def test_coupling_tends_to_the_one_piece_reference(fmu, name, ratio, close):
 
 def test_by_torque_steps_that_miss_the_samples_see_the_speed_late(fmu):
     steps, expected = (2e-3, 1e-2, 2e-2), reference("planar", 0.5)
-    errors = [trial(planar(0.5), TORQUE, step, expected, fmu).worst for step in steps]
+    errors = [trial(planar(0.5), TORQUE, step, expected, fmu).max_error for step in steps]
     assert 1e-4 < errors[0] < errors[1] < errors[2]
 
 
@@ -201,7 +201,7 @@ def test_a_plant_in_substeps_is_a_plant_in_steps(fmu):
 def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheapest(
     fmu, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(study, "one_piece", lambda case: reference(case.name, case.ratio))
+    monkeypatch.setattr(study, "monolithic", lambda case: reference(case.name, case.ratio))
     rows = study.coupling_map(fmu, quick=True)
     told = {tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)}
     for row in (row for row in rows if row.step == 1e-3):
@@ -209,13 +209,13 @@ def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheape
         assert of_page["stable"] == str(row.stable)
         for column in ("speed_error", "output_error", "energy_error", "cost") if row.stable else ():
             assert float(of_page[column]) == pytest.approx(getattr(row, column), rel=0.02, abs=1e-6)
-    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.worst)
+    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.max_error)
     assert [row.scheme for row in fine] == [TORQUE, *reversed(SCHEMES)]
     found = {(row.scheme, row.step): row for row in rows}
     by_torque, implicit = found[TORQUE, SAMPLE], found["implicit ramp", 1e-3]
-    assert max(row.worst for (scheme, _), row in found.items() if scheme == TORQUE) < 1e-7
+    assert max(row.max_error for (scheme, _), row in found.items() if scheme == TORQUE) < 1e-7
     assert implicit.cost >= 20 * by_torque.cost
-    assert implicit.worst > 1e3 * by_torque.worst
+    assert implicit.max_error > 1e3 * by_torque.max_error
     written = study.write_part(tmp_path, "map", rows)
     assert all(Path(file).stat().st_size > 500 for file in written.values())
     again = read_rows(tmp_path / "coupling_map.csv")
