@@ -95,9 +95,7 @@ def test_the_headers_name_the_functions_of_co_simulation():
 
 @pytest.mark.parametrize("target", PLATFORMS)
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
-def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(
-    fmu, target, request, tmp_path
-):
+def test_library_requires_only_its_platform_and_exports_fmi(fmu, target, request, tmp_path):
     processor = PROCESSORS[target.compiler.split("-", 1)[0]]
     folder = request.getfixturevalue("built" if target in HERE else "built_for_all")
     with zipfile.ZipFile(folder / fmu.file_name) as packed:

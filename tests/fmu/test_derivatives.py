@@ -47,7 +47,7 @@ def outputs_after(instances, settings, h, given, names, tolerance=1e-12):
 
 # FMI 3.0 asks the same core: its own calls are those of the tests below
 @pytest.mark.fmi2
-def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances, level):
+def test_directional_derivative_is_the_derivative_of_the_last_step(instances, level):
     instance, exact = (instances().start(tolerance=n, **START, **level) for n in (1e-6, 1e-12))
     for one in (instance, exact):
         for _ in range(4):
@@ -100,7 +100,7 @@ TUNABLE = {
 
 
 @pytest.mark.parametrize("level", TUNABLE)
-def test_directional_derivative_by_a_tunable_parameter_is_that_of_runs_and_changes_nothing(instances, level):
+def test_directional_derivative_by_a_tunable_parameter_equals_a_difference_of_runs(instances, level):
     settings = ALL_LEVELS[level] | TUNABLE[level]
     instance, alone = (instances().start(tolerance=1e-6, **START | settings) for _ in range(2))
     for known in TUNABLE[level]:  # of the start
@@ -132,7 +132,7 @@ def test_directional_derivatives_are_linear_in_the_direction(instance):
         assert both == pytest.approx(3.0 * one - 2.0 * other, rel=1e-4, abs=1e-6 * (abs(one) + abs(other)))
 
 
-def test_taking_derivatives_changes_nothing(instances, level):
+def test_derivatives_do_not_change_the_run(instances, level):
     watched, alone = (instances().start(tolerance=1e-6, **START, **level) for _ in range(2))
     for n in range(10):
         for one in (watched, alone):
@@ -165,7 +165,7 @@ STANDING = {
 
 
 @pytest.mark.parametrize("state", [*STANDING, "in a pulse"])
-def test_rates_of_outputs_are_those_of_the_motion_that_follows(compiled, followed, state, instances_of):
+def test_rates_of_outputs_agree_with_the_next_step(compiled, followed, state, instances_of):
     """Of a standing shaft, and in the middle of a pulse, far from a switch."""
     no_rate = ("_mean", "_peak", "output_angle", "output_turns")
     for angle in (0.0, 3.15):
@@ -188,7 +188,7 @@ def test_rates_of_outputs_are_those_of_the_motion_that_follows(compiled, followe
 
 
 @pytest.mark.parametrize("load", [0.05, 0.5, 5.0])
-def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, followed, load):
+def test_rate_of_the_output_speed_in_lock_up_follows_from_the_load(instances, followed, load):
     if followed["fidelity"] < 2:
         pytest.skip("only pulses lock up")
     # the output freewheel is on the verge of slip: even the shortest trial step may meet a switch
@@ -200,7 +200,7 @@ def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, 
 
 @pytest.mark.fmi2
 @pytest.mark.parametrize("hold", [0, 1])
-def test_a_rate_holds_for_one_step_and_then_the_input_does_as_its_hold_says(instances, hold):
+def test_rate_of_an_input_applies_to_a_single_step(instances, hold):
     once, again = (instances().start(**START, input_hold=hold) for _ in range(2))
     for one in (once, again):
         one.set_rates(omega1=50.0)
@@ -250,7 +250,7 @@ def test_absurd_rates_are_discarded(instance, name, rate):
         (lambda i: i.set_rates(order=2, omega1=1.0), "order of a derivative of omega1 must be 1 (got 2"),
     ],
 )
-def test_derivatives_that_are_not_there_are_refused(instance, call, words):
+def test_missing_derivatives_are_rejected(instance, call, words):
     instance.start(**START)
     instance.step(0.01)
     assert words in instance.refusal(lambda: call(instance))

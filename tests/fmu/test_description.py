@@ -77,7 +77,7 @@ def test_each_variable_is_described_by_words_of_its_own_before_letters(model):
         assert first not in ("its", "their"), text
 
 
-def test_what_is_continuous_and_calculated_can_be_read_in_an_intermediate_update(unpacked, model):
+def test_continuous_outputs_are_readable_in_an_intermediate_update(unpacked, model):
     root = etree.parse(str(unpacked / "modelDescription.xml")).getroot()
     names = [v.get("name") for v in root.find("ModelVariables") if v.get("intermediateUpdate") == "true"]
     calculated = [v for v in model.variables if v.causality not in (INPUT, PARAMETER)]
@@ -112,7 +112,7 @@ def dependencies(description):
     return {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
 
 
-def test_structure_lists_every_output_and_what_it_depends_on_at_first(description, model, opened):
+def test_structure_lists_outputs_and_their_initial_dependencies(description, model, opened):
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
     assert [unknown.variable.name for unknown in description.outputs] == outputs
     assert all(unknown.dependencies == [] for unknown in description.outputs)
@@ -150,7 +150,7 @@ def neighbours(variable, value):
     return [min(max(value + end, variable.minimum), variable.maximum) for end in (change, -change)]
 
 
-def test_outputs_at_the_start_depend_on_what_is_declared_by_the_derivatives_given(of_fmi3, instances_of):
+def test_declared_initial_dependencies_agree_with_derivatives(of_fmi3, instances_of):
     description, _ = of_fmi3
     model = MODELS[description.modelName]
     instances = functools.partial(instances_of, description.modelName)
@@ -235,7 +235,7 @@ def terminals_in(folder):
     }
 
 
-def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(of_fmi3):
+def test_icons_of_flanges_are_at_the_edge_of_the_icon_of_the_model(of_fmi3):
     folder = of_fmi3[1] / "terminalsAndIcons"
     root = etree.parse(str(folder / "terminalsAndIcons.xml")).getroot()
     (edge,) = root.iter("Icon")
@@ -255,7 +255,7 @@ def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(of_
     assert len(places) == len(drawn)
 
 
-def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(of_fmi3):
+def test_each_flange_has_a_speed_and_a_torque_and_a_single_input(of_fmi3):
     description, unpacked = of_fmi3
     described = {variable.name: variable for variable in description.modelVariables}
     found = terminals_in(unpacked)
@@ -272,9 +272,7 @@ def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(of_fmi3):
 
 
 @pytest.mark.parametrize("drive", [0, 1])
-def test_torques_at_the_flanges_bring_power_in_or_take_it_out_as_their_kinds_say(
-    of_fmi3, instances_of, drive
-):
+def test_direction_of_power_at_flanges_agrees_with_their_kind(of_fmi3, instances_of, drive):
     """The energy audit agrees: what comes in by inflows is energy_in, what goes by outflows energy_out."""
     description, unpacked = of_fmi3
     instance = instances_of(description.modelName)
@@ -301,7 +299,7 @@ def test_torques_at_the_flanges_bring_power_in_or_take_it_out_as_their_kinds_say
         assert work == pytest.approx(instance.get(ends[terminal][2]), rel=2e-2)
 
 
-def test_terminals_that_fit_are_wired_as_by_names(opened):
+def test_matching_terminals_are_connected_like_names(opened):
     """So coupled by the FMU Manipulation Toolbox, module and shaft have the bits of any other host."""
     (module, folder), (_, other_folder) = opened("InertiaModule3"), opened("DrivenShaft3")
     flange, hub = terminals_in(folder)["output_flange"], terminals_in(other_folder)["hub"]

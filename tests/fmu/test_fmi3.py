@@ -143,7 +143,7 @@ def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
 
 
 @pytest.mark.parametrize("early", [False, True])
-def test_a_pending_event_is_part_of_the_state_and_what_follows_has_the_same_bits(instances, early):
+def test_state_includes_a_pending_event(instances, early):
     modes = {"eventModeUsed": True, "earlyReturnAllowed": early}
     instance, other = (instances(**modes).start(**R1) for _ in range(2))
     pass_event(instance)
@@ -176,7 +176,7 @@ def test_parameters_and_inputs_may_change_at_an_event(instances):
     assert abs(instance.get("energy_residual")) < 1e-5
 
 
-def test_intermediate_update_shows_every_switch_and_changes_nothing(instances):
+def test_intermediate_update_reports_every_switch_without_changing_the_run(instances):
     seen = []
     holder = []
 
@@ -255,7 +255,7 @@ def test_modes_follow_each_other_in_order_only(instances, event_mode):
     instance.refusal(lambda: instance.set(output_friction=-1.0), fmi3Discard)
 
 
-def test_what_is_not_offered_is_refused_by_name(instance):
+def test_unsupported_functions_are_rejected_by_name(instance):
     instance.start(**R1)
     fmu = instance.fmu
     assert "no variables of type Float32" in instance.refusal(lambda: fmu.getFloat32([0]))

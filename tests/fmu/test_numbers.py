@@ -31,9 +31,7 @@ COUNT = 12
 SPRUNG = {"driven_friction": 0.2, "balancer": 0.3}
 
 
-def test_tolerance_of_the_experiment_wins_over_the_parameter_and_changes_nothing_of_a_shaft(
-    instances, instances_of
-):
+def test_tolerance_of_the_experiment_overrides_the_parameter(instances, instances_of):
     loose, won = instances().start(**R1), instances().start(tolerance=1e-10, **R1)
     for one in (loose, won):
         one.step(1.0)
@@ -113,7 +111,7 @@ def test_fmu_is_the_shaft_in_memory_and_so_is_its_state(instances_of, identifier
         (DrivenShaft, {"hub_speed": 10.0, "load_torque": 1.0}, {"hub_speed": 5.0, "load_torque": 2.0}),
     ],
 )
-def test_given_rates_of_inputs_are_followed_exactly(instances_of, model, start, rates):
+def test_rates_of_inputs_are_followed_exactly(instances_of, model, start, rates):
     memory, instance = model().start(**start), instances_of(model.model.name).start(**start)
     for one in (memory, instance):
         for n in range(20):

@@ -93,7 +93,7 @@ def out_of_range(model):
 # --- values ---
 
 
-def test_parameter_out_of_range_is_named_with_what_is_allowed(instance, model):
+def test_parameter_out_of_range_is_reported_with_its_range(instance, model):
     for variable, value in out_of_range(model):
         instance.set(**{variable.name: value})
         assert instance.refusal(instance.start) == sentence(variable, value)
@@ -102,7 +102,7 @@ def test_parameter_out_of_range_is_named_with_what_is_allowed(instance, model):
     assert not instance.is_discarded(0.01)
 
 
-def test_bad_input_or_step_is_discarded_and_the_run_goes_on_as_if_nothing_had_been(instances, model):
+def test_invalid_input_or_step_is_discarded_without_effect(instances, model):
     good = GOOD[model]
     for start in STARTS[model]:
         one, undisturbed = (instances().start(**good, **start) for _ in range(2))
@@ -119,7 +119,7 @@ def test_bad_input_or_step_is_discarded_and_the_run_goes_on_as_if_nothing_had_be
             assert one.all_values() == undisturbed.all_values(), f"{said}: the next step is another"
 
 
-def said_of(*names_and_values):
+def messages_of(*names_and_values):
     """Pattern of the sentences on values of variables of the module, and of no others."""
     said = "; ".join(sentence(INERTIA_MODULE.by_name[name], value) for name, value in names_and_values)
     return f"^{re.escape(said)}$"
@@ -131,8 +131,8 @@ BAD_PARAMETERS = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
 @pytest.mark.parametrize(
     "given, said",
     [
-        ({"inputs": {"omega1": math.nan}}, said_of(("omega1", math.nan))),
-        ({"parameters": BAD_PARAMETERS}, said_of(*BAD_PARAMETERS.items())),
+        ({"inputs": {"omega1": math.nan}}, messages_of(("omega1", math.nan))),
+        ({"parameters": BAD_PARAMETERS}, messages_of(*BAD_PARAMETERS.items())),
         *(
             ({"tolerance": n}, rf"^tolerance must be .* \(got {n:.16g}\)$")
             for n in (0.0, -1.0, math.nan, 1.0)
@@ -144,11 +144,11 @@ BAD_PARAMETERS = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
         ),
     ],
 )
-def test_all_that_cannot_be_at_the_start_is_named_at_once(fmu_path, given, said):
+def test_all_invalid_start_values_are_reported_together(fmu_path, given, said):
     assert_refused(said, Fmu, fmu_path, **given)
 
 
-def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_model(instance):
+def test_inconsistent_parameters_are_rejected_with_the_message_of_the_model(instance):
     for parameters, _ in REFUSED["combinations"]:
         with pytest.raises(Refused) as caught:
             Module("plain").start(**parameters)
@@ -159,7 +159,7 @@ def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_m
     assert not instance.is_discarded(0.01)
 
 
-def test_bad_value_of_a_tunable_parameter_is_discarded_and_nothing_changes(instances):
+def test_invalid_value_of_a_tunable_parameter_is_discarded_without_effect(instances):
     one, undisturbed = (instances().start(**GOOD[INERTIA_MODULE]) for _ in range(2))
     for variable in (each for each in INERTIA_MODULE.variables if each.is_tunable):
         name, before = variable.name, one.all_values()
@@ -173,7 +173,7 @@ def test_bad_value_of_a_tunable_parameter_is_discarded_and_nothing_changes(insta
         assert one.all_values() == undisturbed.all_values()
 
 
-def test_tunable_parameters_that_do_not_go_together_are_discarded(instances):
+def test_inconsistent_tunable_parameters_are_discarded(instances):
     one, undisturbed = (
         instances().start(**GOOD[INERTIA_MODULE], **LEVELS["averaged, by torque"]) for _ in range(2)
     )
@@ -188,7 +188,7 @@ def test_tunable_parameters_that_do_not_go_together_are_discarded(instances):
     assert one.all_values() == undisturbed.all_values()
 
 
-def test_outputs_unknown_references_and_wrong_types_are_refused(instance):
+def test_outputs_unknown_references_and_wrong_types_are_rejected(instance):
     before = in_phase(instance, STEPPING).all_values()
     said = instance.refusal(lambda: instance.set(omega_out=77.0))
     assert said == "a variable to set must be an input or a parameter (omega_out is calculated)"
@@ -208,7 +208,7 @@ def test_outputs_unknown_references_and_wrong_types_are_refused(instance):
 
 
 @pytest.mark.parametrize("version", ["", "3"])
-def test_shaft_refuses_the_state_of_a_module(instances_of, version):
+def test_shaft_rejects_the_state_of_a_module(instances_of, version):
     foreign = instances_of(f"InertiaModule{version}").start(**R1).saved()
     shaft = instances_of(f"DrivenShaft{version}").start(hub_speed=20.0)
     message = shaft.refusal(lambda: shaft.fmu.deSerializeFMUstate(foreign))
@@ -229,9 +229,7 @@ def test_work_without_end_is_an_error_and_no_hang(instance):
 
 
 @pytest.mark.parametrize("phase", PHASES)
-def test_calls_out_of_order_are_refused_by_a_sentence_and_change_nothing_and_reset_is_a_new_start(
-    instances, phase
-):
+def test_calls_out_of_order_are_rejected_without_effect_and_reset_restarts(instances, phase):
     instance = in_phase(instances(), phase)
     for name, (when, phases) in CALLS.items():
         if phase in phases or (instance.is_fmi3 and name == "setupExperiment"):
@@ -249,7 +247,7 @@ def test_calls_out_of_order_are_refused_by_a_sentence_and_change_nothing_and_res
     assert instance.all_values() == fresh.all_values()
 
 
-def test_in_initialization_mode_outputs_follow_the_inputs_and_what_is_refused_can_be_mended(instance):
+def test_in_initialization_mode_outputs_follow_inputs_and_errors_can_be_corrected(instance):
     instance.set(omega2_start=1.0, omega_out_start=1.0, drive_angle_start=0.7)
     in_phase(instance, INITIALIZING)
     torques = []
@@ -286,7 +284,7 @@ def test_last_successful_time_is_the_beginning_of_a_discarded_step(instance):
 
 
 @pytest.mark.parametrize("begin", [0.0, 7.0])
-def test_a_step_past_the_stop_time_is_an_error_and_nothing_is_lost(instances, begin):
+def test_step_past_the_stop_time_is_an_error_without_effect(instances, begin):
     one, endless = instances(), instances()
     one.fmu.setupExperiment(startTime=begin, stopTime=begin + 0.3)
     endless.fmu.setupExperiment(startTime=begin)
@@ -324,7 +322,7 @@ def test_the_stop_time_is_part_of_the_state_and_forgotten_by_a_reset(instances):
     one.start(omega1=100.0).step(0.2)
 
 
-def test_a_host_whose_time_jumps_is_told_so_once(instance):
+def test_jump_of_the_time_is_logged_once(instance):
     if not instance.is_native:
         pytest.skip("the Python FMU does not look at the time")
     instance.start(**R1)
@@ -340,7 +338,7 @@ def test_a_host_whose_time_jumps_is_told_so_once(instance):
 # --- the log, and what is no instance ---
 
 
-def test_log_categories_choose_what_is_said(built):
+def test_log_categories_select_messages(built):
     with Fmu(built / "InertiaModule.fmu", inputs=R1) as fmu:
         fmu.advance(0.01)
         assert fmu.messages == []
@@ -352,7 +350,7 @@ def test_log_categories_choose_what_is_said(built):
         assert len(fmu.messages) == 1
 
 
-def test_unknown_log_category_is_refused_and_changes_nothing(instance):
+def test_unknown_log_category_is_rejected_without_effect(instance):
     said = instance.refusal(lambda: instance.fmu.setDebugLogging(False, ["logAll", "logGossip"]))
     assert said.startswith("a log category must be logStatusWarning, ")
     assert said.endswith("logAll (got logGossip)")
@@ -390,7 +388,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_path, case):
+def test_warnings_are_logged_at_each_start_as_warnings(instance, fmu_path, case):
     expected = Module("plain").start(**CASES[case]).warnings()
     assert bool(expected) == (case != "none")
     warnings, errors = instance.log.warnings, instance.log.errors

@@ -72,7 +72,7 @@ def test_run_has_the_bits_and_the_state_of_the_loop(twins, level):
         assert one.time == other.time == pytest.approx(TIMES[-1])
 
 
-def test_steps_are_traced_and_the_progress_is_told(fmu_path):
+def test_steps_are_logged_and_progress_is_reported(fmu_path):
     told = []
     with Fmu(fmu_path, inputs=R1) as fmu:
         fmu.set_logging(True, "logSteps")
@@ -84,7 +84,7 @@ def test_steps_are_traced_and_the_progress_is_told(fmu_path):
 
 
 @pytest.mark.parametrize("name, bad", [("omega1", np.nan), ("load_torque", 1e300), ("output_friction", -1.0)])
-def test_what_is_refused_within_a_run_leaves_what_the_loop_leaves(twins, name, bad):
+def test_run_that_fails_in_the_middle_equals_a_loop_of_steps(twins, name, bad):
     inputs = {name: np.where(np.arange(300) == 200, bad, RISING.get(name, np.zeros(300)))}
     one, other = twins()
     said, looped = (refusal(run, plant, inputs) for plant in (one, by_loop(other)))
@@ -99,7 +99,7 @@ def test_what_is_refused_within_a_run_leaves_what_the_loop_leaves(twins, name, b
         assert other.time == pytest.approx(TIMES[200])
 
 
-def test_unknown_names_and_closed_instances_are_refused(fmu_path):
+def test_unknown_names_and_closed_instances_are_rejected(fmu_path):
     with Fmu(fmu_path, inputs=R1) as fmu:
         assert_refused("unknown variable 'omega7'", run, fmu, outputs=["omega7"])
         with pytest.raises(FmuError, match=r"must be an input or a parameter \(omega_out is calculated\)"):
@@ -108,7 +108,7 @@ def test_unknown_names_and_closed_instances_are_refused(fmu_path):
 
 
 @pytest.mark.parametrize("missing", [{"steps": 1, "lengths": None}, {"input_count": 1}, {"output_count": 1}])
-def test_null_pointers_are_refused(fmu_path, missing):
+def test_null_pointers_are_rejected(fmu_path, missing):
     asked = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
     for name, value in missing.items():
         setattr(asked, name, value)
@@ -136,7 +136,7 @@ def test_fmu_without_such_a_call_runs_by_the_loop(built):
 # --- in memory ---
 
 
-def test_step_too_long_is_refused_in_one_call_as_by_itself(compiled):
+def test_too_long_step_is_rejected_in_a_run_like_alone(compiled):
     module, once = (Module(compiled).start(**R1) for _ in range(2))
     with pytest.raises(Refused, match="2000000"):
         instance.run(module, np.array([0.01, 2e6]), {}, ("omega_out",), np.empty((3, 1)))

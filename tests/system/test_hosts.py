@@ -82,7 +82,7 @@ def test_instances_in_a_host_follow_their_own_inputs_and_do_not_know_of_each_oth
         assert found[n * count : (n + 1) * count] == pytest.approx(expected, rel=1e-9)
 
 
-def test_refusal_ends_the_run_and_says_why(host, built):
+def test_rejection_ends_the_run_with_a_message(host, built):
     bad = GIVEN + f"{(1e9, *SPEEDS[1:])}\n" + PROGRAMS[host]
     if host == "ecospy":
         printed(bad, built)  # goes on without results, and survives that

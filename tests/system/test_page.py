@@ -55,7 +55,7 @@ def test_clock_runs_when_it_is_played_alone(page, opened):
     moving.page.wait_for_function("inertiaModule.state().playing && inertiaModule.state().time > 0")
 
 
-def test_slider_changes_the_run_to_what_simulate_gives(page):
+def test_slider_changes_the_run_like_simulate(page):
     before = page.shown("omega_out")
     slider = page.page.get_by_role("slider", name="imbalance mass, kg")
     slider.focus()
@@ -128,7 +128,7 @@ def test_every_scene_of_the_page_is_accepted(page):
     assert page.errors == []
 
 
-def test_imbalance_is_drawn_where_the_kernel_has_it(page):
+def test_imbalance_is_drawn_at_its_kernel_position(page):
     """The picture is built of turned groups, its arrows by the page's own formulas."""
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
     for scene in (askew, "planar", "real-bevel", "elastic"):
@@ -173,7 +173,7 @@ def test_clock_curves_and_switches_agree(page):
     assert 2 <= ((switches > begin - 1e-9) & (switches <= end + 1e-9)).sum() <= 6
 
 
-def test_link_restores_the_state_and_names_what_is_wrong_in_it(page):
+def test_link_restores_the_state_and_reports_invalid_values(page):
     set_field(page, "load_torque", "4.5")
     page.settled()  # places of the slider are shares of the run as far as it is
     page.page.get_by_label("cut-away").uncheck()
@@ -265,7 +265,7 @@ def test_files_of_the_run_and_the_scene(page):
     assert (read.load.torque, read.run.stop_time, read.accuracy.tolerance) == (4.5, 1.0, 1e-9)
 
 
-def test_converter_chart_is_that_of_the_package(page):
+def test_converter_chart_agrees_with_the_package(page):
     """Stall torque and efficiency of scene R1 without losses, and the point of the run."""
     page.page.get_by_label("Phase plot or torque converter chart").select_option("chart")
     ready = "document.querySelector('.note:not([hidden])').textContent.startsWith('Periodic steady state')"
@@ -293,7 +293,7 @@ def sized(still, request):
     return still.at("")
 
 
-def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
+def test_no_text_overflows_in_any_font_and_the_theme_switches(sized):
     before = sized.page.evaluate(PAPER)
     sized.press("Light or dark theme")
     assert sized.page.evaluate(PAPER) != before
@@ -450,7 +450,7 @@ def test_integrate_is_simulate_in_slices_with_angles_whole(still):
     assert run["columns"]["q"] == pytest.approx(turned, rel=1e-15)
 
 
-def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
+def test_run_that_fails_in_the_middle_keeps_its_rows(still):
     given = options({"load_torque": 10.0})
     given["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
     run = still.ask("integrate", {**given, "duration": 1.0})
@@ -460,7 +460,7 @@ def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
     assert run["error"].startswith("omega1 must be between ")
 
 
-def test_warnings_are_those_of_the_native_fmu(still, built):
+def test_warnings_agree_with_the_native_fmu(still, built):
     given = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
     run = still.ask("integrate", {**given, "duration": 0.01})
     with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"]) as fmu:
@@ -468,7 +468,7 @@ def test_warnings_are_those_of_the_native_fmu(still, built):
     assert len(run["warnings"]) == 2
 
 
-def test_thousand_instances_take_the_memory_of_one(still):
+def test_memory_does_not_grow_over_a_thousand_instances(still):
     """Instances are given back, also those that are refused."""
     good = {**options({"omega1": 100.0}), "steps": 2, "outputs": ["omega_out"]}
     bad = {**good, "parameters": {"tolerance": 7.0}}
@@ -528,7 +528,7 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
     assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
 
 
-def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypatch):
+def test_row_of_a_long_run_includes_means_and_peaks_of_omitted_rows(monkeypatch):
     columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
     record = Result(columns, {})
     monkeypatch.setattr(html, "MOST", 6)
@@ -541,14 +541,14 @@ def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypat
     assert force.tolist() == [0.0, -1.0, -4.0]
 
 
-def test_run_leaves_the_page_beside_its_table(fmu, tmp_path):
+def test_run_writes_the_page_next_to_its_table(fmu, tmp_path):
     told = left("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
     assert json.loads(told)["files"]["page"] == str(tmp_path / "page.html")
     assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
 
 
-def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
+def test_impossible_page_or_report_is_rejected_before_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
     (tmp_path / "folder.html").mkdir()
     (tmp_path / "file").write_text("a file")

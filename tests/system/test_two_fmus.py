@@ -82,12 +82,12 @@ def test_two_fmus_tend_to_the_elastic_module_with_the_order_of_the_coupling(buil
     assert math.log(errors[0] / errors[1]) / math.log(5.0) > 0.8 * order
 
 
-def test_example_ends_where_its_way_of_coupling_does(built):
+def test_example_agrees_with_its_coupling(built):
     ends = EXAMPLE["simulate"](WITH_DERIVATIVES, 1e-3, stop=WINDOW * WINDOWS, folder=built)
     assert ends == pytest.approx(coupled(built, WITH_DERIVATIVES, 1e-3)[0][-1], rel=1e-4)
 
 
-def test_recommended_coupling_loses_no_energy_where_the_mean_torque_makes_some(built, elastic):
+def test_recommended_coupling_conserves_energy(built, elastic):
     _, made = coupled(built, JACOBI, 1e-3)
     assert made < -0.1
     found, lost = coupled(built, WITH_DERIVATIVES, 1e-3)

@@ -53,7 +53,7 @@ def test_missing_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolera
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 2}, {"fidelity": 3}])
-def test_step_that_does_not_balance_is_made_once_more_with_care_and_then_refused(spoil, values):
+def test_step_without_energy_balance_is_repeated_and_then_rejected(spoil, values):
     module, careful = (started("plain", PLANAR, values) for _ in range(2))
     careful.derived.tolerance *= 1e-3
     spoil(1)
@@ -65,7 +65,7 @@ def test_step_that_does_not_balance_is_made_once_more_with_care_and_then_refused
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}], ids=str)
-def test_steps_that_lose_energy_by_what_they_are_made_of_are_not_refused(spoil, values):
+def test_steps_with_physical_losses_are_accepted(spoil, values):
     module = started("plain", PLANAR, values)
     spoil(1)
     module.advance(0.01)

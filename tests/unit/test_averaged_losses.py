@@ -43,7 +43,7 @@ STEADY = [
 
 
 @pytest.mark.parametrize("values, omega1, ratio, bound", STEADY)
-def test_steady_means_are_those_of_the_pulses(compiled, values, omega1, ratio, bound):
+def test_steady_means_agree_with_the_pulses(compiled, values, omega1, ratio, bound):
     ours, pulses = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
     assert ours[:2] == pytest.approx(pulses[:2], abs=bound * max(abs(pulses[0]), pulses[1]))
     assert ours[2:] == pytest.approx(pulses[2:], abs=bound)
@@ -79,7 +79,7 @@ def test_a_coasting_shaft_slows_by_friction_and_drag(compiled, step, omega1):
     assert omega1 or module["energy_in"] == pytest.approx(0.0, abs=1e-4 * gone)
 
 
-def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compiled):
+def test_strong_output_friction_dissipates_the_energy_of_the_shaft(compiled):
     module = started(compiled, fidelity=1, omega_out_start=10.0, output_friction=90.0)
     had = module["energy_stored"]
     module.advance(0.02)
@@ -89,7 +89,7 @@ def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compil
 
 
 @pytest.mark.parametrize("change", [0.0, 0.5], ids=["constant", "ramps"])
-def test_work_of_link_1_is_within_its_tolerance_also_where_most_of_it_is_lost(compiled, change):
+def test_work_of_link_1_is_accurate_with_large_losses(compiled, change):
     tolerances = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7]
     values = {"mesh_efficiency": 0.9, "omega1": 100.0, "input_hold": 1}
     found = [averaged(compiled, values, tolerance=tolerance) for tolerance in tolerances]
@@ -108,7 +108,7 @@ def test_drag_of_both_freewheels_holds_a_shaft_at_rest(compiled, load):
     assert (module["omega_out"] == 0.0) == (load == -0.5)
 
 
-def test_longest_internal_step_leaves_the_map_as_it_is(compiled):
+def test_max_step_does_not_change_the_map(compiled):
     means = []
     # (another efficiency, so that both have maps of their own)
     for efficiency, longest in ((0.96, 1e-3), (0.96 + 1e-9, 0.0)):
@@ -118,7 +118,7 @@ def test_longest_internal_step_leaves_the_map_as_it_is(compiled):
     assert means[1] == pytest.approx(means[0], rel=1e-5)
 
 
-def test_journals_that_leave_no_pulse_take_the_output_up_to_link_1(compiled):
+def test_journals_without_slip_lock_the_output_to_link_1(compiled):
     module = advanced(started(compiled, fidelity=1, omega1=50.0, journal_friction=10.0), 0.05)
     assert module["omega_out"] == 50.0
     assert module["energy_residual"] == pytest.approx(0.0, abs=1e-4 * module["energy_in"])
@@ -151,9 +151,7 @@ UNDER_TORQUE = [
 
 
 @pytest.mark.parametrize("values, speeds, torque, bound", UNDER_TORQUE)
-def test_under_its_torque_link_1_and_the_output_are_those_of_the_pulses(
-    compiled, values, speeds, torque, bound
-):
+def test_torque_driven_speeds_agree_with_the_pulses(compiled, values, speeds, torque, bound):
     for speed in speeds:
         (ours, omega1), (pulses, speed1) = (under_torque(compiled, values, f, speed, torque) for f in (1, 2))
         assert omega1 == pytest.approx(speed1, rel=bound)
@@ -172,9 +170,7 @@ def test_each_loss_has_its_account(compiled, name, drive):
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
-def test_under_a_torque_long_steps_end_as_short_ones_and_left_alone_the_machine_comes_to_rest(
-    compiled, mechanism
-):
+def test_torque_driven_long_steps_agree_with_short_steps_until_rest(compiled, mechanism):
     machine = {**MECHANISMS[mechanism], **REALISTIC, "drive": 1, "fidelity": 1, "input_inertia": 0.13}
     heavy = {"output_inertia": 1e4, "drive_torque": 12.0, "omega_out_start": 30.0}
     ends = []
@@ -191,7 +187,7 @@ def test_under_a_torque_long_steps_end_as_short_ones_and_left_alone_the_machine_
     assert module["energy_lost"] == pytest.approx(stored, rel=5e-4)
 
 
-def test_each_module_has_the_map_of_its_losses_also_where_they_change_between_steps(compiled):
+def test_map_follows_losses_that_change_between_steps(compiled):
     scene = {"omega_out_start": 40.0, "omega1": 100.0}
     tuned = averaged(compiled, scene)
     ideal = tuned["output_torque"]
@@ -224,7 +220,7 @@ def errors(values, omega1, ratio):
 
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("shape, losses, omega1, ratio", TABLES["never_rests"]["rows"])
-def test_the_mean_is_that_of_the_steady_motion(shape, losses, omega1, ratio):
+def test_mean_equals_the_steady_motion(shape, losses, omega1, ratio):
     torque, taken, efficiency = errors({**{**MECHANISMS, "heavy": HEAVY}[shape], **losses}, omega1, ratio)
     assert max(torque, taken) < 0.02
     assert efficiency < 0.01
@@ -302,7 +298,7 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 @pytest.mark.parametrize("losses", CRAWLING)
-def test_links_that_crawl_turn_as_friction_and_drag_balance(compiled, mechanism, direction, losses):
+def test_slow_links_balance_friction_and_drag(compiled, mechanism, direction, losses):
     values = {**MECHANISMS[mechanism], **CRAWLING[losses]}
     omega1 = direction * Module(compiled).start(**values, fidelity=1).derived.forward.slow / 99.0
     ours, pulses = (of(compiled, values, omega1, 0.9) for of in (of_map, of_pulses))

@@ -40,9 +40,7 @@ def rigid_after(kernel, mechanism, omega1, sigma, time):
 @pytest.mark.parametrize("mechanism", SHAPES)
 @pytest.mark.parametrize("omega1", [100.0, -100.0])
 @pytest.mark.parametrize("sigma", [0.0, 0.07, 0.31, 0.6, 0.93])
-def test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed(
-    compiled, mechanism, omega1, sigma
-):
+def test_means_ripple_and_peak_agree_with_pulses_at_constant_output_speed(compiled, mechanism, omega1, sigma):
     settings = SHAPES[mechanism]
     stall = at_ratio(compiled, settings, omega1, 0.0)["output_torque"]
     module = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e5)
@@ -61,7 +59,7 @@ def test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed(
 
 
 @pytest.mark.parametrize("mechanism", SHAPES)
-def test_torque_goes_with_the_square_of_the_speed_and_stalls_alike_both_ways(compiled, mechanism):
+def test_torque_is_quadratic_in_speed_and_symmetric(compiled, mechanism):
     settings = SHAPES[mechanism]
     for sigma in (0.0, 0.2, 0.9):
         one = at_ratio(compiled, settings, 1.0, sigma)["output_torque"]
@@ -93,14 +91,14 @@ def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
     ],
     ids=["heavy drive", "hardly an imbalance"],
 )
-def test_freewheels_that_rounding_makes_switch_hold_up_no_map(compiled, settings):
+def test_map_terminates_if_rounding_switches_freewheels(compiled, settings):
     """Link 2 moves by rounding alone: its freewheels switch at once wherever they are."""
     module = started(compiled, settings, fidelity=1)
     assert module.derived.map_evaluations < 1e6
     assert 0.0 <= module["output_torque"] <= 10.0
 
 
-def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
+def test_equal_instances_share_a_map(compiled, monkeypatch):
     kept = lru_cache(3)(model._map_of.__wrapped__)
     monkeypatch.setattr(model, "_map_of", kept)
     first = Module(compiled).start(fidelity=1, omega1=100.0)
@@ -120,7 +118,7 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
     assert kept.cache_info().currsize == 3
 
 
-def test_sizes_of_the_map_are_those_of_the_grid():
+def test_sizes_of_the_map_agree_with_the_grid():
     assert len(torque_map.RATIOS) == fields.RATIOS
     assert len(torque_map.SLOWNESS) == fields.SLOWNESSES
     assert len(torque_map.LOSSES) == fields.LOSSES
@@ -157,7 +155,7 @@ def side():
     return side
 
 
-def test_curves_are_those_of_scipy(side):
+def test_curves_agree_with_scipy(side):
     ratios = side.end * np.array(torque_map.RATIOS)
     values = [column.inertia for column in side.columns]
     expected = PchipInterpolator(ratios, values)

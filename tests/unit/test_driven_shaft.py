@@ -169,7 +169,7 @@ WALK = ["undamped", "underdamped", "critical", "overdamped", "stiff, hardly damp
 
 
 @pytest.mark.parametrize("shaft, steps", [*((name, 2**14) for name in WALK), ("underdamped", 2**17)])
-def test_many_tiny_steps_are_one_long_step(compiled, shaft, steps):
+def test_many_tiny_steps_equal_a_long_step(compiled, shaft, steps):
     def end(count):
         module = made(
             compiled, shaft, hub_speed=20.0, load_torque=7.0, omega_out_start=19.0, twist_start=1e-3

@@ -18,7 +18,7 @@ def engine(governor=STILL, **values):
     return Engine(limits=MAP, governor=governor, **given)
 
 
-def test_speed_and_energy_under_a_load_with_inertia_are_those_of_a_fine_integration():
+def test_speed_and_energy_with_a_load_inertia_agree_with_a_fine_integration():
     one = engine()
     one.state = one.after(0.3, 5.0, inertia=0.07)
 
@@ -69,7 +69,7 @@ def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     assert one.state.torque < 0.0  # it drags at once
 
 
-def test_an_engine_set_to_an_old_state_goes_on_from_it():
+def test_engine_continues_from_a_restored_state():
     one = engine(Governor(4.0, 20.0))
     kept = one.state = one.after(0.013, 10.0)
     first = one.after(0.02, 10.0)
@@ -98,6 +98,6 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
         ),
     ],
 )
-def test_bad_values_are_refused_by_name(make, sentence):
+def test_invalid_values_are_rejected_by_name(make, sentence):
     with pytest.raises(ValueError, match=re.escape(sentence)):
         make()

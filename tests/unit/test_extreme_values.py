@@ -68,7 +68,7 @@ def test_engine_turns_round_again_and_again(torque, angle, load):
 @pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-9, -1e-9])
 @pytest.mark.parametrize("angle", [0.5, math.pi, 4.0])
 @pytest.mark.parametrize("freewheels", FREEWHEELS)
-def test_torque_that_just_balances_the_load_at_standstill(driven, freewheels, off, angle):
+def test_torque_equal_to_the_load_at_standstill(driven, freewheels, off, angle):
     values = {**driven, **FREEWHEELS[freewheels], "omega1": 0.0, "drive_angle_start": angle}
     i, b, g = direct_sums(parameters(**values), angle)[::2]
     k = ratio(values | parameters(**values))
@@ -104,7 +104,7 @@ def test_input_scales_exactly(compiled, power):
 
 
 @pytest.mark.parametrize("fidelity", [0, 2])
-def test_work_of_a_step_is_bounded_and_a_step_given_up_leaves_no_trace(monkeypatch, fidelity):
+def test_work_of_a_step_is_bounded_and_an_abandoned_step_has_no_effect(monkeypatch, fidelity):
     # in plain Python with a limit that is soon met; tests/fmu has that of the compiled kernel
     assert engine.MAX_EVALUATIONS == 5e7
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)

@@ -35,7 +35,7 @@ def test_locked_up_machine_with_friction_stays_so(compiled, drive):
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.3, -0.3])
-def test_prescribed_motion_is_that_with_a_shaft_that_nothing_slows(compiled, scene, ratio):
+def test_kinematic_motion_agrees_with_a_shaft_of_huge_inertia(compiled, scene, ratio):
     """The rigid module, which the reference judges, behind an output of great inertia, without freewheels."""
     # what rubs on the shaft is the load's
     more = {"windage": 1e-4, "satellites": 1, "output_friction": 0.0, **scenes.FREEWHEELS["no freewheel"]}
@@ -69,7 +69,7 @@ def test_ramp_from_rest_breaks_friction_loose(compiled, losses, load):
 
 
 @pytest.mark.parametrize("wheel", ["housing", "freewheel"])
-def test_wound_up_freewheel_never_pulls_whatever_its_stiffness_and_damping(compiled, scene, wheel):
+def test_compliant_freewheel_never_pulls(compiled, scene, wheel):
     for stiffness, damping in product((1e3, 1e5, 1e7, 1e8), (0.0, 1.0, 1e2, 1e4)):
         spring, speeds = {f"{wheel}_stiffness": stiffness, f"{wheel}_damping": damping}, []
         for tolerance in (1e-3, 1e-6, 1e-9):
@@ -95,7 +95,7 @@ NOT_THERE = {
 
 @motions(levels=("rigid", "elastic"), added=("ideal", "losses"))
 @pytest.mark.parametrize("value", [1e-3, 1e6])
-def test_what_has_no_place_has_no_meaning(compiled, scene, value):
+def test_outputs_without_meaning_are_not_modelled(compiled, scene, value):
     """Damping without a spring, and all of a freewheel that is not there: at the start, tuned, restored."""
     names = ["housing_damping", "freewheel_damping"]
     for freewheel, others in NOT_THERE.items():

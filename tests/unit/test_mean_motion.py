@@ -31,7 +31,7 @@ def rates(motion, change1=0.0, change3=0.0, regime=mean_motion.SLIPPING):
     return d.mean
 
 
-def test_mean_power_goes_to_the_output_or_into_the_energy_or_is_lost(motion):
+def test_mean_power_is_output_power_plus_stored_and_lost_power(motion):
     d, side, x = motion
     m = rates(motion)
     rate1, rate3, drive, output, lost = m.omega1, m.omega3, m.drive, m.output, sum(m.lost)
@@ -87,7 +87,7 @@ def test_stiff_linear_rate_is_damped(stiffness):
     assert abs(factor) < 10.0 / stiffness + 1e-6
 
 
-def test_a_regime_ends_where_its_indicator_is_zero(compiled):
+def test_regime_ends_at_the_zero_of_its_indicator(compiled):
     module = started(compiled, PLANAR, fidelity=1, omega1=100.0, omega_out_start=120.0, load_torque=2.0)
     # coasts without torque until it meets link 1
     time = 20.0 * PLANAR["output_inertia"] / 2.0

@@ -80,7 +80,7 @@ def test_energies_balance_and_freewheels_only_push(compiled, scene):
 
 
 @motions()
-def test_many_steps_are_one(compiled, scene):
+def test_many_steps_equal_a_single_step(compiled, scene):
     """Steps of a ramp: angles, speeds, energies, switches, and means by their sums."""
     ramp = {"omega1": 0.0 if scene.get("drive") else 300.0}
     one, many = (started(compiled, scene, tolerance=1e-10) for _ in range(2))
@@ -102,7 +102,7 @@ def test_many_steps_are_one(compiled, scene):
 
 
 @motions()
-def test_a_saved_state_runs_on_to_the_same_bits_also_one_from_before_the_start(compiled, scene):
+def test_run_from_a_saved_state_has_the_same_bits(compiled, scene):
     module = advanced(started(compiled, scene), 0.01, 0.003)
     other = Module(compiled)
     other.set(**scene)
@@ -118,7 +118,7 @@ def test_a_saved_state_runs_on_to_the_same_bits_also_one_from_before_the_start(c
     assert other.start().save() == started(compiled, scene).save()
 
 
-def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
+def test_invalid_state_is_rejected_without_effect(compiled):
     module = advanced(started(compiled), 0.01)
     saved = module.save()
     damaged = {
@@ -135,7 +135,7 @@ def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
 
 
 @motions(added=("ideal", "losses"))
-def test_a_step_without_late_outputs_and_those_afterwards_are_a_whole_step(compiled, scene):
+def test_outputs_evaluated_after_a_step_equal_a_whole_step(compiled, scene):
     whole, parts = (started(compiled, scene) for _ in range(2))
     advanced(whole, 0.01, 0.01)
     late = [variable.name for variable in parts.model.variables if variable.late]
@@ -174,7 +174,7 @@ def test_error_follows_the_tolerance(compiled, scene):
 
 
 @motions(levels=("averaged", "rigid", "elastic"), added=("ideal",))
-def test_one_input_alone_counts_and_its_work_is_torque_times_angle(compiled, scene):
+def test_only_the_selected_drive_input_does_work(compiled, scene):
     """The torque given to link 1, where the drive is by torque, not its speed; else the other way round."""
     one, other = (advanced(started(compiled, scene), 0.01) for _ in range(2))
     if scene.get("drive"):
@@ -240,7 +240,7 @@ def test_residual_of_long_runs_grows_with_the_turns_and_no_faster(compiled, kind
 
 
 @motions(levels=[level for level in LEVELS if level != "averaged"], added=("ideal", "losses"), missing=())
-def test_means_of_a_last_step_of_next_to_nothing_are_torques_there(compiled, scene):
+def test_means_of_a_tiny_last_step_are_instantaneous_torques(compiled, scene):
     for before in (0.05, 0.0037):
         module = advanced(started(compiled, scene), before)
         for step, missing in ((1e-13, 1e-9), (1e-16, 1e-9), (1e-30, 1e-9)):

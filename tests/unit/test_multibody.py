@@ -120,7 +120,7 @@ def torques(module, q, omega1, alpha1, omega2, alpha2):
     return m.drive, m.mesh
 
 
-def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(multibodies):
+def test_torques_forces_and_energy_agree_with_the_multibody_engine(multibodies):
     for multibody in multibodies:
         p, module, k = multibody.p, started("plain", multibody.p), ratio(multibody.p)
         d, found, expected = module.derived, [], []
@@ -146,7 +146,7 @@ def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(mu
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("satellites, modules", [(1, 1), (2, 1), (3, 2)])
-def test_links_with_losses_accelerate_as_inverse_dynamics_says(layout, satellites, modules):
+def test_accelerations_with_losses_agree_with_inverse_dynamics(layout, satellites, modules):
     p = {"drive_inertia": 0.004, "satellite_inertia": 5e-4, "satellite_transverse_inertia": 4e-4}
     p |= {"input_inertia": 0.02, "link2_inertia": 0.006, "output_inertia": 0.03, "gravity": 9.81, "drive": 1}
     p |= {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}

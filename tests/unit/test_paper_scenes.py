@@ -44,7 +44,7 @@ def test_karetins_modes_move_the_imbalance_as_the_exact_form(built, name, i, sha
     scene_figure(result)
 
 
-def test_lysenkos_wheel_left_to_itself_swings_in_speed_and_keeps_its_energy(built):
+def test_free_wheel_of_lysenko_oscillates_at_constant_energy(built):
     scene = load_scene(PAPERS / "lysenko_wheel.toml")
     values = scene.parameters()
     lengths = "sun_radius", "satellite_radius", "eccentricity"
@@ -87,11 +87,11 @@ def test_hub_by_table_with_a_load(built):
 
 
 @pytest.mark.parametrize("key, value, line", REFUSED["shaft_scenes"])
-def test_one_line_says_what_is_wrong(key, value, line):
+def test_error_is_a_line(key, value, line):
     assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 
 
-def test_a_scene_of_a_shaft_is_none_of_the_module():
+def test_shaft_scene_is_not_a_module_scene():
     assert_refused(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
     told = "error: --fidelity, --error and --view require a scene of the module"
     is_one_line(command("run", SHAFT, "--fidelity", "rigid"), told)

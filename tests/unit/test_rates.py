@@ -82,7 +82,7 @@ def test_guards_in_an_explicit_step(values, chance, mode):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_of_equals_the_mode_is_chosen_that_goes_on(chance, sign):
+def test_ties_keep_the_contact_mode(chance, sign):
     # link 1 at rest at an angle where F is none, and grows, or falls, as it begins to turn
     module = started("plain", SCENES["bevel"], omega1=0.0)
     d, x = module.derived, module.state

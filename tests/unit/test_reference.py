@@ -112,16 +112,16 @@ def assert_same_motion(kernel, values, parts=(0.01, 0.03)):
 
 
 @pytest.mark.parametrize("values", IDEAL_CASES)
-def test_motion_is_that_of_the_reference(compiled, values):
+def test_motion_agrees_with_the_reference(compiled, values):
     assert_same_motion(compiled, values)
 
 
 @pytest.mark.parametrize("values", GENERAL_CASES)
-def test_motion_and_losses_are_those_of_the_reference(compiled, values):
+def test_motion_and_losses_agree_with_the_reference(compiled, values):
     assert_same_motion(compiled, values)
 
 
-def test_loads_that_change(compiled, scene):
+def test_changing_loads(compiled, scene):
     loads = [scene["load_torque"] * (1.0 if n % 4 < 2 else -0.5) for n in range(1, 7)]
     parts = [(0.01 * n, load) for n, load in enumerate(loads, 1)]
     assert_same_motion(compiled, {**scene, **ALL_LOSSES}, parts)
@@ -139,7 +139,7 @@ def test_jumps_of_the_input_speed_meet_freewheels_within_their_play(compiled, sc
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
-def test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work(compiled, tolerance):
+def test_input_impulse_equals_the_change_of_momentum(compiled, tolerance):
     lengths = {"layout": 1, "sun_radius": 0.085627, "satellite_radius": 0.36137, "eccentricity": 0.35929}
     values = {**lengths, "housing_freewheel": 0, "mesh_efficiency": 0.99, "tolerance": tolerance}
     load, duration = 2253.0, 0.331
@@ -165,7 +165,7 @@ def test_losses_of_several_satellites_follow_the_tolerance(compiled, tolerance):
 
 
 @pytest.mark.parametrize("name", scenes.FOUND["kinked"])
-def test_accounts_are_held_to_the_tolerance_whatever_the_steps(compiled, name):
+def test_energy_balance_meets_the_tolerance_for_all_steps(compiled, name):
     load, omega1, slope, duration, text = scenes.FOUND["kinked"][name]
     values = scenes.mechanism(text)
     exact = reference({**values, "load_torque": load, "omega1": omega1})

@@ -38,7 +38,7 @@ def half_disc(radius, thickness, place, density, segments=720):
 
 
 @pytest.mark.parametrize("layout", ["planar", "bevel"])
-def test_a_satellite_by_its_sizes_has_the_inertia_that_mujoco_finds_of_its_shapes(layout):
+def test_inertia_of_satellite_shapes_agrees_with_mujoco(layout):
     mujoco = pytest.importorskip("mujoco")
     pitch, width, radius, thickness = 0.03, 0.012, 0.025, 0.02
     sizes = {"width": width, "weight_radius": radius, "weight_width": thickness}
@@ -69,7 +69,7 @@ def test_a_satellite_by_its_sizes_has_the_inertia_that_mujoco_finds_of_its_shape
         assert abs(inertia[1] - inertia[0]) == pytest.approx(swing, rel=1e-4)
 
 
-def test_parameters_that_follow_are_ordinary_ones_and_written_as_sizes(tmp_path):
+def test_derived_parameters_are_written_as_sizes(tmp_path):
     pytest.importorskip("tomli_w")
     scene = of_sizes(PLANAR)
     followed = scene.following
@@ -96,5 +96,5 @@ def test_parameters_that_follow_are_ordinary_ones_and_written_as_sizes(tmp_path)
     "key, value, sentence",
     [*REFUSED["satellites"], ("satellite.width", None, "^missing key 'mechanism.satellite.width'$")],
 )
-def test_what_contradicts_a_body_is_refused_in_a_sentence(key, value, sentence):
+def test_contradiction_to_satellite_sizes_is_rejected_in_a_sentence(key, value, sentence):
     assert_refused(sentence, of_sizes(PLANAR).with_keys, {f"mechanism.{key}": value})
