@@ -159,7 +159,7 @@ def test_rebuilt_fmu_is_reloaded(built, tmp_path):
         before.advance(0.01)
 
 
-# --- built: as before, as of now, what is made anew after a change ---
+# --- builds: unchanged, current, parts that are rebuilt after a change ---
 
 
 def test_interrupted_build_keeps_the_old_files_only(built, tmp_path, monkeypatch):
@@ -243,8 +243,8 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     monkeypatch.setitem(sys.modules, missing, None)  # so it is not found
     done = command("build", "-o", tmp_path, *options)
     assert done.exit_code == 1
-    told = re.findall("^skipped (.*?): (.*)", done.stderr, re.M)
-    skipped = json.loads(done.stdout)["skipped"] if options else dict(told)
+    reasons = re.findall("^skipped (.*?): (.*)", done.stderr, re.M)
+    skipped = json.loads(done.stdout)["skipped"] if options else dict(reasons)
     (path,) = tmp_path.iterdir()
     assert not options or json.loads(done.stdout)["fmus"] == [str(path)]
     assert path.name == "InertiaModulePy.fmu"
@@ -324,7 +324,7 @@ OTHER_FIELDS = """
 first, *others = SHAFT_FMU.model.records
 vars(SHAFT_FMU.model)["records"] = (first[::-1], *others)
 """
-# what is made anew after a change of a file of the package
+# parts that are rebuilt after a change of a file of the package
 FILES = {
     "kernel/inertia.py": ALL,
     "interface/records.py": ALL,
@@ -335,7 +335,7 @@ FILES = {
     "compiling/targets.py": ALL,
     "fmu/shell/values.c": LINKED,
     "compiling/kernel.h": ALL,
-    # the table of variables: by the fields that the records have of it, not by its words
+    # table of variables: depends on the fields of the records, not on its texts
     "interface/variables.py": set(),
 }
 # and with another tool, and the code that makes it another
@@ -349,7 +349,7 @@ TOOLS = {
 
 
 def elsewhere(folder, *arguments, **environment):
-    """Run Python as another user would, in a folder and a time zone of theirs; what it prints."""
+    """Run Python as another user, in another folder and time zone, and return its output."""
     home, temporary = folder / "home of somebody else", folder / "t"
     home.mkdir(parents=True)
     temporary.mkdir()
@@ -374,8 +374,8 @@ def test_files_do_not_depend_on_user_and_folder(built_for_all, tmp_path):
         assert (other / file.file_name).read_bytes() == path.read_bytes(), file.file_name
         libraries = files_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
         for name in [name for name in libraries if not name.endswith((".py", ".txt", ".html"))]:
-            for told in (str(tmp_path), str(PACKAGE_FOLDER), user, "somebody", "kernel.o", "tables.o"):
-                assert told.encode() not in libraries[name], name
+            for text in (str(tmp_path), str(PACKAGE_FOLDER), user, "somebody", "kernel.o", "tables.o"):
+                assert text.encode() not in libraries[name], name
 
 
 def test_second_build_writes_the_same_files_except_the_date(built, tmp_path, monkeypatch):
@@ -388,7 +388,7 @@ def test_second_build_writes_the_same_files_except_the_date(built, tmp_path, mon
 
 @pytest.mark.skipif(os.name == "nt", reason="processes are not forked on Windows")
 def test_change_of_source_or_tool_invalidates_the_cache(tmp_path):
-    """All that a change can touch is made anew, and nothing else; the GUID is another if anything is."""
+    """Only parts that depend on the change are rebuilt; the GUID changes if any part changes."""
     package = tmp_path / PACKAGE_FOLDER.name
     shutil.copytree(PACKAGE_FOLDER, package, ignore=shutil.ignore_patterns("__pycache__"))
     changes = [(file, "") for file in FILES] + [("__init__.py", code) for _, code in TOOLS.values()]
@@ -397,10 +397,10 @@ def test_change_of_source_or_tool_invalidates_the_cache(tmp_path):
     before, *after = map(json.loads, printed.splitlines())
     assert before["guid"] == SHAFT_FMU.guid()
     expected = FILES | {tool: anew for tool, (anew, _) in TOOLS.items()}
-    found = dict(zip(expected, after, strict=True))
+    pairs = dict(zip(expected, after, strict=True))
     assert {
-        change: {what for what in built if built[what] == "new"} for change, built in found.items()
+        change: {what for what in built if built[what] == "new"} for change, built in pairs.items()
     } == expected
-    assert {change for change in found if found[change]["guid"] != before["guid"]} == {
+    assert {change for change in pairs if pairs[change]["guid"] != before["guid"]} == {
         change for change, anew in expected.items() if anew
     }

@@ -60,12 +60,12 @@ def test_runs_its_compiled_kernel_or_plain_python(fmu_path, tmp_path):
 
 
 def test_unknown_kernel_and_unreadable_folder_are_rejected(fmu_path, tmp_path):
-    (said,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
-    assert "kernel must be auto, compiled or plain (got 'fast')" in said
+    (message,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
+    assert "kernel must be auto, compiled or plain (got 'fast')" in message
     (tmp_path / "50%20off").mkdir()
-    (said,) = drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / "50%20off"))
-    assert "the resource location must be the URI of this FMU's resources" in said
-    assert "50%2520off" in said
+    (message,) = drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / "50%20off"))
+    assert "the resource location must be the URI of this FMU's resources" in message
+    assert "50%2520off" in message
 
 
 def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_path):
@@ -88,11 +88,11 @@ def test_two_builds_run_in_a_process(monkeypatch, tmp_path, fmu_path):
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: files)
     path = tmp_path / "InertiaModulePy.fmu"
     path.write_bytes(builder.content_of(builder.PYTHON_FMU))
-    with Fmu(fmu_path, inputs=R1) as ours, Fmu(path, inputs=R1) as other:
-        for one in (ours, other):
-            one.advance(0.1)
-        assert (ours["link2_inertia"], other["link2_inertia"]) == (0.005, 0.0075)
-        assert ours["omega_out"] != other["omega_out"]
+    with Fmu(fmu_path, inputs=R1) as first, Fmu(path, inputs=R1) as second:
+        for each in (first, second):
+            each.advance(0.1)
+        assert (first["link2_inertia"], second["link2_inertia"]) == (0.005, 0.0075)
+        assert first["omega_out"] != second["omega_out"]
 
 
 def instantiated(description, folder, location, name=b"host", guid=None, logger=None):
@@ -124,8 +124,8 @@ def messages_at(location, description, folder):
     if fmu.component:
         fmu.fmi2FreeInstance(fmu.component)
         return None
-    (said,) = log.messages
-    return said
+    (message,) = log.messages
+    return message
 
 
 @pytest.fixture(params=["plain", "Jürgen 100%"])
@@ -167,8 +167,8 @@ def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, m
     ],
 )
 def test_invalid_resource_location_is_rejected(description, unpacked, location):
-    said = messages_at(location, description, unpacked)
-    assert said.startswith("the resource location must be the URI of")
+    message = messages_at(location, description, unpacked)
+    assert message.startswith("the resource location must be the URI of")
 
 
 # Latin-1, a lone surrogate, more than Python takes for a file name, formats of printf
@@ -229,8 +229,8 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
             memory.restore(good[HEAD_SIZE:])
             setattr(attrgetter(record)(memory), name, value)
             forged = good[:HEAD_SIZE] + memory.save()
-            said = instance.refusal(lambda state=forged: instance.restore(state))
-            assert "must be saved by this build (it is damaged" in said, f"{name} = {value}"
+            message = instance.refusal(lambda state=forged: instance.restore(state))
+            assert "must be saved by this build (it is damaged" in message, f"{name} = {value}"
             assert instance.all_values() == before, f"{name} = {value}"
         assert not instance.is_discarded(0.1), name
 
@@ -296,12 +296,12 @@ def test_states_are_freed_with_their_instance(description, unpacked, location):
 
 
 def test_a_state_of_another_instance_is_an_error(instances):
-    one, other = (instances().start(omega1=100.0) for _ in range(2))
-    state = other.fmu.getFMUstate()
+    first, second = (instances().start(omega1=100.0) for _ in range(2))
+    state = second.fmu.getFMUstate()
     words = "a state must be saved by this instance and not yet freed"
-    uses = (one.fmu.setFMUstate, one.fmu.serializeFMUstate, one.fmu.freeFMUstate)
-    assert [one.refusal(partial(use, state)) for use in uses] == 3 * [words]
-    other.fmu.setFMUstate(state)
+    uses = (first.fmu.setFMUstate, first.fmu.serializeFMUstate, first.fmu.freeFMUstate)
+    assert [first.refusal(partial(use, state)) for use in uses] == 3 * [words]
+    second.fmu.setFMUstate(state)
 
 
 def test_state_is_freed_only_once(instance):

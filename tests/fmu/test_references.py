@@ -1,4 +1,4 @@
-"""Reference results that an FMU carries along: those of the reference today, found by other hosts too."""
+"""Test the reference results in the FMUs: up to date, and reproduced by other hosts."""
 
 import re
 import shutil
@@ -31,7 +31,7 @@ FLAVOURS = ("InertiaModule", "InertiaModule3", "DrivenShaft3")
 
 
 def changed(path, folder, case):
-    """A copy of an FMU whose carried files are changed by patterns and what replaces them, or gone."""
+    """Return a copy of an FMU with reference files changed by patterns and replacements, or removed."""
     copy = folder / path.name
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(copy, "w") as new:
         for name in old.namelist():
@@ -48,7 +48,7 @@ def test_results_of_an_fmu_agree_with_its_references(fmu_path):
     report = examine(fmu_path, Journal())
     assert report.problems == [] == report.warnings
     assert len(report.references) == (6 if "Shaft" in fmu_path.name else 22)
-    assert max(one.deviation / one.allowed for one in report.references) < 0.1
+    assert max(reference.deviation / reference.allowed for reference in report.references) < 0.1
 
 
 def test_files_of_manifest_and_metadata_exist(unpacked):
@@ -61,17 +61,17 @@ def test_files_of_manifest_and_metadata_exist(unpacked):
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
 def test_references_in_the_fmu_are_up_to_date(model, tmp_path):
-    made, kept = files(model), package_folder(model)
-    assert {kept / name for name in made} == {path for path in kept.rglob("*") if path.is_file()}
+    made, folder = files(model), package_folder(model)
+    assert {folder / name for name in made} == {path for path in folder.rglob("*") if path.is_file()}
     for name, content in made.items():
         if name.endswith("_ref.csv"):
             (tmp_path / "now.csv").write_bytes(content)
-            now, then = (Result.from_csv(path) for path in (tmp_path / "now.csv", kept / name))
+            now, then = (Result.from_csv(path) for path in (tmp_path / "now.csv", folder / name))
             assert now.names == then.names
             for column in now:
                 np.testing.assert_allclose(now[column], then[column], rtol=2e-8, atol=1e-7)
         else:
-            assert content == (kept / name).read_bytes(), name
+            assert content == (folder / name).read_bytes(), name
 
 
 CARRIED_BY_OTHERS = tomllib.loads(Path(__file__).with_name("carried.toml").read_text(encoding="utf-8"))
@@ -79,11 +79,11 @@ CARRIED_BY_OTHERS = tomllib.loads(Path(__file__).with_name("carried.toml").read_
 
 @pytest.mark.parametrize("case", CARRIED_BY_OTHERS)
 def test_references_of_other_fmus_are_checked(built, tmp_path, case):
-    told = CARRIED_BY_OTHERS[case].get("told", [])
+    messages = CARRIED_BY_OTHERS[case].get("told", [])
     path = changed(built / "InertiaModule.fmu", tmp_path, CARRIED_BY_OTHERS[case])
     problems = examine(path, Journal()).problems
-    assert bool(problems) == bool(told)
-    for words in told:
+    assert bool(problems) == bool(messages)
+    for words in messages:
         assert any(words in problem for problem in problems), problems
     assert not any("R1_ref: omega" in problem for problem in problems)
 
@@ -108,7 +108,7 @@ def test_references_are_checked_until_an_fmu_ends_the_simulation(built, monkeypa
     for name in ("shock", "ramp"):
         assert report.facts[name] == "0.3 s; the FMU ends the simulation"
     assert len(report.references) == 6
-    assert max(one.time for one in report.references) <= 0.3
+    assert max(reference.time for reference in report.references) <= 0.3
     table = drive(path, {"hub_speed": 1.0}, 1.0, 0.1, "omega_out")
     assert table.time.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
     with Fmu(path) as fmu:
@@ -134,16 +134,16 @@ def test_fmusim_reproduces_the_references_of_an_fmu(built, opened, tmp_path, ide
         pytest.skip("fmusim is not installed")
     folder = opened(identifier)[1]
     variables = {v.name: v for v in read_description(built / f"{identifier}.fmu").modelVariables}
-    for one in experiments(folder):
-        expected, given = read_table(folder, one.results, variables), one.settings
-        command = [fmusim, "--interface-type", "cs", "--stop-time", given["stopTime"]]
-        command += ["--output-interval", given["stepSize"], "--tolerance", given["tolerance"]]
-        for name, value in one.parameters.items():
+    for experiment in experiments(folder):
+        expected, values = read_table(folder, experiment.results, variables), experiment.settings
+        command = [fmusim, "--interface-type", "cs", "--stop-time", values["stopTime"]]
+        command += ["--output-interval", values["stepSize"], "--tolerance", values["tolerance"]]
+        for name, value in experiment.parameters.items():
             command += ["--start-value", name, str(value).split()[0].removesuffix(".0")]
-        command += ["--input-file", one.inputs, "--output-file", tmp_path / "out.csv"]
+        command += ["--input-file", experiment.inputs, "--output-file", tmp_path / "out.csv"]
         for name in expected.columns:
             command += ["--output-variable", name]
         subprocess.run([*command, built / f"{identifier}.fmu"], check=True)
         recorded = read_table(tmp_path, tmp_path / "out.csv", variables)
-        for found in deviations(one, expected, recorded):
-            assert found.deviation <= found.allowed, found
+        for result in deviations(experiment, expected, recorded):
+            assert result.deviation <= result.allowed, result

@@ -1,4 +1,4 @@
-"""Runs in one call: the bits, refusals and states of the loop, whoever takes the steps."""
+"""Test runs in one call: bits, rejections and states equal a loop of steps."""
 
 from contextlib import ExitStack
 from ctypes import byref
@@ -60,43 +60,43 @@ def twins(request, built, compiled):
 
 @pytest.mark.parametrize("level", [ELASTIC, {"fidelity": "rigid"}, {"fidelity": "averaged"}])
 def test_run_has_the_bits_and_the_state_of_the_loop(twins, level):
-    one, other = twins(level)
-    for plant in (one, other):
+    first, second = twins(level)
+    for plant in (first, second):
         if isinstance(plant, Module):
             plant.set_rates(omega1=5.0)  # for the first step alone
         else:
             assert getattr(plant._instance, instance.RUN) is not None
-    assert np.array_equal(run(one), run(by_loop(other)))
-    assert one.save() == other.save()
-    if isinstance(one, Fmu):
-        assert one.time == other.time == pytest.approx(TIMES[-1])
+    assert np.array_equal(run(first), run(by_loop(second)))
+    assert first.save() == second.save()
+    if isinstance(first, Fmu):
+        assert first.time == second.time == pytest.approx(TIMES[-1])
 
 
 def test_steps_are_logged_and_progress_is_reported(fmu_path):
-    told = []
+    fractions = []
     with Fmu(fmu_path, inputs=R1) as fmu:
         fmu.set_logging(True, "logSteps")
-        run(fmu, progress=told.append)
+        run(fmu, progress=fractions.append)
         assert sum("step to" in message for message in fmu.messages) == 300
-    assert len(told) > 1
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    assert len(fractions) > 1
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 @pytest.mark.parametrize("name, bad", [("omega1", np.nan), ("load_torque", 1e300), ("output_friction", -1.0)])
 def test_run_that_fails_in_the_middle_equals_a_loop_of_steps(twins, name, bad):
     inputs = {name: np.where(np.arange(300) == 200, bad, RISING.get(name, np.zeros(300)))}
-    one, other = twins()
-    said, looped = (refusal(run, plant, inputs) for plant in (one, by_loop(other)))
-    assert one.save() == other.save()
-    when = "at time 0.133333333 s: " if isinstance(one, Fmu) else ""
-    assert said.startswith(f"{when}{name} must be ")
-    assert said.removeprefix(when) == looped.removeprefix(when)
-    one.set(**R1)
-    one.advance(1e-3)
-    if isinstance(one, Fmu):
-        assert one.time == pytest.approx(TIMES[200] + 1e-3)
-        assert other.time == pytest.approx(TIMES[200])
+    first, second = twins()
+    message, looped = (refusal(run, plant, inputs) for plant in (first, by_loop(second)))
+    assert first.save() == second.save()
+    when = "at time 0.133333333 s: " if isinstance(first, Fmu) else ""
+    assert message.startswith(f"{when}{name} must be ")
+    assert message.removeprefix(when) == looped.removeprefix(when)
+    first.set(**R1)
+    first.advance(1e-3)
+    if isinstance(first, Fmu):
+        assert first.time == pytest.approx(TIMES[200] + 1e-3)
+        assert second.time == pytest.approx(TIMES[200])
 
 
 def test_unknown_names_and_closed_instances_are_rejected(fmu_path):
@@ -114,9 +114,9 @@ def test_null_pointers_are_rejected(fmu_path, missing):
         setattr(asked, name, value)
     with Fmu(fmu_path, inputs=R1) as fmu:
         call = getattr(fmu._instance, instance.RUN)
-        for given in (byref(asked), None):
+        for pointer in (byref(asked), None):
             with pytest.raises(FMICallException):
-                call(fmu._instance.component, given)
+                call(fmu._instance.component, pointer)
             assert "requires arrays that are not NULL" in fmu.messages.pop()
         with pytest.raises(FMICallException):
             call(None, byref(asked))
@@ -126,11 +126,11 @@ def test_null_pointers_are_rejected(fmu_path, missing):
 def test_fmu_without_such_a_call_runs_by_the_loop(built):
     names = ("omega_out", "contact_mode", "imbalance_acceleration")
     with (
-        Fmu(built / "InertiaModulePy.fmu", inputs=R1) as theirs,
-        Fmu(built / "InertiaModule.fmu", inputs=R1) as ours,
+        Fmu(built / "InertiaModulePy.fmu", inputs=R1) as python_fmu,
+        Fmu(built / "InertiaModule.fmu", inputs=R1) as native_fmu,
     ):
-        assert not hasattr(theirs._instance, instance.RUN)
-        np.testing.assert_allclose(run(theirs, outputs=names), run(ours, outputs=names), rtol=1e-9)
+        assert not hasattr(python_fmu._instance, instance.RUN)
+        np.testing.assert_allclose(run(python_fmu, outputs=names), run(native_fmu, outputs=names), rtol=1e-9)
 
 
 # --- in memory ---

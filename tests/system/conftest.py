@@ -17,15 +17,15 @@ from tests.system.programs import left
 
 @pytest.fixture(scope="module")
 def browser():
-    """Debian's Chromium; beside other tests the pages that are open would go on drawing."""
+    """Start Chromium of Debian; open pages would continue to draw during other tests."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     chromium = shutil.which("chromium")
     if chromium is None:
         pytest.skip("chromium is not installed")
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=chromium, args=[*FLAGS])
-        yield found
-        found.close()
+        launched = driver.chromium.launch(executable_path=chromium, args=[*FLAGS])
+        yield launched
+        launched.close()
 
 
 @pytest.fixture(scope="session")
@@ -55,21 +55,21 @@ def opened(browser, written):
 
 @pytest.fixture(scope="module")
 def still(browser, written):
-    """The page of scene R1, not moving: opened once, for what it computes."""
+    """Open the page of scene R1 once, without motion, for its computations."""
     with browser.new_page(**COARSE, reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
 
 
 @pytest.fixture
 def page(still):
-    """The page of scene R1, loaded anew: at rest, with nothing changed."""
+    """Reload the page of scene R1, at rest and unchanged."""
     still.page.set_viewport_size(SMALL)
     still.errors.clear()
     return still.at("")
 
 
 class Cluster:
-    """A scheduler and workers as processes of their own, started as docs/sweep.md says."""
+    """Start a scheduler and workers in processes as in docs/sweep.md."""
 
     def __init__(self, folder):
         self.file = folder / "scheduler.json"

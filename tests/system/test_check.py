@@ -22,7 +22,7 @@ from inertia_module.fmi.report import Journal
 from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
 from tests.system.programs import command, is_one_line
 
-# time for a check that ends by itself, and for one that does not, s
+# time limits of a check that ends and of a check that does not end, s
 ENOUGH, LITTLE = 60.0, 3.0
 ALLOWED = ". Set a longer one with --timeout."
 SECRET = "a line of a file outside the FMU"
@@ -140,15 +140,15 @@ def test_problem_of_a_slow_fmu_states_the_reached_time(fmu):
 
 def processes_of(words):
     """Processes of this machine whose command has these words, with the variable of this test."""
-    found = []
+    processes = []
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             if (
                 words.encode() in (folder / "cmdline").read_bytes()
                 and MARK in (folder / "environ").read_bytes()
             ):
-                found.append(folder.name)
-    return found
+                processes.append(folder.name)
+    return processes
 
 
 MARK = f"TEST_OF_CHECK={os.getpid()}".encode()
@@ -281,9 +281,9 @@ def test_model_exchange_is_stepped_and_its_references_are_not_replayed(fmu):
 
 def test_non_finite_outputs_are_problems_and_null_in_json(fmu):
     done = command("check", fmu("model.u = time > 0.5 ? NAN : 0"), "--json")
-    told = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
-    assert told["problems"] == ["output y is not finite at t = 0.52 s"]
-    assert told["outputs"]["y"] is None
+    printed = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert printed["problems"] == ["output y is not finite at t = 0.52 s"]
+    assert printed["outputs"]["y"] is None
 
 
 def test_fmu_that_changes_the_working_folder_is_checked(fmu, tmp_path, monkeypatch):
@@ -410,8 +410,8 @@ WRONG = {
 @pytest.mark.parametrize("case", WRONG)
 def test_wrong_results_are_a_problem(fmu, case):
     fmi, results, problem = WRONG[case]
-    (found,) = examined(fmu(fmi=fmi, files=references(results))).problems
-    assert found.startswith(problem)
+    (result,) = examined(fmu(fmi=fmi, files=references(results))).problems
+    assert result.startswith(problem)
 
 
 def test_start_of_an_experiment_is_its_own(fmu):
@@ -519,8 +519,8 @@ ENTRIES = {
 def test_entries_outside_their_folder_are_a_problem(tmp_path, cache, case):
     entry, problem = ENTRIES[case]
     path = packed(tmp_path / "a.fmu", [(entry, "/etc/passwd")])
-    (found,) = examined(path).problems
-    assert found.startswith(f"entry {problem}")
+    (result,) = examined(path).problems
+    assert result.startswith(f"entry {problem}")
     assert not cache.exists() or list(cache.iterdir()) == []
 
 

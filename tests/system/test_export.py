@@ -37,7 +37,7 @@ SYSTEMS = {
     "driven by torque": (ELASTIC | BY_TORQUE, INPUTS | {"drive_torque": 25.0, "load_torque": 7.0}),
     "turning at the start": (ELASTIC | {"omega_out_start": 20.0}, INPUTS),
 }
-STEP, STOP = 1e-3, 1.0  # those of the programs in docs/systems.md
+STEP, STOP = 1e-3, 1.0  # as in the programs of docs/systems.md
 RUN = {"stop_time": STOP, "output_interval": STEP}
 # module that a reader of SSP is imported by, and the tolerance it gives to FMUs
 READERS = {"OMSimulator": 1e-4, "libcosimpy": None, "ecospy": None, "fmpy": None}
@@ -45,7 +45,7 @@ OSP_FILE = {'from_ssp_file("system.ssp")': 'from_osp_config_file("osp")'}
 
 
 class Exported(NamedTuple):
-    """A plan, the folder it is exported to, and what a plain loop over its FMUs ends with, by tolerance."""
+    """Return a plan, its export folder, and the final values of a plain loop over its FMUs by tolerance."""
 
     name: str
     plan: Plan
@@ -96,18 +96,18 @@ def program(reader):
 @pytest.mark.parametrize("reader", READERS)
 def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(reader, exported):
     needs(reader)
-    (found,) = printed(program(reader), exported.folder)
+    (values,) = printed(program(reader), exported.folder)
     expected = exported.looped(READERS[reader])["module.omega_out"]
     assert abs(expected) > 1.0  # not at rest, where all agree
     if reader == "fmpy" and exported.name == "turning at the start":
-        assert found != pytest.approx(expected, rel=1e-3)  # its first step begins with zeros
+        assert values != pytest.approx(expected, rel=1e-3)  # its first step begins with zeros
     else:
-        assert found == pytest.approx(expected, rel=1e-9)
+        assert values == pytest.approx(expected, rel=1e-9)
     if reader == "libcosimpy":
         source = program(reader)
-        for theirs, ours in OSP_FILE.items():
+        for theirs, variable in OSP_FILE.items():
             assert theirs in source
-            source = source.replace(theirs, ours)
+            source = source.replace(theirs, variable)
         assert printed(source, exported.folder) == pytest.approx([expected], rel=1e-9)
 
 
@@ -123,7 +123,7 @@ def test_ssp_file_is_valid_and_portable(exported):
     packed = files_of(path)
     system = read_ssd(str(path)).system  # validates structure and values against the schemas of SSP 1.0
     assert b'startTime="0.0" stopTime="1.0"' in packed["SystemStructure.ssd"]
-    assert system.connectors == []  # libcosim and Ecos refuse connections to them
+    assert system.connectors == []  # libcosim and Ecos reject connections to them
     assert {
         (c.startElement, c.startConnector, c.endElement, c.endConnector) for c in system.connections
     } == set(exported.plan.wires)
@@ -187,8 +187,8 @@ def test_mechanism_without_a_shaft_is_a_single_fmu(exported):
 def test_an_export_has_libraries_for_all_platforms(built_for_all, tmp_path, monkeypatch):
     monkeypatch.setattr(systems, "Build", Build)  # whatever runs before
     export(make_plan("planar", *SYSTEMS["module alone"], STEP, STOP), tmp_path)
-    ours, theirs = (files_of(folder / "InertiaModule.fmu") for folder in (tmp_path / "osp", built_for_all))
-    assert list(ours) == list(theirs)
+    actual, built = (files_of(folder / "InertiaModule.fmu") for folder in (tmp_path / "osp", built_for_all))
+    assert list(actual) == list(built)
 
 
 def test_scenes_are_exported_with_their_mechanism_drive_and_start():
@@ -221,10 +221,10 @@ def tool(name, *arguments, folder):
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
 def test_checker_reports_no_problems(fmu, built, tmp_path):
     needs(TOOLBOX)
-    said = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
-    assert "seems to be compliant with FMI-" in said
-    assert "No semantic error" in said
-    assert not [line for line in said.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
+    message = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
+    assert "seems to be compliant with FMI-" in message
+    assert "No semantic error" in message
+    assert not [line for line in message.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
 
 
 @pytest.mark.parametrize(
@@ -245,7 +245,7 @@ def test_container_gives_the_bits_of_module_and_shaft_side_by_side(built, tmp_pa
     container = {
         "name": "container.fmu",
         "fmu": list(files.values()),
-        "link": [[files[a], output, files[b], given] for a, output, b, given in plan.wires],
+        "link": [[files[a], output, files[b], target] for a, output, b, target in plan.wires],
         "output": [[files[part], name, f"{part}.{name}"] for part, name in plan.outputs],
         "start": [
             [files[part.name], name, value if part.variable(name).kind == REAL else int(value)]
@@ -259,6 +259,6 @@ def test_container_gives_the_bits_of_module_and_shaft_side_by_side(built, tmp_pa
     (tmp_path / "osp" / "container.json").write_text(json.dumps(container))
     options = ("-container", "container.json", "-fmu-directory", ".", "-fmi", fmi)
     tool("fmucontainer", *options, folder=tmp_path / "osp")
-    found = simulate_fmu(str(tmp_path / "osp" / "container.fmu"), **RUN)[-1]
+    last = simulate_fmu(str(tmp_path / "osp" / "container.fmu"), **RUN)[-1]
     expected = looped(plan, tmp_path)
-    assert {name: found[name] for name in expected} == expected
+    assert {name: last[name] for name in expected} == expected

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     same_figures = runpy.run_path(str(ROOT / "docs" / "make_pages.py"))["same_figures"]
-    for shown, now, same in (
+    for page, now, same in (
         ("off by 0.55 (12 %)", "off by 0.55 (12 %)", True),
         ("off by 0.55 (12 %)", "off by 0.56 (12 %)", True),
         ("off by 0.55 (12 %)", "off by 0.57 (12 %)", False),
@@ -26,7 +26,7 @@ def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypa
         ("| yes | rounding |", "| no | 0.2 |", False),
         ("**holds**", "**holds partly**", False),
     ):
-        assert same_figures(shown, now) == same, (shown, now)
+        assert same_figures(page, now) == same, (page, now)
 
 
 def test_links_of_the_readme_lead_somewhere():
@@ -61,7 +61,7 @@ def holds_the_engine(names, printed):
         ("../README.md", [prints_its_residual]),
         ("control.md", [holds_the_speed]),
         ("coupling.md", [holds_the_engine]),
-        ("systems.md", [drives_the_shaft]),  # those of its other programs are in test_export.py
+        ("systems.md", [drives_the_shaft]),  # test_export.py tests its other programs
     ],
 )
 def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsys):
@@ -73,7 +73,7 @@ def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsy
         check(names, capsys.readouterr().out)
 
 
-# --- what a reader runs ---
+# --- programs of the pages ---
 
 
 PROGRAMS = programs("tools.md")
@@ -100,10 +100,10 @@ def test_program_of_the_page_runs_the_module(number, built, tmp_path):
         start_values={"output_inertia": 0.4},
         output=["omega_out"],
     )
-    (found,) = printed(PROGRAMS[number], tmp_path)
+    (value,) = printed(PROGRAMS[number], tmp_path)
     # stopped at its switches a step integrates otherwise
     within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
-    assert found == pytest.approx(expected["omega_out"][-1], rel=within)
+    assert value == pytest.approx(expected["omega_out"][-1], rel=within)
 
 
 def test_tutorial_shows_pictures_and_tables(built, tmp_path):
@@ -117,10 +117,10 @@ def test_tutorial_shows_pictures_and_tables(built, tmp_path):
         notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
     ).execute()
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
-    shown = [output["data"] for output in outputs if "data" in output]
-    assert sum("image/png" in data for data in shown) >= 5
-    assert "<table>" in shown[0]["text/html"]
-    assert "omega_out [rad/s]" in shown[1]["text/html"]
+    displayed = [output["data"] for output in outputs if "data" in output]
+    assert sum("image/png" in data for data in displayed) >= 5
+    assert "<table>" in displayed[0]["text/html"]
+    assert "omega_out [rad/s]" in displayed[1]["text/html"]
     # it launches the car and finds the values of the rig
     text = "".join(output.get("text", "") for output in outputs)
     light, heavy = (float(speed) for speed in re.findall(r"kg: ([\d.]+) rad/s", text))
@@ -130,7 +130,7 @@ def test_tutorial_shows_pictures_and_tables(built, tmp_path):
     assert low < 1.07 < high
 
 
-# --- the study scripts: each says something about the mechanism, and that is so ---
+# --- study scripts: statements about the mechanism ---
 
 
 STUDIES = Path(__file__).parents[2] / "examples" / "studies"

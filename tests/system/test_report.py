@@ -1,4 +1,4 @@
-"""Reports of scenes: whole in one file, with all that the run told, and why parts are left out."""
+"""Test reports of scenes: complete in one file, with all results, and reasons of omitted parts."""
 
 import json
 import math
@@ -10,8 +10,8 @@ from scenes import MECHANISMS
 
 from inertia_module.kernel import layout
 from inertia_module.model import Module
-from inertia_module.plots import report
 from inertia_module.plots.mechanism import mechanism_figure
+from inertia_module.report import html_report
 from inertia_module.report.html_report import RECORDED
 from inertia_module.scene import Scene, load_any_scene, run_scene, run_shaft_scene
 from tests.system.chromium import FONTS, REFERENCE, set_font
@@ -19,7 +19,7 @@ from tests.system.programs import left
 
 EXAMPLES = REFERENCE.parent
 SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
-# overlapping satellites and an imbalance outside its own; it follows no speed, whence a remark
+# overlapping satellites, an imbalance outside its satellite, and a remark on the tracking error
 CROWDED = ("satellites=6", "a=1.5", "mesh_efficiency=98 %", "run.stop_time=0.1 s")
 STALLED = ("load.torque=500 N.m", "run.stop_time=0.2 s", "omega_out_start=0")
 SECTIONS = [
@@ -32,13 +32,13 @@ TIMES = {"wall-clock time", "real time factor"}
 
 @pytest.fixture
 def reported(built, tmp_path):
-    """A function from a scene file and what is set to its report: the root of its HTML, and its result."""
+    """Return a function that makes the report of a scene file and keys: root of its HTML, and its result."""
 
     def reported(scene, *keys):
         shaft = "[shaft]" in scene.read_text(encoding="utf-8")
         fmu, path = built / f"{'DrivenShaft' if shaft else 'InertiaModule'}.fmu", tmp_path / "report.html"
-        told = left("report", scene, *(f"--set={key}" for key in keys), "--fmu", fmu, "--json", "-o", path)
-        assert json.loads(told)["bytes"] == path.stat().st_size
+        printed = left("report", scene, *(f"--set={key}" for key in keys), "--fmu", fmu, "--json", "-o", path)
+        assert json.loads(printed)["bytes"] == path.stat().st_size
         read = load_any_scene(scene, keys)
         module = isinstance(read, Scene)
         return ElementTree.parse(path).getroot(), (
@@ -51,7 +51,7 @@ def reported(built, tmp_path):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Pictures of reports are empty: each takes half a second."""
-    monkeypatch.setattr(report, "picture_of", lambda *_: b"")
+    monkeypatch.setattr(html_report, "picture_of", lambda *_: b"")
 
 
 def sections(root):
@@ -72,24 +72,24 @@ def rows(section):
 @pytest.mark.parametrize("scene, keys", [(REFERENCE, CROWDED), (REFERENCE, STALLED), (SHAFT, ())])
 def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(reported, scene, keys):
     root, result = reported(scene, *keys)
-    found = sections(root)
-    titles = list(found)
+    parts = sections(root)
+    titles = list(parts)
     assert titles[: len(SECTIONS)] == SECTIONS
     assert {title.partition(": ")[0] for title in titles[len(SECTIONS) : -1]} == {"Parameters"}
     assert titles[-1] == "How to reproduce this report"
     assert (root.find("head/title").text, root.find("body/h1").text) == (result.scene.title,) * 2
-    cells = [cell for row in rows(found["Results"]) for cell in row]
+    cells = [cell for row in rows(parts["Results"]) for cell in row]
     numbers = dict(zip(cells[::2], cells[1::2], strict=True))
     expected = result.lines()
     assert {name for name in numbers if name} == set(expected)
     assert {name: numbers[name] for name in expected if name not in TIMES} == {
         name: text for name, text in expected.items() if name not in TIMES
     }
-    remarks = [f"warning: {one}" for one in result.warnings]
-    remarks += [f"{name.replace('_', ' ')} {one}" for name, one in result.remarks.items()]
-    assert texts(found["Warnings and remarks"]) == (remarks or ["None."])
+    remarks = [f"warning: {warning}" for warning in result.warnings]
+    remarks += [f"{name.replace('_', ' ')} {warning}" for name, warning in result.remarks.items()]
+    assert texts(parts["Warnings and remarks"]) == (remarks or ["None."])
     assert len(remarks) == {CROWDED: 2, STALLED: 1, (): 0}[keys]
-    assert found["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
+    assert parts["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
 
 
 def test_report_needs_no_network_and_escapes_the_title(reported, tmp_path):
@@ -98,8 +98,10 @@ def test_report_needs_no_network_and_escapes_the_title(reported, tmp_path):
     scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
     root, _ = reported(scene)
     assert root.find("head/title").text == root.find("body/h1").text == title.replace("\\", "")
-    assert {one.tag for one in root.iter()}.isdisjoint({"script", "a", "link", "iframe", "object"})
-    links = [one.get(name) for one in root.iter() for name in ("src", "href", "style") if one.get(name)]
+    assert {element.tag for element in root.iter()}.isdisjoint({"script", "a", "link", "iframe", "object"})
+    links = [
+        element.get(name) for element in root.iter() for name in ("src", "href", "style") if element.get(name)
+    ]
     assert len(links) == 4
     assert all(link.startswith("data:image/") for link in links)
     assert "url(" not in root.find("head/style").text
@@ -113,25 +115,25 @@ def test_parameters_have_their_source(reported, tmp_path):
     text = text.replace("[drive]", '[drive]\nkind = "table"\nfile = "speed.csv"')
     scene.write_text(text.replace('kind = "torque"', 'kind = "shaft"\ninertia = 2.0'))
     root, result = reported(scene, "imbalance_mass=900 g", "run.stop_time=0.1 s")
-    found = sections(root)
-    asked = {key: (value, source) for key, value, source in rows(found["Inputs"])[1:]}
-    assert asked["drive.omega1"] == ("94.2478 rad/s, 94.2478 rad/s", "scene file: speed.csv")
-    assert asked["run.stop_time"] == ("0.1 s", "--set")
-    assert asked["accuracy.window"] == ("1 s", "default")
-    given = {
+    parts = sections(root)
+    inputs = {key: (value, source) for key, value, source in rows(parts["Inputs"])[1:]}
+    assert inputs["drive.omega1"] == ("94.2478 rad/s, 94.2478 rad/s", "scene file: speed.csv")
+    assert inputs["run.stop_time"] == ("0.1 s", "--set")
+    assert inputs["accuracy.window"] == ("1 s", "default")
+    values = {
         name: (value, source)
-        for title, section in found.items()
+        for title, section in parts.items()
         if title.startswith("Parameters: ")
         for name, value, source, _ in rows(section)[1:]
     }
-    assert given["sun_radius"] == ("0.05 m", "scene file: 50 mm")
-    assert given["imbalance_mass"] == ("0.9 kg", "--set: 900 g")
-    assert given["output_inertia"] == ("2.4 kg.m2", "scene file: 0.4 kg.m2")
-    assert given["tolerance"] == ("1e-09", "scene file")
-    assert given["layout"] == ("planar", "scene file")
-    assert given["gravity"] == ("0 m/s2", "default")
-    assert "z17" not in given
-    assert "shaft_stiffness" not in given
+    assert values["sun_radius"] == ("0.05 m", "scene file: 50 mm")
+    assert values["imbalance_mass"] == ("0.9 kg", "--set: 900 g")
+    assert values["output_inertia"] == ("2.4 kg.m2", "scene file: 0.4 kg.m2")
+    assert values["tolerance"] == ("1e-09", "scene file")
+    assert values["layout"] == ("planar", "scene file")
+    assert values["gravity"] == ("0 m/s2", "default")
+    assert "z17" not in values
+    assert "shaft_stiffness" not in values
     assert result.scene.parameters()["output_inertia"] == pytest.approx(2.4)
 
 
@@ -150,28 +152,28 @@ LEFT_OUT = [
 
 
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize("given, expected", LEFT_OUT, ids=lambda given: "-".join(map(str, given)))
-def test_missing_sections_have_a_reason(reported, given, expected):
-    scene, *keys = given
-    found = sections(reported(scene, *keys)[0])
+@pytest.mark.parametrize("values, expected", LEFT_OUT, ids=lambda values: "-".join(map(str, values)))
+def test_missing_sections_have_a_reason(reported, values, expected):
+    scene, *keys = values
+    parts = sections(reported(scene, *keys)[0])
     for title, words in expected.items():
-        (text,) = texts(found[title])
+        (text,) = texts(parts[title])
         assert text.startswith("Not available: ")
         assert words in text
-        assert not rows(found[title])
-        assert found[title].find("img") is None
+        assert not rows(parts[title])
+        assert parts[title].find("img") is None
 
 
 def test_duty_is_shown_with_limits_and_an_exceeded_limit_is_a_warning(reported):
     limits = ("freewheels.indexing_frequency=2 Hz", "freewheels.output.torque=150 N.m")
     root, result = reported(REFERENCE, *limits, "housing_freewheel=false")
-    found, numbers = sections(root), result.lines()
-    duty = rows(found["Freewheel duty"])[1:]
+    parts, numbers = sections(root), result.lines()
+    duty = rows(parts["Freewheel duty"])[1:]
     assert [row[1] for row in duty] == ["not present"] * 4
     assert [row[2] for row in duty] == [numbers[f"output {row[0]}"] for row in duty]
     assert duty[1][2].endswith(" Hz, limit 2")
     assert duty[2][2].endswith(" N.m, limit 150")
-    (warning,) = texts(found["Warnings and remarks"])
+    (warning,) = texts(parts["Warnings and remarks"])
     assert warning.startswith("warning: output engagement frequency maximum exceeds its limit of 2 Hz: ")
 
 
@@ -208,7 +210,7 @@ def test_bevel_sketch_is_to_scale():
     apex = 80.0 / 1.7  # OQ of scene R1, where c = 1 puts the base of wheel 17 on the central axis
     assert (wheel[0].min(), wheel[0].max()) == pytest.approx((-80.0, 80.0))
     assert wheel[1] == pytest.approx(0.0, abs=1e-9)
-    # its base is across, and touches that of the wheel
+    # its base is perpendicular and touches the base of the wheel
     assert satellite[0] == pytest.approx(80.0)
     assert (satellite[1].min(), satellite[1].max()) == pytest.approx((0.0, 2.0 * apex))
     path = next(line for line in lines if line.shape[1] > 1000)

@@ -58,11 +58,11 @@ def visit(site, browser):
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_page_fits_this_width_in_any_font_without_network(site, visit, width):
     address, folder = site
-    wrong, asked = [], []
+    wrong, requests = [], []
     page = visit("index.html", width)
-    page.on("console", lambda said: said.type in ("error", "warning") and wrong.append(said.text))
+    page.on("console", lambda message: message.type in ("error", "warning") and wrong.append(message.text))
     page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("request", lambda request: request.url.startswith(address) or asked.append(request.url))
+    page.on("request", lambda request: request.url.startswith(address) or requests.append(request.url))
     formulas = 0
     for path in sorted(folder.glob("*.html")):
         if path.name in ("404.html", "machine.html"):
@@ -80,7 +80,7 @@ def test_every_page_fits_this_width_in_any_font_without_network(site, visit, wid
         formulas += page.locator("math").count()
         if "INERTIA_MODULE_PICTURES" in os.environ:  # half a minute, for people to look at
             page.screenshot(path=PICTURES / f"{path.stem}_{width}.png", full_page=True)
-    assert (wrong, asked) == ([], [])
+    assert (wrong, requests) == ([], [])
     assert formulas > 200
 
 

@@ -50,8 +50,8 @@ def scene():
     return load_scene(REFERENCE, {"run.communication_step": "5 ms"}).replaced(**SHORT)
 
 
-def told(rows):
-    """Rows without what they cost."""
+def checked_points(rows):
+    """Return rows without their cost."""
     return [row._replace(cost=0.0) for row in rows]
 
 
@@ -62,7 +62,7 @@ def evaluated(read, fmu, points):
 
 
 @pytest.fixture(scope="module")
-def found(scene, fmu, cluster, tmp_path_factory):
+def result(scene, fmu, cluster, tmp_path_factory):
     """The sweep on the cluster."""
     folder = tmp_path_factory.mktemp("sweep")
     return studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
@@ -86,24 +86,24 @@ def test_sequential_instances_agree_with_run_scene(scene, fmu):
     assert rows[1].figures == rows[-1].figures
 
 
-def test_manually_started_cluster_gives_the_same_table_with_rejections(scene, found, fmu):
-    assert len(found.rows) == 32 == found.new
-    assert told(found.rows) == told(evaluated(scene, fmu, grid(axes_of(VARY, scene))))
-    assert len(found.refused) == 8
-    for row in found.refused:
+def test_manually_started_cluster_gives_the_same_table_with_rejections(scene, result, fmu):
+    assert len(result.rows) == 32 == result.new
+    assert checked_points(result.rows) == checked_points(evaluated(scene, fmu, grid(axes_of(VARY, scene))))
+    assert len(result.refused) == 8
+    for row in result.refused:
         assert "housing_freewheel" in row.refused
         assert row.figures == {}
         assert row.point["mechanism.housing_freewheel"] == "false"
         assert row.point["mechanism.fidelity"] == "averaged"
-    assert all(row.figures["energy_in"] > 0.0 for row in found.rows if not row.refused)
+    assert all(row.figures["energy_in"] > 0.0 for row in result.rows if not row.refused)
 
 
-def test_completed_points_are_not_repeated(scene, fmu, found):
-    folder = found.files["csv"].parent
+def test_completed_points_are_not_repeated(scene, fmu, result):
+    folder = result.files["csv"].parent
     # nothing listens there: no worker is asked for
     again = studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
-    assert again.rows == found.rows
+    assert again.rows == result.rows
     other = scene.replaced(run={"stop_time": 0.2})
     with pytest.raises(Refused, match="another scene"):
         studies.sweep(other, VARY, output=folder, fmu=fmu)
@@ -176,10 +176,10 @@ def test_killed_client_loses_no_results(slow_scene, fmu, cluster, tmp_path):
     client.wait()
     done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().split("\n")[1:-1])
     assert 0 < done < 60
-    found = studies.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
-    assert found.new == 60 - done
-    assert len(found.rows) == 60
-    assert not found.refused
+    result = studies.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
+    assert result.new == 60 - done
+    assert len(result.rows) == 60
+    assert not result.refused
 
 
 def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
@@ -191,14 +191,14 @@ def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
         if victims:
             os.kill(victims.pop().pid, signal.SIGKILL)
 
-    found = studies.sweep(
+    result = studies.sweep(
         slow_scene, SLOW, output=tmp_path, fmu=fmu, scheduler=cluster.address, progress=kill_worker
     )
     assert not victims
-    assert len(found.rows) == 60 == found.new
-    assert not found.refused
-    some = found.rows[::20]
-    assert told(some) == told(evaluated(slow_scene, fmu, [row.point for row in some]))
+    assert len(result.rows) == 60 == result.new
+    assert not result.refused
+    some = result.rows[::20]
+    assert checked_points(some) == checked_points(evaluated(slow_scene, fmu, [row.point for row in some]))
 
 
 # --- clusters that cannot do the work, scripts, Ctrl-C ---
@@ -342,19 +342,21 @@ def test_front_contains_all_best_designs_within_the_limits(designs):
 
 def test_designs_of_a_seed_do_not_depend_on_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
     two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
-    assert told(two.rows) == told(designs.rows)
-    assert told(one.checked for one in two.finalists) == told(one.checked for one in designs.finalists)
+    assert checked_points(two.rows) == checked_points(designs.rows)
+    assert checked_points(finalist.checked for finalist in two.finalists) == checked_points(
+        finalist.checked for finalist in designs.finalists
+    )
 
 
 def test_design_is_written_as_a_scene_that_reproduces_its_values(designs, fmu):
-    for number, one in enumerate(designs.finalists, 1):
-        read, text = load_scene(one.file), one.file.read_text()
-        assert read.tables == one.scene.tables
+    for number, finalist in enumerate(designs.finalists, 1):
+        read, text = load_scene(finalist.file), finalist.file.read_text()
+        assert read.tables == finalist.scene.tables
         assert read.mechanism.fidelity == 2.0
-        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.figures["omega_out_final"]
+        assert run_scene(read, fmu).summary["omega_out_final"] == finalist.checked.figures["omega_out_final"]
         assert 'layout = "planar"' in text
         assert f'title = "A light module: design {number}"' in text
-        point = one.searched.point
+        point = finalist.searched.point
         assert f'eccentricity = "{point["mechanism.eccentricity"]!r} m"' in text
         assert f"satellites = {int(point['mechanism.satellites'])}\n" in text
         assert 'stop_time = "0.5 s"' in text
@@ -386,14 +388,14 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
 
 def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cluster, tmp_path):
     """Whatever the seed: after one generation no design meets all limits, and there are some."""
-    # far from what the first generation has, within what the ranges allow
+    # far from the first generation, within the ranges
     far = ["figures.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
         keys = [*far, f"search.seed={seed}"]
-        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
-        assert found.chosen, seed
-        assert len(found.rows) > 12
-        assert not found.cut
+        result = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        assert result.chosen, seed
+        assert len(result.rows) > 12
+        assert not result.cut
     short = read_spec(spec, [*far, "search.seed=1", "search.longest=0.001 ms"])
     cut = studies.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
@@ -402,28 +404,28 @@ def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cl
 
 
 def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_path):
-    """The second of two searches in a folder knows what the first found."""
+    """The second of two searches in a folder uses the results of the first."""
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
-    given = [[], [*short, "search.seed=7"]]
+    options = [[], [*short, "search.seed=7"]]
     long, brief = (
         studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
-        for keys in given
+        for keys in options
     )
-    told = "dominated by another search"
-    assert not any(told in one.doubts for one in long.finalists)
-    worse = [one for one in brief.finalists if told in one.doubts]
+    checked_points = "dominated by another search"
+    assert not any(checked_points in finalist.doubts for finalist in long.finalists)
+    worse = [finalist for finalist in brief.finalists if checked_points in finalist.doubts]
     assert worse
-    assert worse[0].doubts[told].startswith("a better design has ")
-    assert f"caveat: {told}" in brief.lines(worse[0])
+    assert worse[0].doubts[checked_points].startswith("a better design has ")
+    assert f"caveat: {checked_points}" in brief.lines(worse[0])
 
 
 def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
-    """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
+    """A start from few designs that are all too light can stall; another start reaches the valid designs."""
     lone = ["figures.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
-        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
-        assert bool(found.chosen) == (starts == 50)
+        result = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        assert bool(result.chosen) == (starts == 50)
 
 
 def test_unknown_figure_is_rejected(spec, fmu, cluster, tmp_path):

@@ -1,4 +1,4 @@
-"""Refusals: sentences on values and on parameters that do not go together; those of an action."""
+"""Rejections: messages of invalid values and inconsistent parameters, and messages of an action."""
 
 import re
 import tomllib
@@ -7,12 +7,12 @@ from pathlib import Path
 from inertia_module.common.errors import Refused
 from inertia_module.model import ModelInstance
 
-# by what is refused, rows of what is given and words of the sentence
+# rows by subject: input, and words of the message
 REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
 def sentence(variable, value):
-    """The whole refusal of a value, from the table of variables."""
+    """Return the whole message of an invalid value, from the table of variables."""
     return f"{variable.name} must be {variable.allowed} (got {value:.16g})"
 
 
@@ -25,18 +25,18 @@ def records(action):
 
 
 def refusal(action, *arguments, **values):
-    """The line that an action is refused with; "" where it is not. A model that has started is as it was."""
-    said, before = "", records(action)
+    """Return the message of a rejected action, or "" if it is accepted; a started model must not change."""
+    message, before = "", records(action)
     try:
         action(*arguments, **values)
     except Refused as error:
-        said = str(error)
-        assert records(action) == before, f"{said}: something has changed"
-    assert "\n" not in said
-    return said
+        message = str(error)
+        assert records(action) == before, f"{message}: something has changed"
+    assert "\n" not in message
+    return message
 
 
 def assert_refused(words, action, *arguments, **values):
-    """That an action is refused in a line with these words, a regular expression."""
-    said = refusal(action, *arguments, **values)
-    assert re.search(words, said), said
+    """Check that an action is rejected with a line that matches a regular expression."""
+    message = refusal(action, *arguments, **values)
+    assert re.search(words, message), message

@@ -104,9 +104,9 @@ def test_wrapped_angles_are_within_a_turn(turns, bit):
 def assert_both_are_close(x):
     with mpmath.workprec(200):
         exact = mpmath.sin(x), mpmath.cos(x)
-        for found, wanted in zip(sine_cosine(x), exact, strict=True):
+        for actual, expected in zip(sine_cosine(x), exact, strict=True):
             # close to a zero the reduced angle is known to 1e-21 of the quadrants taken off
-            assert abs(found - wanted) <= 1.5 * ULP * abs(wanted) + 1e-30 * abs(x) + 5e-324
+            assert abs(actual - expected) <= 1.5 * ULP * abs(expected) + 1e-30 * abs(x) + 5e-324
 
 
 @given(st.floats(-2.0 * MAX_ANGLE, 2.0 * MAX_ANGLE), st.integers(-600000, 600000), st.floats(-1e-3, 1e-3))

@@ -124,12 +124,12 @@ def test_oscillation_about_lock_up_is_accurate_with_few_evaluations(compiled):
     for n in range(60):
         for module in swinging:
             advanced(module, 0.01, omega1=119.0 + (-1.0) ** n * (0.2 + 0.01 * n))
-        found, wanted = swinging
-        assert found["omega_out"] == pytest.approx(wanted["omega_out"], rel=1e-8)
-        assert found["input_torque_mean"] == pytest.approx(wanted["input_torque_mean"], abs=1e-5)
-    assert found["contact_switches"] >= 50
-    assert found["rhs_evaluations"] < 60 * 16
-    audit(found)
+        actual, expected = swinging
+        assert actual["omega_out"] == pytest.approx(expected["omega_out"], rel=1e-8)
+        assert actual["input_torque_mean"] == pytest.approx(expected["input_torque_mean"], abs=1e-5)
+    assert actual["contact_switches"] >= 50
+    assert actual["rhs_evaluations"] < 60 * 16
+    audit(actual)
 
 
 def test_shaft_overruns_the_input_and_locks_up_again(locked):
@@ -209,14 +209,14 @@ def test_shaft_that_starts_at_the_end_of_the_map_stops_within_a_step(compiled):
 @pytest.mark.parametrize("layout", SCENES)
 def test_motion_with_a_large_input_inertia_agrees_with_constant_speed(compiled, layout, load):
     mechanism = MECHANISMS[layout]
-    given = started(compiled, mechanism, fidelity=1, omega1=100.0, load_torque=load)
+    speed_driven = started(compiled, mechanism, fidelity=1, omega1=100.0, load_torque=load)
     driven = started(
         "auto", mechanism, BY_TORQUE, omega1=100.0, load_torque=load, input_inertia=1e5, drive_torque=0.0
     )
     for _ in range(20):
-        for module in (given, driven):
+        for module in (speed_driven, driven):
             advanced(module, 0.1)
-        assert driven["omega_out"] == pytest.approx(given["omega_out"], rel=2e-3, abs=0.02)
+        assert driven["omega_out"] == pytest.approx(speed_driven["omega_out"], rel=2e-3, abs=0.02)
 
 
 LIGHT_INPUTS = [
@@ -267,13 +267,13 @@ def test_torque_driven_module_conserves_energy(compiled, values, torques):
 @pytest.mark.parametrize("drive", [0, 1])
 @pytest.mark.parametrize("omega1", [0.0, 50.0])
 @pytest.mark.parametrize(
-    "nothing",
+    "parameters",
     [{"imbalance_mass": 0.0}, {"a": 0.0, "satellites": 3}, {**PLANAR, "eccentricity": 0.0}],
     ids=["no mass", "no arm", "no eccentricity"],
 )
-def test_module_without_torque_is_simulated(compiled, nothing, omega1, drive):
+def test_module_without_torque_is_simulated(compiled, parameters, omega1, drive):
     values = {"input_inertia": 0.1, "drive_torque": 1.0, "load_torque": 10.0}
-    module = started(compiled, nothing, values, fidelity=1, drive=drive, omega1=omega1)
+    module = started(compiled, parameters, values, fidelity=1, drive=drive, omega1=omega1)
     for _ in range(10):
         advanced(module, 0.05)
         assert all(math.isfinite(value) for value in module.snapshot().values())

@@ -1,6 +1,6 @@
-"""Fidelity averaged with losses: its means against those of the pulses, its balance, what it refuses.
+"""Test fidelity averaged with losses: means against the pulses, energy balance, rejections.
 
-The means are those of the steady motion, also where link 2 never rests in it.
+The means belong to the steady motion, also if link 2 never rests.
 """
 
 import math
@@ -44,9 +44,9 @@ STEADY = [
 
 @pytest.mark.parametrize("values, omega1, ratio, bound", STEADY)
 def test_steady_means_agree_with_the_pulses(compiled, values, omega1, ratio, bound):
-    ours, pulses = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
-    assert ours[:2] == pytest.approx(pulses[:2], abs=bound * max(abs(pulses[0]), pulses[1]))
-    assert ours[2:] == pytest.approx(pulses[2:], abs=bound)
+    means, pulses = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
+    assert means[:2] == pytest.approx(pulses[:2], abs=bound * max(abs(pulses[0]), pulses[1]))
+    assert means[2:] == pytest.approx(pulses[2:], abs=bound)
 
 
 def averaged(kernel, *scenes, **values):
@@ -92,13 +92,13 @@ def test_strong_output_friction_dissipates_the_energy_of_the_shaft(compiled):
 def test_work_of_link_1_is_accurate_with_large_losses(compiled, change):
     tolerances = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7]
     values = {"mesh_efficiency": 0.9, "omega1": 100.0, "input_hold": 1}
-    found = [averaged(compiled, values, tolerance=tolerance) for tolerance in tolerances]
+    modules = [averaged(compiled, values, tolerance=tolerance) for tolerance in tolerances]
     for n in range(10):
-        for module in found:
+        for module in modules:
             advanced(module, 0.02, omega1=100.0 + change * n)
-    for module, tolerance in zip(found, tolerances, strict=True):
+    for module, tolerance in zip(modules, tolerances, strict=True):
         allowed = 20.0 * tolerance * module["energy_stored"]
-        assert module["energy_in"] == pytest.approx(found[0]["energy_in"], rel=1e-12, abs=allowed)
+        assert module["energy_in"] == pytest.approx(modules[0]["energy_in"], rel=1e-12, abs=allowed)
         assert module["rhs_evaluations"] < 500 or tolerance < 1e-9
 
 
@@ -141,7 +141,7 @@ UNDER_TORQUE = [
         for inertia in (0.13, 1.0)
     ),
     *((alone(name) | {"input_inertia": 0.5}, (20.0,), 15.0, 0.005) for name in ALONE),
-    # nothing is lost, link 1 light and heavy beside what turns with it
+    # no losses; link 1 lighter and heavier than the parts that rotate with it
     *(
         (shape | {"input_inertia": share * interface_inertia(shape).greatest}, (10.0, 50.0), torque, 0.02)
         for shape, torque in ((MECHANISMS["bevel"], 12.0), (PLANAR, 20.0))
@@ -153,12 +153,12 @@ UNDER_TORQUE = [
 @pytest.mark.parametrize("values, speeds, torque, bound", UNDER_TORQUE)
 def test_torque_driven_speeds_agree_with_the_pulses(compiled, values, speeds, torque, bound):
     for speed in speeds:
-        (ours, omega1), (pulses, speed1) = (under_torque(compiled, values, f, speed, torque) for f in (1, 2))
+        (means, omega1), (pulses, speed1) = (under_torque(compiled, values, f, speed, torque) for f in (1, 2))
         assert omega1 == pytest.approx(speed1, rel=bound)
-        assert ours["output_torque_mean"] == pytest.approx(pulses["output_torque_mean"], rel=bound)
-        passed, taken = ours["output_torque_mean"] * speed, pulses["output_torque_mean"] * speed
+        assert means["output_torque_mean"] == pytest.approx(pulses["output_torque_mean"], rel=bound)
+        passed, taken = means["output_torque_mean"] * speed, pulses["output_torque_mean"] * speed
         assert passed / (torque * omega1) == pytest.approx(taken / (torque * speed1), abs=bound)
-        assert ours["mesh_torque_mean"] == pytest.approx(pulses["mesh_torque_mean"], abs=bound * torque)
+        assert means["mesh_torque_mean"] == pytest.approx(pulses["mesh_torque_mean"], abs=bound * torque)
 
 
 @pytest.mark.parametrize("drive", [{}, {"drive": 1, "input_inertia": 0.5, "drive_torque": 15.0}], ids=str)
@@ -209,12 +209,12 @@ def stall_torque(values, omega1):
 
 def errors(values, omega1, ratio):
     """Of the torques, over the stall torque, and of the efficiency where there is a fiftieth of that."""
-    ours, pulses = of_map("compiled", values, omega1, ratio), of_pulses("compiled", values, omega1, ratio)
+    means, pulses = of_map("compiled", values, omega1, ratio), of_pulses("compiled", values, omega1, ratio)
     stall = stall_torque(values, omega1)
     return (
-        abs(ours[0] - pulses[0]) / stall,
-        abs(ours[1] - pulses[1]) / stall,
-        abs(ours[2] - pulses[2]) if pulses[0] > 0.02 * stall else 0.0,
+        abs(means[0] - pulses[0]) / stall,
+        abs(means[1] - pulses[1]) / stall,
+        abs(means[2] - pulses[2]) if pulses[0] > 0.02 * stall else 0.0,
     )
 
 
@@ -288,10 +288,12 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
     slow = Module(compiled).start(**values, fidelity=1).derived.forward.slow
     for share, ratio in product((1.5, 9.0, 100.0), (0.1, 0.9)):
         omega1 = slow / share
-        (ours, *_, turned), (pulses, *_) = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
+        (means, *_, turned), (pulses, *_) = (
+            of(compiled, values, omega1, ratio) for of in (of_map, of_pulses)
+        )
         stall = stall_torque(values, omega1)
-        assert ours == pytest.approx(pulses, rel=0.05, abs=0.4 * stall)
-        assert ours < 0.0 or pulses > -0.1 * stall
+        assert means == pytest.approx(pulses, rel=0.05, abs=0.4 * stall)
+        assert means < 0.0 or pulses > -0.1 * stall
         assert 0.0 <= turned <= ratio * (1.0 + 1e-9)
 
 
@@ -301,9 +303,9 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
 def test_slow_links_balance_friction_and_drag(compiled, mechanism, direction, losses):
     values = {**MECHANISMS[mechanism], **CRAWLING[losses]}
     omega1 = direction * Module(compiled).start(**values, fidelity=1).derived.forward.slow / 99.0
-    ours, pulses = (of(compiled, values, omega1, 0.9) for of in (of_map, of_pulses))
-    assert ours[0] == pytest.approx(pulses[0], rel=0.02)
-    assert ours[3] == pytest.approx(pulses[3], abs=0.02)
+    means, pulses = (of(compiled, values, omega1, 0.9) for of in (of_map, of_pulses))
+    assert means[0] == pytest.approx(pulses[0], rel=0.02)
+    assert means[3] == pytest.approx(pulses[3], abs=0.02)
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)

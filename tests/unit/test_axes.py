@@ -1,4 +1,4 @@
-"""Ranges and lists of keys, free keys and measured columns of jobs; their refusals."""
+"""Test ranges and lists of keys, free keys and measured columns, and their rejections."""
 
 from collections import Counter
 
@@ -72,10 +72,13 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
             for point in points
         ]
 
-    found, every = indices(axes, 256, 0, rows)
-    assert (len(every), [one[:2] for one in found]) == (256 * (len(axes) + 2), [("sum", n) for n in names])
-    for one, share in zip(found, expected, strict=True):
-        assert one[2:] == pytest.approx((share, share), abs=0.02)
+    index_rows, every = indices(axes, 256, 0, rows)
+    assert (len(every), [row[:2] for row in index_rows]) == (
+        256 * (len(axes) + 2),
+        [("sum", n) for n in names],
+    )
+    for row, share in zip(index_rows, expected, strict=True):
+        assert row[2:] == pytest.approx((share, share), abs=0.02)
 
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
@@ -91,12 +94,12 @@ def test_a_sweep_is_drawn_over_each_key_or_as_a_map_of_two(scene, number, panels
     axes = axes_of(["layout=bevel,planar", "load.mass=log:1:100:3", "z17=30:32:3"][:number], scene)
     rows = [Row(point, {"one": float(n), "two": -1.0 * n}, 0.0) for n, point in enumerate(grid(axes))]
     rows[1] = Row(rows[1].point, {}, 0.0, "refused")
-    found = SweepResult(axes, rows, {"one": "N", "load.mass": "kg"}, 0, {}, [], {})
-    figure = sweep_figure(found, ["one", "two"])
+    result = SweepResult(axes, rows, {"one": "N", "load.mass": "kg"}, 0, {}, [], {})
+    figure = sweep_figure(result, ["one", "two"])
     figure.canvas.draw()
-    assert len(figure.axes) == panels  # those of the colours too
+    assert len(figure.axes) == panels  # including the colour bars
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["bevel", "planar"]
-    labels = [text for one in figure.axes for text in (one.get_xlabel(), one.get_ylabel()) if text]
+    labels = [text for panel in figure.axes for text in (panel.get_xlabel(), panel.get_ylabel()) if text]
     assert set(labels) == {"one [N]", "two", *["layout", "load.mass [kg]", "z17"][:number]}
 
 
@@ -105,7 +108,7 @@ def test_a_sweep_is_drawn_over_each_key_or_as_a_map_of_two(scene, number, panels
 
 def test_free_keys_begin_at_the_values_of_the_scene_and_change_by_a_range_or_as_much(scene):
     mass, load, start = free_keys(["imbalance_mass=500 g:2", "load.mass", "omega_out_start=-1:3"], scene)
-    assert [one.name for one in (mass, load)] == ["mechanism.imbalance_mass", "load.mass"]
+    assert [key.name for key in (mass, load)] == ["mechanism.imbalance_mass", "load.mass"]
     # the default of 1 kg
     assert (mass.start, mass.size, mass.has_range) == (1.0, 1.5, True)
     assert (mass.at(0.5), mass.low, mass.high) == (1.25, 0.5, 2.0)
@@ -196,8 +199,8 @@ def test_unused_columns_can_have_any_content(scene, tmp_path):
 
 
 def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
-    given = table(output_torque_mean=[1, 2, 3], omega2=[1, 2, 3], other=[0, 0, 0])
-    data = measurement(given, scene, ["output_torque_mean"])
+    measured = table(output_torque_mean=[1, 2, 3], omega2=[1, 2, 3], other=[0, 0, 0])
+    data = measurement(measured, scene, ["output_torque_mean"])
     assert data.columns == ["output_torque_mean"]
     assert data.counted.tolist() == [[False], [True], [True]]
 

@@ -110,7 +110,7 @@ def test_another_compiler_makes_the_library_of_this_platform(cache, monkeypatch)
     assert path.parent == cache
     assert ctypes.CDLL(str(path)).inertia_module_kernel
     with pytest.raises(CompilationUnavailable, match="gcc compiles only for"):
-        c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != here()))
+        c_compiler.object_file(DRIVEN_SHAFT, next(target for target in TARGETS if target != here()))
 
 
 def test_missing_compiler_is_an_error_with_its_name(cache, monkeypatch):

@@ -12,6 +12,7 @@ from refused import assert_refused
 from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
+from inertia_module.analysis import converter_chart as charts
 from inertia_module.analysis.converter_chart import (
     MAPPED,
     UNITS,
@@ -19,7 +20,6 @@ from inertia_module.analysis.converter_chart import (
     converter_table,
     torque_converter_chart,
 )
-from inertia_module.fmi import chart as charts
 from inertia_module.fmi.results import read_columns
 from inertia_module.model import Refused
 from inertia_module.plots.studies import chart_figure
@@ -99,8 +99,10 @@ def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(co
         before = np.array(module.read(counts))
         module.advance(20.0)
         row = int(np.argmin(np.abs(chart.speed_ratio - ratio)))
-        told = np.array([getattr(chart, name)[row] for name in counts])
-        assert np.subtract(module.read(counts), before) / (2000.0 / math.tau) == pytest.approx(told, rel=0.03)
+        counted = np.array([getattr(chart, name)[row] for name in counts])
+        assert np.subtract(module.read(counts), before) / (2000.0 / math.tau) == pytest.approx(
+            counted, rel=0.03
+        )
 
 
 def test_mechanism_accepts_names_and_units():
@@ -111,10 +113,10 @@ def test_mechanism_accepts_names_and_units():
         assert_refused(f"^{next(iter(bad))} must be .* \\(got ", torque_converter_chart, bad)
 
 
-@pytest.mark.parametrize("name, told", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
-def test_without_a_freewheel_there_is_no_chart(name, told):
+@pytest.mark.parametrize("name, message", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
+def test_without_a_freewheel_there_is_no_chart(name, message):
     for losses in ({}, {"input_friction": 0.1}):
-        with pytest.raises(Refused, match=f"must be 1 .got {told}.: without both freewheels there is no"):
+        with pytest.raises(Refused, match=f"must be 1 .got {message}.: without both freewheels there is no"):
             torque_converter_chart({name: 0, **losses})
 
 
@@ -147,7 +149,7 @@ def test_table_is_finite_and_gives_the_torques_of_the_chart(parameters, omega1):
     taken, passed = block(table, omega1, table.speed_ratio)
     assert passed == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
     limited = table.torque_ratio > charts.LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
-    # no capacity factor says that the shaft drives link 1: the column of the input torque does
+    # the capacity factor has no sign; the sign of the input torque shows that the shaft drives link 1
     expected, floor = np.maximum(table.input_torque, 0.0), 1e-4 * table.input_torque.max()
     assert taken[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
     assert (taken[limited] >= table.input_torque[limited] * (1.0 - 1e-9)).all()
@@ -216,13 +218,13 @@ def test_friction_of_input_and_output_reduces_the_torques(omega1, ratio):
     b1, b3 = 0.01, 0.02
     ideal = SteadyMachine(PLANAR).at(omega1, ratio)
     rubbed = {**PLANAR, "input_friction": b1, "output_friction": b3}
-    found = SteadyMachine(rubbed).at(omega1, ratio)
+    torques = SteadyMachine(rubbed).at(omega1, ratio)
     shaft = ratio * abs(omega1)
-    assert found.output_torque == pytest.approx(ideal.output_torque - b3 * shaft, rel=1e-5)
-    assert found.input_torque == pytest.approx(ideal.input_torque + b1 * abs(omega1), rel=1e-5)
+    assert torques.output_torque == pytest.approx(ideal.output_torque - b3 * shaft, rel=1e-5)
+    assert torques.input_torque == pytest.approx(ideal.input_torque + b1 * abs(omega1), rel=1e-5)
     power = ideal.output_torque * shaft
     expected = (power - b3 * shaft**2) / (power + b1 * omega1**2)
-    assert found.efficiency == pytest.approx(max(expected, 0.0), abs=1e-5)
+    assert torques.efficiency == pytest.approx(max(expected, 0.0), abs=1e-5)
 
 
 def test_chart_ends_at_zero_output_torque_and_efficiency():
@@ -249,35 +251,35 @@ def small_maps(monkeypatch):
 
 @pytest.mark.usefixtures("small_maps")
 def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
-    told = []
+    fractions = []
     parameters = {**PLANAR, "input_friction": 0.01}
-    found = charts.steady_map(SteadyMachine(parameters), 200.0, told.append)
-    efficiency = found["efficiency"]
-    assert efficiency.shape == (found["omega1"].size, FEW.size)
-    assert found["omega1"][[0, -1]] == pytest.approx([20.0, 200.0])
-    assert told[-1] == 1.0
+    rows = charts.steady_map(SteadyMachine(parameters), 200.0, fractions.append)
+    efficiency = rows["efficiency"]
+    assert efficiency.shape == (rows["omega1"].size, FEW.size)
+    assert rows["omega1"][[0, -1]] == pytest.approx([20.0, 200.0])
+    assert fractions[-1] == 1.0
     middle = efficiency[:, 7]
     assert (np.diff(middle) > 0.0).all()
     # torques go with the square of the speed, so the loss is b1 over a torque times the speed
     assert 1.0 / middle - 1.0 == pytest.approx(
-        (1.0 / middle[0] - 1.0) * found["omega1"][0] / found["omega1"], rel=1e-4
+        (1.0 / middle[0] - 1.0) * rows["omega1"][0] / rows["omega1"], rel=1e-4
     )
     chart = torque_converter_chart(parameters, omega1=200.0)
-    assert chart.speed_ratio == pytest.approx(found["speed_ratio"])
+    assert chart.speed_ratio == pytest.approx(rows["speed_ratio"])
     assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
     assert len(chart_figure({"rubbed": chart}).axes) == 6
-    axes = chart_figure({"rubbed": chart}, {"map": found}, "rpm").axes
-    drawn = next(one for one in axes if one.get_title(loc="left") == "efficiency of map")
+    axes = chart_figure({"rubbed": chart}, {"map": rows}, "rpm").axes
+    drawn = next(panel for panel in axes if panel.get_title(loc="left") == "efficiency of map")
     assert drawn.get_ylabel() == "input speed [rpm]"
     assert drawn.get_ylim()[1] == pytest.approx(200.0 * 30.0 / math.pi)
 
 
 @pytest.mark.usefixtures("small_maps")
 def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
-    """The shaft's flywheel tells the torque, the energies input torque and loss, samples the ripple."""
-    found = charts.steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
-    rows = read_columns(charts.save_map(found, tmp_path / "map", "rpm")[0])[0]
+    """The flywheel of the shaft gives the torque, energies give input torque and loss, samples the ripple."""
+    rows_of_map = charts.steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
+    rows = read_columns(charts.save_map(rows_of_map, tmp_path / "map", "rpm")[0])[0]
     omega1, inertia, step = 200.0, 1e5, 1e-4
     names = ("output_torque", "drive_angle", "drive_turns", "omega_out", "energy_in", "energy_lost")
     for ratio in FEW[[4, 7, 10]]:
@@ -294,20 +296,22 @@ def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
         end = int(np.argmin(np.abs(turned - np.floor(turned[-1]))))
         faster, taken, lost = ((values[end] - values[0]) / (end * step) for values in sums)
         row = int(np.flatnonzero(np.isclose(rows["speed_ratio"], ratio))[-1])
-        told = {name: values[row] for name, values in rows.items()}
-        assert told["omega1"] == pytest.approx(omega1 * 30.0 / math.pi)
-        assert told["output_torque"] == pytest.approx(inertia * faster, rel=5e-3)
-        assert told["input_torque"] == pytest.approx(taken / omega1, rel=5e-3)
-        assert told["loss"] == pytest.approx(lost, rel=5e-3)
-        assert told["ripple"] == pytest.approx(np.std(torque[:end]), rel=5e-3)
-        power_out = ratio * omega1 * told["output_torque"]
-        assert told["loss"] == pytest.approx(told["input_torque"] * omega1 - power_out, rel=1e-3)
-        assert told["efficiency"] == pytest.approx(power_out / (omega1 * told["input_torque"]), abs=1e-5)
+        row_values = {name: values[row] for name, values in rows.items()}
+        assert row_values["omega1"] == pytest.approx(omega1 * 30.0 / math.pi)
+        assert row_values["output_torque"] == pytest.approx(inertia * faster, rel=5e-3)
+        assert row_values["input_torque"] == pytest.approx(taken / omega1, rel=5e-3)
+        assert row_values["loss"] == pytest.approx(lost, rel=5e-3)
+        assert row_values["ripple"] == pytest.approx(np.std(torque[:end]), rel=5e-3)
+        power_out = ratio * omega1 * row_values["output_torque"]
+        assert row_values["loss"] == pytest.approx(row_values["input_torque"] * omega1 - power_out, rel=1e-3)
+        assert row_values["efficiency"] == pytest.approx(
+            power_out / (omega1 * row_values["input_torque"]), abs=1e-5
+        )
 
 
 def test_a_long_period_is_cut_off():
     long, short = ({"z17": z17, "z6": 200, "input_friction": 0.01} for z17 in (341, 340))
-    torques = [SteadyMachine(one).at(100.0, 0.3).output_torque for one in (long, short)]
+    torques = [SteadyMachine(parameters).at(100.0, 0.3).output_torque for parameters in (long, short)]
     assert torques[0] == pytest.approx(torques[1], rel=0.05)
 
 
@@ -330,12 +334,14 @@ def test_force_on_bearing_and_mount_with_link_2_held(satellites):
 # --- the command ---
 
 
-@pytest.mark.parametrize("speed, told", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")])
+@pytest.mark.parametrize(
+    "speed, printed_speed", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")]
+)
 def test_command_gives_finite_torques_and_a_converter_table_at_the_speed_it_has_understood(
-    speed, told, tmp_path
+    speed, printed_speed, tmp_path
 ):
     done = succeeded("chart", "examples/planar.toml", "--speed", speed, "-o", tmp_path)
-    assert told in done.output
+    assert printed_speed in done.output
     warned = "warning: --speed 3000 has no unit; rad/s is used: 3000 rad/s" in done.stderr
     assert warned == (speed == "3000")
     omega1 = 3000.0 if warned else 100.0 * math.pi
@@ -358,10 +364,10 @@ def test_command_gives_finite_torques_and_a_converter_table_at_the_speed_it_has_
 
 def test_command_draws_engagements_and_prints_the_speed_limit_of_freewheels(tmp_path):
     limits = ("freewheels.indexing_frequency=60 Hz", "freewheels.output.indexing_frequency=10 Hz")
-    given = [word for limit in limits for word in ("--set", limit)]
-    told = json.loads(left("chart", "examples/planar.toml", *given, "-o", tmp_path, "--json"))
-    assert told["charts"]["planar"]["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
-    assert told["units"]["planar"]["output_engagements_maximum"] == "1/rev"
+    options = [word for limit in limits for word in ("--set", limit)]
+    printed = json.loads(left("chart", "examples/planar.toml", *options, "-o", tmp_path, "--json"))
+    assert printed["charts"]["planar"]["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
+    assert printed["units"]["planar"]["output_engagements_maximum"] == "1/rev"
     columns, units = read_columns(tmp_path / "planar.csv")
     assert columns["output_engagements"][0] == pytest.approx(5.0 / 3.0, rel=1e-6)
     assert units["housing_engagements"] == "1/rev"
@@ -395,10 +401,10 @@ def test_chart_with_losses_and_lock_up_ends_at_ratio_1():
 def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(tmp_path):
     planar, scene = Path("examples/planar.toml"), tmp_path / "rubbed.toml"
     scene.write_text(planar.read_text().replace("[mechanism]", "[mechanism]\ninput_friction = 0.005"))
-    told = json.loads(left("chart", scene, planar, "-o", tmp_path / "out", "--json"))["charts"]
-    assert told["planar"]["efficiency_maximum"] == 1.0
-    assert 0.5 < told["rubbed"]["efficiency_maximum"] < 1.0
-    for name, numbers in told.items():
+    printed = json.loads(left("chart", scene, planar, "-o", tmp_path / "out", "--json"))["charts"]
+    assert printed["planar"]["efficiency_maximum"] == 1.0
+    assert 0.5 < printed["rubbed"]["efficiency_maximum"] < 1.0
+    for name, numbers in printed.items():
         columns, _ = read_columns(tmp_path / "out" / f"{name}.csv")
         assert columns["output_torque"][0] == numbers["stall_torque"] > 0.0
     columns, units = read_columns(tmp_path / "out" / "rubbed_map.csv")
@@ -411,8 +417,8 @@ def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(t
 
 @pytest.mark.usefixtures("small_maps")
 def test_command_writes_the_map_long_wide_and_for_matlab(tmp_path):
-    told = left("chart", "examples/planar.toml", "--map", "--speed", "1500 rpm", "-o", tmp_path)
-    assert "1500 rpm), the reference speed of the converter tables" in told
+    printed = left("chart", "examples/planar.toml", "--map", "--speed", "1500 rpm", "-o", tmp_path)
+    assert "1500 rpm), the reference speed of the converter tables" in printed
     long, units = read_columns(tmp_path / "planar_map.csv")
     read = loadmat(tmp_path / "planar_map.mat", simplify_cells=True)["map"]
     assert units["omega1"] == read["units"]["omega1"] == "rpm"

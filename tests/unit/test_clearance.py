@@ -38,8 +38,8 @@ def test_planar_satellites_overlap_with_their_circles(sun, satellite, count):
 @given(st.integers(8, 80), st.integers(8, 80), st.floats(0.1, 3.0), st.integers(2, 24))
 def test_bevel_satellites_overlap_with_their_pitch_cones(z17, z6, shaft_angle, count):
     phi = Geometry(z17=z17, z6=z6, shaft_angle=shaft_angle).phi
-    one, next_one = axis(shaft_angle, 0.0), axis(shaft_angle, 2.0 * math.pi / count)
-    apart = math.atan2(float(np.linalg.norm(np.cross(one, next_one))), float(one @ next_one))
+    first, second = axis(shaft_angle, 0.0), axis(shaft_angle, 2.0 * math.pi / count)
+    apart = math.atan2(float(np.linalg.norm(np.cross(first, second))), float(first @ second))
     assume(abs(apart - 2.0 * phi) > 1e-6)
     values = {"z17": z17, "z6": z6, "shaft_angle": shaft_angle, "satellites": count}
     assert warned(OVERLAP, **values) == (apart < 2.0 * phi)
@@ -74,7 +74,7 @@ def test_buildable_mechanism_has_no_warning(values):
 def test_warning_contains_the_values_and_their_limits(compiled, values, sentence):
     module = Module(compiled).start(**values)
     assert module.warnings() == [sentence]
-    # it is no refusal: the module runs as it did
+    # it is only a warning: the module runs
     module.set(omega1=100.0, load_torque=10.0)
     module.advance(0.01)
 

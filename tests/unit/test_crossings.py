@@ -115,6 +115,6 @@ def test_dip_with_zero_initial_slope_is_located(compiled, tolerance):
 def test_release_near_close_zeros_agrees_with_short_steps(compiled):
     for start, b, c in itertools.product((0.0, 0.4, 3.6), (0.476, 0.48, 0.486), (1.005, 1.027, 1.045)):
         scene = (THREE_ZEROS, {"drive_angle_start": start, "b": b, "c": c})
-        one = advanced(started(compiled, *scene), 0.1)
+        single = advanced(started(compiled, *scene), 0.1)
         many = advanced(started(compiled, *scene), *[1e-3] * 100)
-        assert one["omega2"] == pytest.approx(many["omega2"], abs=1e-4)
+        assert single["omega2"] == pytest.approx(many["omega2"], abs=1e-4)

@@ -1,4 +1,4 @@
-"""Which level of fidelity has which losses is as docs/mechanics.md tells."""
+"""Test the losses of each fidelity level in docs/mechanics.md."""
 
 import csv
 import re
@@ -21,7 +21,7 @@ SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1, "windage": 1e-4}
 
 
 def told():
-    """The table: what is told of each parameter, by name of the level."""
+    """Return the cells of the table by parameter and level."""
     lines = PAGE.read_text().partition("| parameter | ")[2].partition("\n\n")[0].splitlines()
     levels = [head.strip() for head in lines[0].strip("| ").split(" | ")]
     table = {}
@@ -65,7 +65,7 @@ def test_levels_have_the_losses_of_the_page(level):
             assert found(level, name, by_torque=True) == cell, name
 
 
-# --- what gravity and the satellites' inertia change: page, table and module say the same ---
+# --- effect of gravity and satellite inertia: page, table and module agree ---
 
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -93,5 +93,5 @@ def test_table_agrees_with_the_module(study):
     ideal = study.measured(50.0, 0.2, **mechanism)
     for cause, added in ((study.GRAVITY, {"gravity": 9.81}), (study.INERTIA, body)):
         _, ratio, _, omega1, *changes = next(line for line in lines if line[:3] == ["planar", "0.2", cause])
-        found = study.measured(float(omega1), float(ratio), **mechanism, **added) / ideal - 1.0
-        assert found == pytest.approx(np.array(changes, dtype=float), abs=2e-4)
+        change = study.measured(float(omega1), float(ratio), **mechanism, **added) / ideal - 1.0
+        assert change == pytest.approx(np.array(changes, dtype=float), abs=2e-4)

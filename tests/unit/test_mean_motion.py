@@ -50,7 +50,7 @@ def test_mean_power_is_output_power_plus_stored_and_lost_power(motion):
 
 
 def changes(motion, h, parts):
-    """Changes of both speeds over h, in so many steps."""
+    """Return the changes of both speeds over h, in several steps."""
     d, side, x = motion
     w = record_type(fields.WORKSPACE)()
     start = x.omega1, x.omega3
@@ -104,6 +104,6 @@ def test_mean_acceleration_of_link_2_is_the_rate_of_its_speed(motion):
     rate1, rate3 = m.omega1, m.omega3
     x.mode = 2.0
     y = started("plain").outputs
-    found = mean_motion.write_averaged(d, x, y)
-    assert_rates(found, lambda t: rates(motion, rate1 * t, rate3 * t).theta2, rel=1e-4, share=1e-4)
+    accelerations = mean_motion.write_averaged(d, x, y)
+    assert_rates(accelerations, lambda t: rates(motion, rate1 * t, rate3 * t).theta2, rel=1e-4, share=1e-4)
     assert math.isfinite(y.housing_torque)

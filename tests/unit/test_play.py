@@ -38,7 +38,7 @@ def test_averaged_torque_and_loss_agree_with_the_pulses(compiled, layout, more):
 
 
 def test_engagement_is_an_event_but_a_reversal_within_the_engagement_angle_is_not(compiled):
-    """Steps that end at a switch, as FMI 3.0 asks for: each is followed by another contact mode."""
+    """Make steps that end at a switch as in FMI 3.0; the contact mode changes after each."""
     module = started(compiled, SCENES["bevel"], PLAY)
     for number in range(60):
         assert module.call(codes.STEP_UNTIL_EVENT, 0.2) == codes.OK
@@ -49,7 +49,7 @@ def test_engagement_is_an_event_but_a_reversal_within_the_engagement_angle_is_no
 
 
 def test_each_impact_is_an_engagement(compiled):
-    """In steps shorter than what lies between impacts each of them is a loss."""
+    """In steps shorter than the time between impacts, each impact is a loss."""
     module = started(compiled, SCENES["bevel"], PLAY)
     impacts = lost = 0.0
     for _ in range(5000):

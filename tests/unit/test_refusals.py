@@ -1,4 +1,4 @@
-"""Bad numbers never get in: each is refused by name, with its value and what is allowed."""
+"""Test that invalid numbers are rejected with name, value and allowed range."""
 
 import math
 
@@ -32,8 +32,8 @@ def test_parameter_out_of_range_is_rejected_with_name_value_and_range(instance_t
         module = instance_type("plain")
         before = module.save()
         for value in bad_values(variable):
-            said = refusal(module.start, **{variable.name: value})
-            assert said == sentence(variable, value)
+            message = refusal(module.start, **{variable.name: value})
+            assert message == sentence(variable, value)
             assert module.save() == before, f"{variable.name} = {value} changes something"
         assert module.start().started, variable.name
 
@@ -81,17 +81,17 @@ def test_too_large_rate_of_an_input_is_rejected_with_its_unit(name):
     module = started("plain", ENGINE, drive=int(name == "drive_torque"), **{name: 100.0})
     for rate in (1e16, math.nan, math.inf):
         module.set_rates(**{name: rate})
-        said = f"the rate of {name} must keep {name} {variable.allowed} over 0.01 s (got {rate:.16g}"
-        assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100)"
+        message = f"the rate of {name} must keep {name} {variable.allowed} over 0.01 s (got {rate:.16g}"
+        assert refusal(module.advance, 0.01) == f"{message} {variable.unit}/s from {name} = 100)"
 
 
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
     module = started("plain")
     for variable in with_causality(PARAMETER):
         if not variable.is_tunable:
-            said = refusal(module.set, **{variable.name: variable.start})
+            message = refusal(module.set, **{variable.name: variable.start})
             reason = f"is not tunable and must be set before start() (got {variable.start})"
-            assert said == f"{variable.name} {reason}"
+            assert message == f"{variable.name} {reason}"
 
 
 def test_calls_before_the_start_are_rejected_without_effect():
@@ -100,11 +100,11 @@ def test_calls_before_the_start_are_rejected_without_effect():
     assert refusal(module.advance, 0.01) == "call start() before advance()"
     assert refusal(module.rates) == "call start() before rates()"
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
-        said = refusal(module.set, **{name: 1.0})
-        assert said.startswith(f"unknown parameter or input {name!r}; "), name
+        message = refusal(module.set, **{name: 1.0})
+        assert message.startswith(f"unknown parameter or input {name!r}; "), name
     # one bad value keeps all others out
-    said = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
-    assert said == sentence(BY_NAME["tolerance"], 7.0)
+    message = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
+    assert message == sentence(BY_NAME["tolerance"], 7.0)
     assert module.save() == before
     assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain (got 'fast')"
 
@@ -112,9 +112,9 @@ def test_calls_before_the_start_are_rejected_without_effect():
 def test_invalid_combination_is_rejected_with_name_value_and_range(compiled):
     for values, expected in REFUSED["combinations"]:
         module = Module(compiled)
-        said = refusal(module.start, **values)
-        assert expected in said, values
-        assert " must " in said, values
+        message = refusal(module.start, **values)
+        assert expected in message, values
+        assert " must " in message, values
         assert not module.started, values
         good = {name: BY_NAME[name].start for name in values}
         assert module.start(**good).started, values

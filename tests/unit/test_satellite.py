@@ -1,4 +1,4 @@
-"""A satellite by its sizes and materials: what MuJoCo finds of its shapes; refusals."""
+"""Test satellites by sizes and materials against MuJoCo, and rejections."""
 
 import math
 
@@ -43,10 +43,10 @@ def test_inertia_of_satellite_shapes_agrees_with_mujoco(layout):
     pitch, width, radius, thickness = 0.03, 0.012, 0.025, 0.02
     sizes = {"width": width, "weight_radius": radius, "weight_width": thickness}
     satellite = Satellite(**sizes, material="aluminium", weight_material="brass")
-    given = {"layout": 1.0, "satellite_radius": pitch}
+    gears = {"layout": 1.0, "satellite_radius": pitch}
     if layout == "bevel":
-        given = {"layout": 0.0, "wheel_radius": pitch * 1.7, "z17": 34.0, "z6": 20.0}
-    found = satellite.parameters(given)
+        gears = {"layout": 0.0, "wheel_radius": pitch * 1.7, "z17": 34.0, "z6": 20.0}
+    result = satellite.parameters(gears)
     places = [side * 0.5 * (width + 0.5 * thickness) for side in (-1.0, 1.0)]
     halves = [half_disc(radius, 0.5 * thickness, place, 8500.0) for place in places]
     gear = f'<geom type="cylinder" size="{pitch!r} {0.5 * width!r}" density="2700"/>'
@@ -57,15 +57,15 @@ def test_inertia_of_satellite_shapes_agrees_with_mujoco(layout):
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, model.body_iquat[1])
     inertia = np.diag(turn.reshape(3, 3) @ np.diag(model.body_inertia[1]) @ turn.reshape(3, 3).T)
-    offset = found["a"] * pitch if layout == "bevel" else found["eccentricity"]
+    offset = result["a"] * pitch if layout == "bevel" else result["eccentricity"]
     # half a polygon of 1,440 sides is smaller than half a disc by 3e-6 of it
-    assert model.body_mass[1] == pytest.approx(found["imbalance_mass"], rel=1e-5)
+    assert model.body_mass[1] == pytest.approx(result["imbalance_mass"], rel=1e-5)
     assert model.body_ipos[1] == pytest.approx([offset, 0.0, 0.0], rel=1e-5, abs=1e-9)
-    assert inertia[2] == pytest.approx(found["satellite_inertia"], rel=1e-5)
+    assert inertia[2] == pytest.approx(result["satellite_inertia"], rel=1e-5)
     if layout == "bevel":
-        assert np.mean(inertia[:2]) == pytest.approx(found["satellite_transverse_inertia"], rel=1e-5)
+        assert np.mean(inertia[:2]) == pytest.approx(result["satellite_transverse_inertia"], rel=1e-5)
         # which is all that the module leaves out
-        swing = found["imbalance_mass"] * offset**2
+        swing = result["imbalance_mass"] * offset**2
         assert abs(inertia[1] - inertia[0]) == pytest.approx(swing, rel=1e-4)
 
 

@@ -113,8 +113,8 @@ def test_drives_over_time_are_linear_between_their_points(tmp_path, drive, file,
     (tmp_path / "drive.csv").write_text(file)
     (tmp_path / "scene.toml").write_text(changed(TORQUE, TORQUE.split("[")[1], f"drive]\nkind = {drive}\n"))
     scene = load_scene(tmp_path / "scene.toml")
-    for one in (scene, scene.replaced(run={"stop_time": 0.1})):
-        signal = one.drive.signal()
+    for each in (scene, scene.replaced(run={"stop_time": 0.1})):
+        signal = each.drive.signal()
         assert {time: signal(time) for time in points} == pytest.approx(points)
 
 

@@ -1,4 +1,4 @@
-"""Runs of scenes: the wanted columns, the numbers of the summary, what is drawn; engines and controllers."""
+"""Test runs of scenes: columns, numbers of the summary, figures, engines and controllers."""
 
 import math
 import re
@@ -52,7 +52,7 @@ def scene(stop=0.5, step=0.001, outputs=None, **tables):
 
 
 def table(**last):
-    """A table of two rows, all zeros but what is given for the second."""
+    """Return a table of two rows of zeros, except values of the second row."""
     columns = {name: np.array([0.0, last.get(name, 0.0)]) for name in (*SUMMARISED, "load_torque", *last)}
     return Result.from_columns({"time": np.array([0.0, 1.0]), **columns})
 
@@ -69,8 +69,15 @@ def test_load_above_stall_is_reported():
     stall = SteadyMachine({}).at(100.0, 0.0).output_torque
 
     def told(load, parameters=None, **columns):
-        given = {"omega1": [100.0] * 3, "load_torque": [load] * 3, "omega_out": [3.0, 0.0, 0.0], **columns}
-        return run.above_stall(Result.from_columns({"time": [0.0, 1.0, 2.0], **given}), parameters or {})
+        all_columns = {
+            "omega1": [100.0] * 3,
+            "load_torque": [load] * 3,
+            "omega_out": [3.0, 0.0, 0.0],
+            **columns,
+        }
+        return run.above_stall(
+            Result.from_columns({"time": [0.0, 1.0, 2.0], **all_columns}), parameters or {}
+        )
 
     sentence = f"exceeds the stall torque of {stall:.4g} N.m at 100 rad/s ({stall + 1:.4g} N.m)"
     assert told(stall + 1.0) == {"load_torque": sentence}
@@ -82,10 +89,10 @@ def test_load_above_stall_is_reported():
 
 
 @pytest.mark.parametrize(
-    "given, out, stored, lost, efficiency",
+    "work, out, stored, lost, efficiency",
     [
         (100.0, 60.0, 20.0, 20.0, 0.8),
-        # a load that drives, motion used up, a drive that takes: put in is what came in
+        # a driving load, consumed motion, a drive that absorbs power: the denominator is the work put in
         (-30.0, -50.0, 10.0, 10.0, 0.8),
         (0.0, 15.0, -20.0, 5.0, 0.75),
         (7.0, 0.0, 0.0, 7.0, 0.0),
@@ -95,37 +102,37 @@ def test_load_above_stall_is_reported():
         (0.0, 0.0, 0.0, 0.0, None),
     ],
 )
-def test_efficiency_is_the_fraction_of_work_without_losses(given, out, stored, lost, efficiency):
-    energies = table(energy_in=given, energy_out=out, energy_stored=stored, energy_lost=lost)
-    found = summarise(energies, None, 1.0, {})
-    assert ("efficiency" in found) == (efficiency is not None)
+def test_efficiency_is_the_fraction_of_work_without_losses(work, out, stored, lost, efficiency):
+    energies = table(energy_in=work, energy_out=out, energy_stored=stored, energy_lost=lost)
+    summary = summarise(energies, None, 1.0, {})
+    assert ("efficiency" in summary) == (efficiency is not None)
     if efficiency is not None:
-        assert found["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
+        assert summary["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
 
 
 def test_each_loss_is_reported():
     assert len(LOSSES) == 6
     for name in LOSSES:
-        told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0, {})
-        assert {key: told[key] for key in told if key in LOSSES} == {name: (2.0, "J")}
+        summary = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0, {})
+        assert {key: summary[key] for key in summary if key in LOSSES} == {name: (2.0, "J")}
         assert losses(table(**{name: 2.0})) == [name]
         assert BY_NAME[name].unit == "J"
 
 
 def test_forces_are_magnitudes_of_recorded_components():
-    one = table(satellite_force=5.0, shaking_force_x=2.0, shaking_force_y=-3.0, shaking_force_z=6.0)
-    assert {name: values[-1] for name, values in run.forces(one).items()} == {
+    record = table(satellite_force=5.0, shaking_force_x=2.0, shaking_force_y=-3.0, shaking_force_z=6.0)
+    assert {name: values[-1] for name, values in run.forces(record).items()} == {
         "satellite_force": 5.0,
         "shaking_force": 7.0,
     }
-    found = summarise(one, None, 1.0, {})
-    assert found["shaking_force_peak"] == (7.0, "N")
-    assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
-    assert "shaking_moment_peak" not in found
-    # two of three components are no force, and what is 0 throughout is not known
+    summary = summarise(record, None, 1.0, {})
+    assert summary["shaking_force_peak"] == (7.0, "N")
+    assert summary["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
+    assert "shaking_moment_peak" not in summary
+    # two of three components are not a force, and a zero column has no number
     assert not run.forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
     assert not run.forces(table(satellite_force=0.0))
-    # nor is what three satellites leave of 3 kN by rounding
+    # neither is the rounding error of three satellites with 3 kN
     balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
     assert list(run.forces(balanced)) == ["satellite_force"]
     between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, 1.0, {})
@@ -136,7 +143,7 @@ def test_forces_are_magnitudes_of_recorded_components():
 
 
 def test_maximum_frequency_is_the_mean_of_ten_engagements():
-    # 20 Hz, 50 Hz for 15 of them, rest
+    # 20 Hz, 50 Hz for 15 engagements, rest
     events = np.cumsum([*[0.05] * 30, *[0.02] * 15, 3.0])
     for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
         time = np.arange(0.0, 6.0, step)
@@ -217,16 +224,16 @@ def test_missing_freewheel_has_no_duty(fmu):
 def car(speed, time, **columns):
     """A table with a vehicle of these speeds at these times."""
     zeros = ("distance", "load_speed", *(f"{name}_torque" for name in ("rolling", "drag", "slope", "brake")))
-    given = {name: np.zeros(len(time)) for name in (*SUMMARISED, "load_torque", *zeros)}
+    values = {name: np.zeros(len(time)) for name in (*SUMMARISED, "load_torque", *zeros)}
     units = {"reference": "m/s"}
-    return Result.from_columns({"time": time, **given, "vehicle_speed": np.array(speed), **columns}, units)
+    return Result.from_columns({"time": time, **values, "vehicle_speed": np.array(speed), **columns}, units)
 
 
 def test_times_to_a_speed_count_from_the_last_standstill():
     time = np.linspace(0.0, 2.0, 201)
     record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
-    found = summarise(record, None, 1.0, run.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
-    times = {name: found[name].value for name in found if name.startswith("time_to_")}
+    summary = summarise(record, None, 1.0, run.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
+    times = {name: summary[name].value for name in summary if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
 
@@ -240,10 +247,10 @@ def played(mechanism=None, **freewheels):
 def test_torque_limit_is_compared_with_the_peak_without_impacts(fmu):
     result = run_scene(played(torque=1e4), fmu)
     assert result.summary["output_torque_peak"] < 1e4
-    (warning,) = [one for one in result.warnings if "impacts" in one]
+    (warning,) = [text for text in result.warnings if "impacts" in text]
     assert "set freewheels.output.stiffness to compare them with the limit, 10000 N.m" in warning
-    assert not any("housing" in one for one in result.warnings)
-    assert not [one for one in run_scene(played(), fmu).warnings if "impacts" in one]
+    assert not any("housing" in text for text in result.warnings)
+    assert not [text for text in run_scene(played(), fmu).warnings if "impacts" in text]
 
 
 def test_impact_torque_is_the_torque_of_a_spring_with_its_energy(fmu):
@@ -251,16 +258,16 @@ def test_impact_torque_is_the_torque_of_a_spring_with_its_energy(fmu):
     result = run_scene(played(torque=1e4, stiffness=stiffness), fmu)
     energy, torque = (result.summary[f"output_impact_{name}"] for name in ("energy", "torque"))
     assert torque == pytest.approx(math.sqrt(2.0 * stiffness * energy))
-    assert not [one for one in result.warnings if "impact" in one]
+    assert not [text for text in result.warnings if "impact" in text]
     lost = np.diff(result.record["energy_lost_freewheel"])
     assert energy == lost.max() > 0.0
     # the limit of which it is above
     low = run_scene(played(torque=0.9 * torque, stiffness=stiffness), fmu)
-    assert [one for one in low.warnings if one.startswith("output impact torque is above the limit")]
+    assert [text for text in low.warnings if text.startswith("output impact torque is above the limit")]
 
 
 def test_impact_estimate_agrees_with_a_compliant_freewheel(fmu):
-    """Half a sine of slip sqrt(c J), on top of what the freewheel carries then."""
+    """Half a sine of slip sqrt(c J), in addition to the torque of the freewheel."""
     stiffness = 2e4
     rigid = run_scene(played(stiffness=stiffness), fmu)
     shaft = {
@@ -297,7 +304,7 @@ def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slip
     assert result.limits == {"tractive_force_maximum": pytest.approx(4000.0 * friction)}
     assert (largest > 4000.0 * friction) == slips
     assert ("grip" in result.remarks) == slips
-    assert any("tractive force maximum exceeds its limit" in one for one in result.warnings) == slips
+    assert any("tractive force maximum exceeds its limit" in text for text in result.warnings) == slips
     # the mean torque of the module drives the car and its own output inertia
     torque = result.record["output_torque_mean"].max() * launch.load.final_drive / launch.load.wheel_radius
     assert largest == pytest.approx(torque, rel=0.15)
@@ -341,9 +348,9 @@ def test_time_outside_the_band_counts_steps_that_start_outside():
     time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
     lower, _ = CYCLE.tolerance_band(time)
     record = car(lower + np.array([0.1, -0.1, 0.1, 0.1, -0.1]), time, reference=CYCLE.speed_at(time))
-    found = summarise(record, CYCLE, 1.0, {})
-    assert found["time_out_of_tolerance"] == (1.0, "s")
-    assert found["share_out_of_tolerance"] == (pytest.approx(100.0 / 195.0), "%")
+    summary = summarise(record, CYCLE, 1.0, {})
+    assert summary["time_out_of_tolerance"] == (1.0, "s")
+    assert summary["share_out_of_tolerance"] == (pytest.approx(100.0 / 195.0), "%")
 
 
 # --- drives that give a speed ---
@@ -383,7 +390,7 @@ def test_car_that_cannot_follow_its_cycle_is_reported(fmu):
 
 
 def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
-    """Only resistances of the car's own motion count: in = rolling + what still moves."""
+    """Only resistances of the motion of the car count: input = rolling resistance + kinetic energy."""
     coupled = {**DRIVEN_CAR, "load": {**CAR, "coupling": {"stiffness": 2000, "damping": 20}}}
     reference = {"kind": "constant", "speed": 10}
     coupled["controller"] = {**FOLLOWED, "proportional_gain": 100, "reference": reference}
@@ -400,15 +407,15 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
     result = run_scene(scene(mechanism=friction, outputs=["omega2", *FORCES]), fmu)
     numbers = result.summary
     assert numbers["energy_lost_viscous"] == numbers["energy_lost"] > 0.0
-    kept = numbers["energy_out"] + numbers["energy_stored_gain"]
-    assert numbers["efficiency"] == pytest.approx(kept / numbers["energy_in"], rel=1e-5)
+    output = numbers["energy_out"] + numbers["energy_stored_gain"]
+    assert numbers["efficiency"] == pytest.approx(output / numbers["energy_in"], rel=1e-5)
     assert numbers["satellite_force_peak"] >= result.table["satellite_force"].max()
     assert numbers["satellite_force_rms"] < numbers["satellite_force_peak"]
     assert not set(LOSSES) & set(result.table.names)
     figure = scene_figure(result)
     assert {"satellite bearing", "mounting", "viscous", "losses"} <= labels(figure)
     assert len(figure.axes) == 12
-    # the power lost, drawn over the end of the run, is that of the table
+    # the drawn lost power at the end of the run agrees with the table
     lost = next(
         axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3
     )
@@ -428,9 +435,9 @@ def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(f
 
 @pytest.mark.parametrize("stop, step", [(0.5, 0.001), (0.01, 0.01)], ids=["many steps", "one step"])
 def test_ideal_run_has_the_requested_columns_and_no_loss_panels(fmu, tmp_path, stop, step):
-    seen, wanted = [], ["omega2", "imbalance_acceleration"]
-    result = run_scene(scene(stop, step, wanted), fmu, seen.append)
-    assert result.table.names == ["time", *wanted, "load_torque", "omega1"]
+    seen, outputs = [], ["omega2", "imbalance_acceleration"]
+    result = run_scene(scene(stop, step, outputs), fmu, seen.append)
+    assert result.table.names == ["time", *outputs, "load_torque", "omega1"]
     assert len(result.table) == round(stop / step) + 1
     assert seen[-1] == 1.0
     assert set(result.summary) == set(result.units)
@@ -476,9 +483,9 @@ def test_torque_driven_run_reports_and_draws_speed_and_torque(fmu):
     assert summary["input_torque_mean"] == pytest.approx(mean, rel=1e-9)
     assert {"input ω1", "drive"} <= labels(scene_figure(result))
     # and in this process
-    found = run_in_process(scene(**RISING))
-    assert found["omega_out"][-1] == pytest.approx(table["omega_out"][-1], rel=1e-9)
-    assert time_of(scene(**RISING), found) > 0.0
+    record = run_in_process(scene(**RISING))
+    assert record["omega_out"][-1] == pytest.approx(table["omega_out"][-1], rel=1e-9)
+    assert time_of(scene(**RISING), record) > 0.0
 
 
 def test_example_speeds_up_a_flywheel_while_the_motor_sags(fmu):
@@ -547,7 +554,7 @@ def test_full_throttle_torque_follows_the_map_and_the_speed_limiter(fmu, integra
 
 
 def test_with_the_throttle_closed_the_engine_idles(fmu):
-    """The module asks for torque only to turn link 2 and the car: the governor of the idle speed gives it."""
+    """The module needs torque only to accelerate link 2 and the car; the idle governor provides it."""
     closed = full_throttle(8.0).replaced(drive={"throttle": 0.0, "omega1": 150.0})
     table = run_scene(closed, fmu).record
     assert table["drive_torque"][0] == pytest.approx(closed.drive.torque_map().limits(150.0)[0])
@@ -579,7 +586,7 @@ LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
 
 
 @pytest.mark.parametrize(
-    "torque, shown",
+    "torque, title",
     [
         (PULSES, "last 4 pulses"),
         (np.concatenate([PULSES, LOCKED[:8]]), "last 4 pulses"),
@@ -590,10 +597,10 @@ LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
         (COASTING, "end of the run"),
     ],
 )
-def test_close_up_has_its_title(torque, shown):
+def test_close_up_has_its_title(torque, title):
     table = Result.from_columns({"time": 1e-3 * np.arange(torque.size), "output_torque_mean": torque})
     first, heading = end_of_run(table)
-    assert heading == shown
+    assert heading == title
     if "pulses" in heading or "lock-up" in heading:
         assert first == 11
     assert 0 <= first < torque.size

@@ -1,4 +1,4 @@
-"""Specifications of designs: what is refused, and how designs are judged by them."""
+"""Test specifications of designs: rejections, and evaluation of designs."""
 
 import math
 from pathlib import Path
@@ -73,15 +73,15 @@ def test_at_most_three_figures_have_a_goal(read):
 
 def row(torque, speed, mass):
     figures = {"stall_torque": torque, "omega_out_final": speed, "total_imbalance_mass": mass}
-    known = {name: value for name, value in figures.items() if value is not None}
-    return Row({"mass": mass}, known, 0.0)
+    values = {name: value for name, value in figures.items() if value is not None}
+    return Row({"mass": mass}, values, 0.0)
 
 
 def test_designs_are_judged_in_the_units_of_their_figures(read):
     judge = Judge(read(SPEC), UNITS)
     good = row(22.0, 40.0, 1.0)
     assert judge.meets(good)
-    # the margin is for what the scene gives: 10 % of 100 rpm, 10 % of 50 rad/s
+    # the margin applies to the value of the scene: 10 % of 100 rpm, 10 % of 50 rad/s
     assert judge.violations(good, 0.1) == pytest.approx(
         [-0.1, 1.0 - 40.0 / 10.4719755 + 0.1, -0.2 + 0.1, 0.0]
     )
@@ -99,7 +99,7 @@ def test_front_contains_the_nondominated_designs(read):
     light, fast, both = row(22.0, 20.0, 0.5), row(22.0, 45.0, 2.0), row(22.0, 40.0, 1.0)
     worse, worst = row(22.0, 39.0, 1.1), row(22.0, 38.0, 1.2)
     first, second, third = judge.fronts([worst, fast, worse, light, both])
-    assert sorted(one.point["mass"] for one in first) == [0.5, 1.0, 2.0]
+    assert sorted(design.point["mass"] for design in first) == [0.5, 1.0, 2.0]
     assert (second, third) == ([worse], [worst])
 
 
@@ -145,7 +145,7 @@ def test_unreached_speed_is_reported():
     assert unreached(scene, [fast, refused]) == {}
 
 
-# --- what is in doubt, though limits are met ---
+# --- doubts about designs within the limits ---
 
 # design 3 of docs/design.md as it was with weightless satellites
 POINTS = {
@@ -192,27 +192,27 @@ def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
     """The module of POINTS in the car of docs/design.md: to 50 km/h in 25 s or not."""
     spec = read_spec(example("design_car"))
     tables = {name: table for name, table in spec.tables.items() if name in Scene.model_fields}
-    kept = {name: value for name, value in tables["mechanism"].items() if name != "satellite"}
-    tables["mechanism"] = {**kept, **POINTS, "satellite_inertia": disc(density)}
+    mechanism = {name: value for name, value in tables["mechanism"].items() if name != "satellite"}
+    tables["mechanism"] = {**mechanism, **POINTS, "satellite_inertia": disc(density)}
     tables["load"]["final_drive"] = 4.017
     tables["run"] = {"stop_time": 25.0, "communication_step": 0.02}
-    found = run_scene(validated(Scene, tables).with_fidelity("elastic"), built / "InertiaModule.fmu").summary
-    assert found.get("time_to_50_kmh") == (reached and pytest.approx(reached, abs=0.05))
-    assert (found["vehicle_speed_maximum"] < 37.0) is (reached is None)
+    result = run_scene(validated(Scene, tables).with_fidelity("elastic"), built / "InertiaModule.fmu").summary
+    assert result.get("time_to_50_kmh") == (reached and pytest.approx(reached, abs=0.05))
+    assert (result["vehicle_speed_maximum"] < 37.0) is (reached is None)
 
 
 def test_input_torque_pulses_follow_from_the_reduced_inertia():
     # at rest of link 2: M1 - M2 is the rate of I omega1, I = n m (R0^2 + ...) even, so all six give M2 alone
-    one = {**POINTS, "satellites": 1.0}
+    single = {**POINTS, "satellites": 1.0}
     lengths = POINTS["sun_radius"] + POINTS["satellite_radius"], POINTS["eccentricity"]
     k = POINTS["sun_radius"] / POINTS["satellite_radius"]
     # I = m (R^2 + l^2 - 2 R l cos q), so M1 = I' q' omega1 + M2 with M2 = - k I' omega1^2 / 2
     peak = 0.5 * k * 2.0 * POINTS["imbalance_mass"] * math.prod(lengths) * 250.0**2
     # and k B'q'^2, B = m l (l - R cos q)
     peak += POINTS["imbalance_mass"] * math.prod(lengths) * (k * 250.0) ** 2
-    assert figure("input_torque_peak", one) == pytest.approx(peak, rel=2e-3)
-    assert figure("input_torque_ripple", one) == pytest.approx(peak / math.sqrt(2.0), rel=2e-3)
-    assert figure("satellite_speed", one) == pytest.approx(k * 250.0)
+    assert figure("input_torque_peak", single) == pytest.approx(peak, rel=2e-3)
+    assert figure("input_torque_ripple", single) == pytest.approx(peak / math.sqrt(2.0), rel=2e-3)
+    assert figure("satellite_speed", single) == pytest.approx(k * 250.0)
     reached = [figure("bearing_force", POINTS, ratio) for ratio in (0.0, 0.5, 0.9)]
     assert figure("bearing_force_peak", POINTS) >= max(reached) * (1.0 - 1e-3)
 
@@ -228,10 +228,10 @@ def test_resting_load_and_missing_freewheel_are_reported():
     assert resting["load does not move"].startswith("0.0")
     shaft = load_scene(example("reference")).replaced(mechanism={"output_freewheel": 0.0})
     assert "load does not move" not in doubts_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
-    found = doubts_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
-    assert found["load does not move"] == "0 revolutions in the run"
-    assert "without both freewheels there is no mean torque" in found["no mean torque"]
-    # where nothing was run there is nothing to say
+    doubts = doubts_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
+    assert doubts["load does not move"] == "0 revolutions in the run"
+    assert "without both freewheels there is no mean torque" in doubts["no mean torque"]
+    # without runs there is no doubt
     assert "load does not move" not in doubts_of(shaft, {}, 250.0)
 
 
@@ -239,13 +239,13 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
     def verdict(checked, front, cut, doubts):
-        finalists = [Finalist(good, one, spec, tmp_path, doubts) for one in checked]
+        finalists = [Finalist(good, design, spec, tmp_path, doubts) for design in checked]
         judge = Judge(spec, UNITS)
         return DesignResult(judge, [good, short], front, finalists, 2, {}, Searched([good, short], [], cut))
 
-    found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
-    assert found.verdict().endswith("; caveats: no lock-up in 2 of them")
-    assert found.lines(found.finalists[0])["caveat: no lock-up"] == "none above 0.3"
+    result = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
+    assert result.verdict().endswith("; caveats: no lock-up in 2 of them")
+    assert result.lines(result.finalists[0])["caveat: no lock-up"] == "none above 0.3"
     assert "caveat" not in verdict([good], [good], False, {}).verdict()
     lost = verdict([short], [good], False, {}).verdict()
     assert lost.startswith(
@@ -253,7 +253,7 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     )
     assert "no improvement in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "search.longest = 600 s ended the search" in verdict([short], [], True, {}).verdict()
-    # a refused design is never the nearest one, however far the others are
+    # a rejected design is never the nearest design
     far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
     assert judge.beyond(far) > judge.beyond(refused)
@@ -345,9 +345,9 @@ def test_drive_below_the_speed_of_the_figures_is_a_caveat():
     scene = load_scene(example("engine_launch"))
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
-    found = doubts_of(scene, {}, 200.0)["drive too weak"]
+    caveat = doubts_of(scene, {}, 200.0)["drive too weak"]
     chart = torque_converter_chart(scene.parameters(), 200.0)
-    assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
+    assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in caveat
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
     assert "drive too weak" not in doubts_of(strong, {}, 200.0)
     assert load_scene(example("planar")).drive_torque_limit(200.0) is None
@@ -357,8 +357,10 @@ def test_slipping_wheels_are_a_caveat():
     scene = load_scene(example("engine_launch")).replaced(load={"friction_coefficient": 0.5})
     grip = 0.5 * 900.0 * 9.80665
     assert scene.load.grip == pytest.approx(grip)
-    found = doubts_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
-    assert found["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
+    doubts = doubts_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
+    assert (
+        doubts["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
+    )
     assert "wheels slip" not in doubts_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
 
 
@@ -391,16 +393,16 @@ def test_envelope_of_bevel_gears_includes_imbalance_and_rim(values):
 def test_envelope_mass_and_room_of_a_planar_mechanism():
     planar = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06}
     for eccentricity, reach in ((0.04, 0.1 + 2 * 0.06), (0.08, 0.1 + 0.06 + 0.08)):
-        found = Mechanism({**planar, "eccentricity": eccentricity}).envelope_diameter
-        assert found == pytest.approx(2 * reach)
+        diameter = Mechanism({**planar, "eccentricity": eccentricity}).envelope_diameter
+        assert diameter == pytest.approx(2 * reach)
     of_all = {"modules": 2.0, "satellites": 3.0, "imbalance_mass": "250 g"}
     assert figure("total_imbalance_mass", of_all) == 1.5
     assert figure("total_imbalance_mass", {}) == 1.0
     scene = load_scene(example("planar")).replaced(mechanism=planar)
-    asked = {"tables": scene.tables, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
-    figures = figures_wanted(asked, None)
-    found = figures({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
-    assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
+    demands = {"tables": scene.tables, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
+    figures = figures_wanted(demands, None)
+    diameter = figures({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
+    assert diameter["envelope_diameter"] == (pytest.approx(0.44), "m")
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
         assert_refused(name, figures, {"fidelity": "rigid", f"mechanism.{name}": value})
 

@@ -1,4 +1,4 @@
-"""Tables from CSV files as they come from rigs and spreadsheets: read right, or refused in a sentence."""
+"""Test tables from CSV files of rigs and spreadsheets: read correctly, or rejected in a sentence."""
 
 import math
 import tomllib
@@ -26,8 +26,8 @@ def read(folder, content):
 def test_all_formats_of_a_table_give_the_same_result(tmp_path):
     for name, text in SAME.items():
         table = read(tmp_path, text)
-        found = (table.names, table.time.tolist(), table["omega1"].tolist(), table.units["time"])
-        assert found == (["time", "omega1"], TIMES, SPEEDS, "s"), name
+        content = (table.names, table.time.tolist(), table["omega1"].tolist(), table.units["time"])
+        assert content == (["time", "omega1"], TIMES, SPEEDS, "s"), name
 
 
 def test_ambiguous_table_is_rejected(tmp_path):

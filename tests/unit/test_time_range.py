@@ -1,4 +1,4 @@
-"""Tables beside the run that they are for: steps, tables that never meet it, and doubtful times."""
+"""Test tables of a run: steps, tables outside the run, and suspicious times."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Parameters that change between steps: the motion goes on as the equations with the new ones say."""
+"""Test parameters that change between steps: the motion follows the equations with the new values."""
 
 import pytest
 from geometry import direct_sums, ratio
@@ -16,8 +16,8 @@ LOSSES = {
 }
 
 
-def largest_energy(one):
-    return max(abs(one[name]) for name in ("energy_in", "energy_out", "energy_stored"))
+def largest_energy(module):
+    return max(abs(module[name]) for name in ("energy_in", "energy_out", "energy_stored"))
 
 
 @motions(("rigid",), added=("ideal",), missing=())
@@ -90,8 +90,8 @@ def test_changed_shaft_agrees_with_a_new_shaft(compiled):
         omega_out_start=shaft["omega_out"],
         twist_start=shaft["twist"],
     )
-    for one in (shaft, other):
-        advanced(one, 0.02, 0.013, hub_speed=57.0)
+    for each in (shaft, other):
+        advanced(each, 0.02, 0.013, hub_speed=57.0)
     for name in ("shaft_torque", "shaft_torque_mean", "omega_out", "driven_acceleration", "twist"):
         assert shaft[name] == pytest.approx(other[name], rel=1e-12), name
     assert abs(shaft["energy_residual"]) < 1e-12 * shaft["energy_in"]

@@ -48,9 +48,9 @@ def test_each_variable_has_its_own_number_and_so_has_the_time(model):
 
 def test_pinned_numbers_stay_and_new_ones_are_appended(model):
     pinned = PINNED[model.name]
-    known = {variable.name: variable.reference for variable in model.in_fmu(3)}
-    assert {name: known.get(name) for name in pinned} == pinned
-    added = sorted(set(known.values()) - set(pinned.values()))
+    references = {variable.name: variable.reference for variable in model.in_fmu(3)}
+    assert {name: references.get(name) for name in pinned} == pinned
+    added = sorted(set(references.values()) - set(pinned.values()))
     assert added == list(range(max(pinned.values()) + 1, max(pinned.values()) + 1 + len(added)))
 
 

@@ -170,5 +170,6 @@ def test_mesh_loss_is_a_share_of_the_transmitted_power():
         time = 1.0 / speed * np.ones_like(alpha)
         energy = 0.5 * exact(m, alpha).J_red * square
         mean = np.trapezoid(energy * time, alpha) / np.trapezoid(time, alpha)
-        # three cycles a turn, each m.b of it; free, the energy falls by some percent in it
+        # three cycles per turn, each m.b of a turn; in free motion the energy decreases by some percent per
+        # cycle
         assert share == pytest.approx(lost / mean, rel=0.03)
