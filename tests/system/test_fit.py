@@ -62,7 +62,7 @@ def test_example_finds_the_truth_and_the_noise(result, rig):
 
 def test_interval_ends_at_the_squared_quantile_of_the_profile(fmu, result, tmp_path):
     def squares(fit):
-        """Sum over the noise that was found."""
+        """Return the sum of squared residuals over the noise."""
         return sum(
             np.sum((fit.table()[f"{name}_residual"] / result.noise[name]) ** 2) for name in result.noise
         )

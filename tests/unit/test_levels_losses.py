@@ -20,7 +20,7 @@ SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS | PLAY).item
 SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1, "windage": 1e-4}
 
 
-def told():
+def documented_cells():
     """Return the cells of the table by parameter and level."""
     lines = PAGE.read_text().partition("| parameter | ")[2].partition("\n\n")[0].splitlines()
     levels = [head.strip() for head in lines[0].strip("| ").split(" | ")]
@@ -41,7 +41,7 @@ def ends(level, by_torque, **losses):
     return [module[name] for name in ("energy_in", "energy_lost", "input_torque_mean", "omega_out")]
 
 
-def found(level, name, by_torque=False):
+def measured_cell(level, name, by_torque=False):
     """Effect of a parameter at a level: yes, no or rejected."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
@@ -51,18 +51,18 @@ def found(level, name, by_torque=False):
 
 
 def test_every_parameter_is_documented_at_every_level():
-    table = told()
+    table = documented_cells()
     assert table.keys() == SIZES.keys()
     assert all([*cells] == [level.name for level in LEVELS] for cells in table.values())
 
 
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_levels_have_the_losses_of_the_page(level):
-    for name, cells in told().items():
+    for name, cells in documented_cells().items():
         cell = cells[level.name]
-        assert found(level, name) == cell, name
+        assert measured_cell(level, name) == cell, name
         if level.fidelity != KINEMATIC:
-            assert found(level, name, by_torque=True) == cell, name
+            assert measured_cell(level, name, by_torque=True) == cell, name
 
 
 # --- effect of gravity and satellite inertia: page, table and module agree ---

@@ -68,7 +68,7 @@ def labels(figure):
 def test_load_above_stall_is_reported():
     stall = SteadyMachine({}).at(100.0, 0.0).output_torque
 
-    def told(load, parameters=None, **columns):
+    def remarks_of(load, parameters=None, **columns):
         all_columns = {
             "omega1": [100.0] * 3,
             "load_torque": [load] * 3,
@@ -80,12 +80,12 @@ def test_load_above_stall_is_reported():
         )
 
     sentence = f"exceeds the stall torque of {stall:.4g} N.m at 100 rad/s ({stall + 1:.4g} N.m)"
-    assert told(stall + 1.0) == {"load_torque": sentence}
-    assert not told(stall - 1.0)
-    assert not told(stall + 1.0, omega_out=[3.0, 2.0, 1.0])
-    assert not told(stall + 1.0, brake_torque=[0.0, 0.0, 5.0])
-    assert not told(stall + 1.0, omega1=[0.0] * 3)
-    assert not told(stall + 1.0, {"output_freewheel": 0.0})
+    assert remarks_of(stall + 1.0) == {"load_torque": sentence}
+    assert not remarks_of(stall - 1.0)
+    assert not remarks_of(stall + 1.0, omega_out=[3.0, 2.0, 1.0])
+    assert not remarks_of(stall + 1.0, brake_torque=[0.0, 0.0, 5.0])
+    assert not remarks_of(stall + 1.0, omega1=[0.0] * 3)
+    assert not remarks_of(stall + 1.0, {"output_freewheel": 0.0})
 
 
 @pytest.mark.parametrize(
