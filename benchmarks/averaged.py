@@ -1,4 +1,4 @@
-"""Fidelity averaged against rigid: kernel time of the urban scene, and mean speeds of the torque-driven module.
+"""Fidelity averaged against rigid: kernel time of the urban scene, mean speeds of the torque-driven module.
 
 The inputs of the scene are recorded once and replayed to the compiled kernel. speed.py measures both.
 """
@@ -56,7 +56,10 @@ def kernel_times(scene, record):
 
 
 def figures_of_scene():
-    """Measure kernel times, and the maximum difference of one-second mean output speeds relative to the maximum omega1."""
+    """Measure kernel times, and the difference of mean output speeds.
+
+    The difference is the maximum over means of one second, relative to the maximum omega1.
+    """
     scene = load_scene(example("urban"))
     records = {
         name: run_in_process(scene.replaced(mechanism={"fidelity": fidelity}))
@@ -92,7 +95,7 @@ def mean_speeds(parameters):
 
 
 def figures_by_torque():
-    """Measure errors of the mean speeds for several inertias of link 1; rigid speeds are means over start angles."""
+    """Measure errors of mean speeds for several inertias of link 1; rigid: means over start angles."""
     figures = []
     for layout, mechanism in LAYOUTS.items():
         max_inertia = interface_inertia(mechanism).greatest

@@ -1,8 +1,8 @@
 """Reliability of fits: ten kinds of data sets with known true values.
 
-The data sets resemble examples/fit_rig.csv with other seeds. They come from the independent reference. A fit is
-correct if the intervals of all free keys contain the true values, if it reports that they are not identifiable, or
-if it names the cause. Run: python -m benchmarks.fit [SETS [KIND ...]]
+The data sets resemble examples/fit_rig.csv with other seeds. They come from the independent reference. A fit
+is correct if the intervals of all free keys contain the true values, if it reports that they are not
+identifiable, or if it names the cause. Run: python -m benchmarks.fit [SETS [KIND ...]]
 """
 
 import functools
@@ -117,12 +117,12 @@ def wrong_radius(_, seed, random):
 
 
 def degenerate(true, seed, _):
-    """Make a data set with free masses and load: the data determine only ratios, so searches end at a bound."""
+    """Make a data set with free masses and load: only ratios are determined, so searches end at a bound."""
     return DataSet(data.measured(true, seed), free=ALL_MASSES)
 
 
 def collinear(true, seed, _):
-    """Make a data set with three nearly collinear free keys and a wrong inertia in the scene that scales them."""
+    """Make a data set with three nearly collinear free keys and a wrong inertia that scales them."""
     return DataSet(data.measured(true, seed), frozenset({"mechanism.link2_inertia"}), COLLINEAR)
 
 
@@ -244,9 +244,14 @@ def run(kind, sets, folder, fmu):
 
 
 def main(sets=N_SETS, kinds=()):
-    print(
-        "kind | sets | correct | interval contains truth | not identifiable | cause named | only another cause | interval if exact"
-    )
+    """Judge data sets and print a line for each kind.
+
+    Args:
+        sets: Number of data sets of each kind.
+        kinds: Names of the kinds; () for all.
+    """
+    headings = ("kind", "sets", "correct", "interval contains truth", "not identifiable")
+    print(" | ".join((*headings, "cause named", "only another cause", "interval if exact")))
     with tempfile.TemporaryDirectory() as folder:
         fmu = current_fmu(folder=Path(folder))
         for kind in KINDS:
@@ -256,8 +261,8 @@ def main(sets=N_SETS, kinds=()):
             contained, unidentifiable, named, other, exact = np.sum(verdicts, axis=0).tolist()
             wrong = [seed for seed, result in enumerate(verdicts) if not result.is_correct]
             print(
-                f"{kind.__name__} | {sets} | {sets - len(wrong)} | {contained} | {unidentifiable} | {named} | {other} |"
-                f" {exact}  wrong: {wrong}",
+                f"{kind.__name__} | {sets} | {sets - len(wrong)} | {contained} | {unidentifiable} | {named} |"
+                f" {other} | {exact}  wrong: {wrong}",
                 flush=True,
             )
 

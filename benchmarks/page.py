@@ -63,13 +63,15 @@ def measure(page):
             for viewer_time, kernel_time_of_round in zip(*times.values(), strict=True)
         )
         print(
-            f"{name}: page {medians['page']:.3f} ms, compiled kernel {medians['kernel']:.3f} ms, ratio {ratio:.2f}"
+            f"{name}: page {medians['page']:.3f} ms, compiled kernel {medians['kernel']:.3f} ms,"
+            f" ratio {ratio:.2f}"
         )
         figures += [(name, way, value, "ms") for way, value in medians.items()] + [(name, "ratio", ratio, "")]
     return figures
 
 
 def main():
+    """Open the viewer in Chromium, measure, and update the table."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         path = Path(folder) / "page.html"
         path.write_bytes(html_file(load_scene(example("reference")), None))

@@ -1,7 +1,8 @@
 """Measure the speed of the module in all its forms and of hand-written C; update docs/performance.csv.
 
-The C program (by_hand.c) computes only the motion of scene R1, with a method of lower order. It is compiled with
--O3 for the same processors as the native FMU, and its results are compared with the kernel before it is timed.
+The C program (by_hand.c) computes only the motion of scene R1, with a method of lower order. It is compiled
+with -O3 for the same processors as the native FMU, and its results are compared with the kernel before it is
+timed.
 Run: python -m benchmarks.speed
 """
 
@@ -195,7 +196,7 @@ def seconds_of_r1(module, python, folder):
 
 
 def shell(python_fmu, workshop):
-    """Measure a step at standstill and two reads of the Python FMU and of a trivial pythonfmu FMU, alternately.
+    """Measure a step and two reads of the Python FMU and of a trivial pythonfmu FMU, alternately.
 
     Args:
         python_fmu: Python FMU of the module.
@@ -224,6 +225,7 @@ def instantiation(path):
 
 
 def main():
+    """Build the FMUs, measure all parts, and update the table."""
     with tempfile.TemporaryDirectory() as folder:
         workshop = Path(folder)
         build(workshop)

@@ -1,7 +1,8 @@
 """Speed of sweeps: runs per second with one and with two workers, and the time of a single run.
 
-- examples/reference.toml (1 s in 2,000 steps, ten outputs, tolerance 1e-9), and the same machine in one step with one
-  output and tolerance 1e-6: runs per second, and run time in this process compared with the kernel time.
+- examples/reference.toml (1 s in 2,000 steps, ten outputs, tolerance 1e-9), and the same machine in one step
+  with one output and tolerance 1e-6: runs per second, and run time in this process compared with the kernel
+  time.
 - A launch with engine, vehicle and closed loop: run time with two workers, and in this process.
 
 Run: python -m benchmarks.sweep
@@ -80,6 +81,7 @@ def time_of_kernel(scene):
 
 
 def main():
+    """Measure and print the speed of sweeps."""
     print(f"load average {os.getloadavg()[0]:.1f}")
     reference = load_scene(example("reference"))
     one_step = {
@@ -95,8 +97,9 @@ def main():
         single, kernel = own_time(task, points), time_of_kernel(scene)
         one_worker, two_workers = (measure(task, points, workers) for workers in (1, 2))
         print(
-            f"{name}: {1.0 / one_worker:.0f} runs/s with one worker, {1.0 / two_workers:.0f} with two, {one_worker / two_workers:.2f} times"
-            f" as many; a run alone {1e3 * single:.2f} ms, of which the kernel {1e3 * kernel:.2f} ms"
+            f"{name}: {1.0 / one_worker:.0f} runs/s with one worker, {1.0 / two_workers:.0f} with two,"
+            f" {one_worker / two_workers:.2f} times as many; a single run {1e3 * single:.2f} ms, of which the"
+            f" kernel {1e3 * kernel:.2f} ms"
         )
     task, points = task_and_points(load_scene(example("engine_launch")), N_LAUNCHES)
     single, shared = (
@@ -104,7 +107,8 @@ def main():
         2.0 * measure(task, points, 2),
     )
     print(
-        f"launch: {single:.3f} s alone, {shared:.3f} s of one of two cores in a sweep: {shared / single:.2f} times"
+        f"launch: {single:.3f} s alone, {shared:.3f} s per core in a sweep with two workers:"
+        f" {shared / single:.2f} times"
     )
 
 

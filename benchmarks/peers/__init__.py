@@ -1,7 +1,7 @@
 """Other integrators (peers) of the equations of the module, one curve each in the diagrams.
 
-For a fair comparison their right-hand sides are compiled, run times exclude compilation and sampling, and each
-integrator has its best settings.
+For a fair comparison their right-hand sides are compiled, run times exclude compilation and sampling, and
+each integrator has its best settings.
 """
 
 from __future__ import annotations

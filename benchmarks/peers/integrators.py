@@ -34,14 +34,16 @@ from ..trade_off import Case, Trajectory
 
 # indices of the numbers, two per freewheel: is it closed, is it present
 CLOSED, PRESENT = (0, 1), (2, 3)
-# input speed, rad/s; load torque, N·m; ratio k; inertias, kg·m²; stiffness c of the viscous clutches that replace
-# the freewheels, N·m·s/rad: Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2); 0 with event location
+# input speed, rad/s; load torque, N·m; ratio k; inertias, kg·m²; stiffness c of the viscous clutches that
+# replace the freewheels, N·m·s/rad: Tc = c max(0, omega2 - omega3), Th = c max(0, -omega2); 0 with event
+# location
 SPEED, LOAD, RATIO, INERTIA2, INERTIA3, STIFFNESS = range(4, 10)
 # maximum numbers of steps and of events of a run
 MAX_STEPS = 10_000_000
 MAX_EVENTS = 100_000
-# maximum phase of the fastest harmonic per step, rad. Solvers compare the sign of an event indicator only at the
-# ends of a step. While link 2 is locked, the motion is so smooth that their steps would skip whole pulses.
+# maximum phase of the fastest harmonic per step, rad. Solvers compare the sign of an event indicator only at
+# the ends of a step. While link 2 is locked, the motion is so smooth that their steps would skip whole
+# pulses.
 CVODE_PHASE = 1.0
 SCIPY_PHASE = 0.5  # 1 misses two short pulses of R1
 ROOT_FOUND = 2  # CV_ROOT_RETURN
@@ -57,7 +59,8 @@ def equations() -> tuple[Any, Any]:
 
     Returns:
         Function rates(t, y, numbers, series), which returns the derivative of the state in a new array, and
-        function guard(t, y, numbers, series, freewheel), which is positive while the freewheel does not switch.
+        function guard(t, y, numbers, series, freewheel), which is positive while the freewheel does not
+        switch.
 
     Raises:
         CompilationUnavailable: No C compiler is installed.

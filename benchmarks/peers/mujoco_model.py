@@ -1,7 +1,7 @@
 """The module as a constrained multibody model in MuJoCo, an independent engine.
 
-- Bodies: link 1, link 2, the pinion shafts on link 1 and the satellites on them, each on a hinge. The geometry
-  of the reference places them at angle 0 of the pinion shafts.
+- Bodies: link 1, link 2, the pinion shafts on link 1 and the satellites on them, each on a hinge. The
+  geometry of the reference places them at angle 0 of the pinion shafts.
 - Gears are equality constraints. A fixed tendon ties the angle of each pinion shaft to links 1 and 2. A joint
   constraint ties the angle of each satellite to its pinion shaft.
 - A freewheel is a tendon limit that is always active, without stiffness and with damping 1 / timestep. MuJoCo
@@ -31,8 +31,8 @@ from .integrators import Problem
 NEGLIGIBLE = 1e-13
 # maximum impedance that MuJoCo allows; a rigid constraint would have 1
 IMPEDANCE = 0.9999
-# inverse inertia that scales the softness of constraints, 1/(kg·m²). The default of MuJoCo is its value at the
-# first position. It is infinite if the mass of a satellite is at its rolling pole (bevel layout, a = b).
+# inverse inertia that scales the softness of constraints, 1/(kg·m²). The default of MuJoCo is its value at
+# the first position. It is infinite if the mass of a satellite is at its rolling pole (bevel layout, a = b).
 INVERSE_INERTIA = 0.01
 # added inertia of pinion shafts and satellites, kg·m²: otherwise the mass matrix is singular at this position
 ARMATURE = 1e-9

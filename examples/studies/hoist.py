@@ -71,6 +71,7 @@ def study(fmu=None):
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     rows, tables = study()
     print("load, N.m   mass, kg   lifted in 3 s, m   dropped at rest, m       lifting, m/s")
     for load, mass, lifted, sunk, speed in rows:

@@ -82,6 +82,7 @@ def study(fmu=None):
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     rows, launches = study()
     print("omega1   stall torque   / omega1^2      rigid: 50 %    90 %   averaged: 50 %    90 %")
     print("rad/s    N.m            N.m.s2/rad2            s       s                s       s")

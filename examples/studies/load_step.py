@@ -79,6 +79,7 @@ def study(fmu=None):
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     rows, table = study()
     print("load, N.m   settled, rad/s   / omega1    minimum, rad/s   mean input torque, N.m")
     for load, speed, lowest, torque in rows:

@@ -63,6 +63,7 @@ def study(fmu=None):
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     tables = study()
     slowed, free, again = phases(tables[True])
     print(f"deceleration while overrunning: {slowed:.4f} rad/s2; load over inertia: {free:.4f} rad/s2")
