@@ -54,7 +54,9 @@ def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]
                 for kind in ("in", "ref")
             },
             f"{name}_ref.opt": OPTIONS.encode(),
-            "readme.txt": filled(README, {"name": name, "fmi": fmi, "fmu": fmu, "one": experiment}).encode(),
+            "readme.txt": filled(
+                README, {"name": name, "fmi": fmi, "fmu": fmu, "experiment": experiment}
+            ).encode(),
         }
         place = folder / "fmus" / f"{fmi}.0" / "cs" / "linux64" / "inertia-module" / __version__ / name
         for file, text in files.items():
