@@ -74,9 +74,11 @@ bench: $(VENV)/.all page ## measure speed and errors; write docs/*.csv, the figu
 	$(BIN)/python -m benchmarks.fit
 	$(BIN)/python docs/make_pages.py
 
-stability: $(VENV)/.all ## run the extreme cases; write docs/stability.csv, its figure and page
+stability: $(VENV)/.all ## run extremes and random machines; write their tables, picture and page
 	$(BIN)/python -m verification stability -o out/stability
-	cp out/stability/stability.csv out/stability/*.png docs/
+	$(BIN)/python -m verification stability --random 1000 -o out/stability
+	cp out/stability/stability.csv out/stability/random.csv docs/
+	$(BIN)/python docs/make_stability_picture.py
 	$(BIN)/python docs/make_pages.py
 
 coupling: $(VENV)/.all ## compare engine couplings; write docs/coupling*.csv, the figure and the page

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import coupling_page
 import performance_page
-import random_page
 import stability_page
 
 from inertia_module.fmu.documentation import guide, variables_page
@@ -46,7 +45,6 @@ PAGES = {
     "variables.md": variables_page,
     "papers.md": papers_page,
     "stability.md": lambda: filled("stability.md", stability_page.values()),
-    "random.md": lambda: filled("random.md", random_page.values()),
     "performance.md": lambda: filled("performance.md", performance_page.values()),
     "coupling.md": coupling_page.page,
     "index.md": start_page,

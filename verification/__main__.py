@@ -16,7 +16,7 @@ from rich import box
 from rich.table import Table
 
 from inertia_module.cli import Answer, OutputFolder, Shown, aside, command
-from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
+from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_atomically
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.interface.models import MODELS
 
@@ -49,73 +49,66 @@ def stability(
     quick: Annotated[bool, typer.Option("--quick", help="Omit the long runs.")] = False,
     only: Annotated[str | None, typer.Option("--only", metavar="AXIS", help="Run only this axis.")] = None,
     random: Annotated[
-        int, typer.Option("--random", metavar="N", min=0, help="Run N random motions instead of the map.")
+        int,
+        typer.Option("--random", metavar="N", min=0, help="Run N random machines instead of the extremes."),
     ] = 0,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Random seed of the random motions.")] = 1,
-    losses: Annotated[
-        bool,
-        typer.Option("--losses", help="Add load-dependent losses, windage and gravity."),
-    ] = False,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Random seed of the machines.")] = 1,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", metavar="W", min=1, help="Processes of the random machines (all processors)."
+        ),
+    ] = None,
 ) -> Answer:
-    """Run extreme cases and classify each one.
+    """Run extreme cases or random machines and classify each one.
 
-    With --random the cases are random mechanisms with random inputs. Exits with code 1 if any case is broken
-    or fails. Default output folder: out/stability.
+    Writes stability.csv or random.csv. Exits with code 1 if any case is broken or any random machine fails a
+    check. Default output folder: out/stability. Example: python -m verification stability --random 100
     """
     folder = writable_folder(output or OUTPUT_FOLDER / "stability")
     if random:
-        return _random_motions(random, seed, losses, folder)
+        return _random_machines(random, seed, workers, folder)
     from .stability import verdicts
 
     cases = verdicts.chosen_cases(only, quick)
     with progress_bar("running extreme cases") as progress:
         results = verdicts.run_study(cases, progress)
     rows = verdicts.rows_of(results)
-    files = {
-        "verdicts": verdicts.write_rows(folder / "stability.csv", rows),
-        "summary": write_figure(folder / "stability_summary.png", verdicts.summary(rows)),
-    }
-    counts = [
-        (axis, level, *(count[name] for name in verdicts.OUTCOMES), max_error)
-        for axis in dict.fromkeys(row.axis for row in rows)
-        for level, (count, max_error) in verdicts.counts([row for row in rows if row.axis == axis]).items()
-    ]
-    headings = "axis", "fidelity level", *verdicts.OUTCOMES, "maximum error"
+    counts = [(axis, *cells) for axis, *cells in verdicts.counts(rows)]
     total = Counter(verdict.outcome for verdict in results)
     parts: list[Shown] = [
-        partial(print_table, "", headings, counts),
+        partial(print_table, "", ("axis", "cases", *verdicts.VERDICTS, "maximum error"), counts),
         *verdicts.reasons(rows),
-        ", ".join(f"{total[name]} {name}" for name in verdicts.OUTCOMES),
+        ", ".join(f"{total[name]} {name}" for name in verdicts.VERDICTS),
     ]
+    files = {"verdicts": verdicts.write_rows(folder / "stability.csv", rows)}
     data = {"verdicts": [verdict.as_record() for verdict in results]}
     return Answer(data, parts, files, total[verdicts.BROKEN] > 0)
 
 
-def _random_motions(number: int, seed: int, losses: bool, folder: Path) -> Answer:
-    """Run random motions, print violated invariants with a reproducer, and write the counts.
+def _random_machines(count: int, seed: int, workers: int | None, folder: Path) -> Answer:
+    """Run random machines, print a row for each level and all that are not exact, write random.csv.
 
     Args:
-        number: Number of motions.
-        seed: Random seed.
-        losses: True to add losses and gravity.
-        folder: Output folder.
+        count: number of machines.
+        seed: random seed.
+        workers: number of processes; None for one per processor.
+        folder: output folder.
     """
-    from inertia_module.fmi.results import write_rows
+    from .stability import random_motions as machines
+    from .stability.verdicts import BROKEN, DEGRADED, EXACT, VERDICTS
 
-    from .stability.random_motions import HEADINGS, findings, rows_of, run_random
-
-    with progress_bar("running random motions") as progress:
-        outcomes = run_random(number, seed, folder, progress, losses)
-    rows, violations = rows_of(outcomes), findings(outcomes)
-    path = folder / ("random_losses.csv" if losses else "random.csv")
-    template = "{count} of {level}: {what}\nnumber {number}: {sentence}\n{reproducer}"
+    with progress_bar("running random machines") as progress:
+        rows = machines.examine_machines(count, seed, workers, progress)
+    headings = "fidelity level", "cases", *VERDICTS, "judged", "median error", "maximum error"
+    others = [row for row in rows if row.verdict != EXACT]
     parts: list[Shown] = [
-        partial(print_table, "", HEADINGS, rows),
-        *(template.format_map(violation) for violation in violations),
+        partial(print_table, "", headings, machines.counts(rows)),
+        *(f"number {row.number} ({row.level}): {row.verdict}: {row.reason}" for row in others),
     ]
-    files = {"invariants": write_rows(path, HEADINGS, rows)}
-    failed = any(outcome.finding.failed for outcome in outcomes)
-    return Answer({"findings": violations}, parts, files, failed)
+    files = {"machines": machines.write_rows(folder / "random.csv", rows)}
+    has_failed = any(row.verdict in (DEGRADED, BROKEN) for row in rows)
+    return Answer({"machines": [row._asdict() for row in rows]}, parts, files, has_failed)
 
 
 @app.command()

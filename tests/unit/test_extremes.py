@@ -1,4 +1,4 @@
-"""The module at the extremes: every bound holds but for the limits named here, and the map tells the same."""
+"""All bounds hold at the extremes except for known limits, as docs/stability.csv documents."""
 
 import re
 import tomllib
@@ -7,89 +7,94 @@ from typing import NamedTuple
 
 import pytest
 
+from inertia_module.interface.variables import PARAMETER, Group, with_causality
+from verification.stability.extremes import MECHANISMS, OUT_OF_RANGE, RANGE_ENDS
 from verification.stability.verdicts import Cell, chosen_cases, read_rows, rows_of, run_study
 
 MAP = Path(__file__).parents[2] / "docs" / "stability.csv"
 
 
 class Limit(NamedTuple):
-    """A known limit: the cases it is known of (regular expressions), and what they may miss or must say."""
+    """A known limit: patterns of the cases, bounds that they may violate, part of their rejection."""
 
     axis: str
     value: str
     layout: str
     level: str
-    missed: tuple[str, ...] = ()
-    refused: str = ""
+    violated: tuple[str, ...] = ()
+    rejection: str = ""
 
     def covers(self, case):
-        found = (*place(case), case.level.name)
-        return all(re.fullmatch(pattern, text) for pattern, text in zip(self, found, strict=False))
+        names = (*place(case), case.level.name)
+        return all(re.fullmatch(pattern, text) for pattern, text in zip(self, names, strict=False))
 
 
-# known limits: cases that must be rejected, and bounds that may be missed
+# known limits: cases that must be rejected, and bounds that may be violated
 TABLE = tomllib.loads(Path(__file__).with_name("extremes.toml").read_text(encoding="utf-8"))
-LIMITS = [Limit(*where, refused=words) for *where, words in TABLE["cases"]["refused"]]
+LIMITS = [Limit(*names, rejection=words) for *names, words in TABLE["cases"]["refused"]]
 LIMITS += [
-    Limit(*where, missed=tuple(name for group in groups.split() for name in TABLE["groups"][group]))
-    for *where, groups in TABLE["cases"]["missed"]
+    Limit(*names, violated=tuple(name for group in groups.split() for name in TABLE["groups"][group]))
+    for *names, groups in TABLE["cases"]["missed"]
 ]
 
 
 def place(row):
-    """Where a row, or a case of it, stands in the map."""
+    """Return the key of a row or case in the table."""
     return row.axis, row.value, row.layout
 
 
-# cases of one extreme on one layout, all levels of fidelity together
+# cases of an extreme on one layout at all fidelity levels
 EXTREMES = {}
 for case in chosen_cases():
     EXTREMES.setdefault(place(case), []).append(case)
 DOCUMENTED = {place(row): row.cells for row in read_rows(MAP)}
-# what every eighth extreme shows the others show too, and these take seconds each: left to `make test-long`
+# `make test` runs every eighth extreme, except for these, which take seconds each; `make test-long` runs all
 DEAR = re.compile(
-    "gravity, 1000 .*|shaft, c 1e.(09|12), no damping.*|freewheel compliance, .* 1e.0[789] .*|drag, output .*"
+    "gravity, 1000 .*|freewheel compliance, .* 1e.08 .*|drag, output .*"
+    "|end of a range, (.*inertia 1e-09|windage .*), .*"
 )
 SAMPLE = 8
 
 
 def to_try():
-    """The extremes of each axis but those that take minutes: the sample; the others, marked as slow."""
+    """Return the extremes of each axis without slow cases: the sample, and the others, marked as slow."""
     chosen = {}
-    for number, extreme in enumerate(where for where, found in EXTREMES.items() if not found[0].slow):
+    for number, extreme in enumerate(key for key, cases in EXTREMES.items() if not cases[0].slow):
         slow = bool(number % SAMPLE or DEAR.fullmatch(", ".join(extreme)))
         chosen.setdefault((extreme[0], slow), []).append(extreme)
     for (axis, slow), extremes in chosen.items():
-        yield pytest.param(extremes, id=axis + ", the others" * slow, marks=pytest.mark.slow if slow else ())
+        yield pytest.param(extremes, id=axis + ", others" * slow, marks=pytest.mark.slow if slow else ())
 
 
 def objections(verdict):
-    """Objections to a verdict, by the bounds and the known limits."""
-    known = [limit for limit in LIMITS if limit.covers(verdict.case)]
-    refusals = [limit.refused for limit in known if limit.refused]
+    """Return the objections to a verdict that no known limit covers."""
+    limits = [limit for limit in LIMITS if limit.covers(verdict.case)]
+    rejections = [limit.rejection for limit in limits if limit.rejection]
     if verdict.outcome == "broken":
         return [verdict.reason]
     if verdict.outcome == "rejected":
-        return [] if any(part in verdict.reason for part in refusals) else [verdict.reason]
-    if refusals:
-        return [f"not rejected, though {part}" for part in refusals]
-    allowed = {name for limit in known for name in limit.missed}
-    return [f"{name}: {verdict.reason}" for name in verdict.missed if name not in allowed]
+        return [] if any(part in verdict.reason for part in rejections) else [verdict.reason]
+    if rejections:
+        return [f"not rejected, although {part}" for part in rejections]
+    allowed = {name for limit in limits for name in limit.violated}
+    return [f"{name}: {verdict.reason}" for name in verdict.violated if name not in allowed]
 
 
-def alike(cell, told):
-    """True if another machine may have measured a cell: equal verdicts, errors within a power of ten."""
-    if (cell.outcome, cell.reason) != (told.outcome, told.reason) or None in (cell.power, told.power):
-        return cell == told
-    return abs(cell.power - told.power) <= 1
+def is_alike(cell, documented):
+    """Return True if verdict and reason are equal and the errors differ by at most a power of ten."""
+    if (cell.outcome, cell.reason) != (documented.outcome, documented.reason):
+        return False
+    if None in (cell.power, documented.power):
+        return cell == documented
+    return abs(cell.power - documented.power) <= 1
 
 
 def test_cells_are_alike_within_a_power_of_ten():
-    assert alike(Cell("exact", -6), Cell("exact", -7))
-    assert not alike(Cell("exact", -6), Cell("exact", -8))
-    assert not alike(Cell("exact", -6), Cell("degraded", -6, "work"))
-    assert not alike(Cell("exact", -6), Cell("exact", None))
-    assert not alike(Cell("rejected", None, "one"), Cell("rejected", None, "another"))
+    assert is_alike(Cell("exact", -6), Cell("exact", -7))
+    assert not is_alike(Cell("exact", -6), Cell("exact", -8))
+    assert not is_alike(Cell("exact", -6), Cell("degraded", -6, "work"))
+    assert not is_alike(Cell("exact", -6), Cell("exact", None))
+    assert not is_alike(Cell("rejected", None, "one"), Cell("rejected", None, "another"))
 
 
 @pytest.mark.parametrize("extremes", list(to_try()))
@@ -98,15 +103,26 @@ def test_extremes_are_within_their_bounds_and_as_documented(compiled, extremes):
     for extreme in extremes:
         verdicts = run_study(EXTREMES[extreme])
         (row,) = rows_of(verdicts)
-        told = DOCUMENTED[extreme]
-        assert row.cells.keys() == told.keys()
+        documented = DOCUMENTED[extreme]
+        assert row.cells.keys() == documented.keys()
         for verdict, (name, cell) in zip(verdicts, row.cells.items(), strict=True):
-            if found := objections(verdict):
-                wrong[*extreme, name] = found
-            if not alike(cell, told[name]):
-                stale[*extreme, name] = str(cell), str(told[name])
+            if reasons := objections(verdict):
+                wrong[*extreme, name] = reasons
+            if not is_alike(cell, documented[name]):
+                stale[*extreme, name] = str(cell), str(documented[name])
     assert not wrong
     assert not stale, "docs/stability.csv is out of date: make stability"
+
+
+def test_both_ends_of_every_range_are_tried_on_every_layout_that_has_the_parameter():
+    tried = {row[1:] for row in DOCUMENTED if row[0] in (RANGE_ENDS, OUT_OF_RANGE)}
+    for mechanism in MECHANISMS:
+        other = Group.PLANAR if mechanism.layout == "bevel" else Group.BEVEL
+        for variable in with_causality(PARAMETER):
+            if variable.kind not in ("Real", "Integer") or variable.group == other:
+                continue
+            for end in set(variable.ends) - {mechanism.parameters.get(variable.name, variable.start)}:
+                assert (f"{variable.name} {end:g}", mechanism.layout) in tried
 
 
 def test_every_extreme_is_documented_and_none_is_broken():
@@ -119,3 +135,4 @@ def test_every_known_limit_is_met_by_a_documented_case():
     for limit in LIMITS:
         cells = [DOCUMENTED[place(case)][case.level.name] for case in every if limit.covers(case)]
         assert any(cell.outcome != "exact" for cell in cells), limit
+        assert not limit.rejection or all(cell.outcome == "rejected" for cell in cells), limit

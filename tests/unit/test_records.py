@@ -1,8 +1,10 @@
-"""Records of the plain kernel: a misspelt field raises, and a record can be read in a debugger."""
+"""Records of the kernel: a misspelt field raises, a debugger can print one, and the workspace is scratch."""
 
+import math
 import re
 
 import pytest
+from scenes import motions
 
 from inertia_module.compiling import stubs
 from inertia_module.interface.records import place, record_type, size
@@ -45,3 +47,18 @@ def test_every_record_of_the_stub_has_a_name_in_plain_python():
     names = re.findall(r"^(?:class )?([A-Z]\w+)(?:\(.*\))?(?::| =)", stubs.stub(), re.MULTILINE)
     assert len(names) > 20
     assert all(hasattr(records, name) for name in names)
+
+
+@motions()
+def test_results_do_not_depend_on_the_workspace_of_earlier_calls(compiled, scene):
+    usual, spoilt = Module(compiled), Module(compiled)
+    usual.start(**scene)
+    workspace = spoilt._records[-1].numbers
+    workspace[:] = [math.nan] * len(workspace)
+    spoilt.start(**scene)
+    for step in (0.003, 1e-4, 0.02, 0.05):
+        workspace[:] = [1e3] * len(workspace)
+        usual.advance(step)
+        spoilt.advance(step)
+        assert bytes(spoilt.state) == bytes(usual.state)
+        assert bytes(spoilt.outputs) == bytes(usual.outputs)

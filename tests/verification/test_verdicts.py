@@ -1,4 +1,4 @@
-"""A broken module gets a bad verdict: whatever goes wrong at an extreme, the study sees it."""
+"""The study gives a module with a planted fault a bad verdict and names the fault."""
 
 import math
 from dataclasses import replace
@@ -18,9 +18,9 @@ SEGMENT = Segment(0.05, REFERENCE["omega1"], REFERENCE["load_torque"])
 CASE = Case("ordinary", "R1", "bevel", Motion(LEVEL.values, (SEGMENT,)), split=10)
 
 
-def refuse_short_steps(module, step_size):
+def reject_short_steps(module, step_size):
     if step_size < 0.01:
-        raise Refused("communication step is refused: too short")
+        raise Refused("communication step is rejected: too short")
 
 
 @pytest.fixture(scope="module")
@@ -30,29 +30,29 @@ def sound():
 
 
 def test_sound_module_at_ordinary_values_is_exact(sound):
-    found = verdicts.judge(sound)
-    assert (found.outcome, found.reason) == ("exact", "")
-    assert 0.0 < found.error < 1e-4
+    verdict = verdicts.judge(sound)
+    assert (verdict.outcome, verdict.reason) == ("exact", "")
+    assert 0.0 < verdict.error < 1e-4
 
 
 @pytest.mark.parametrize(
     "planted, outcome, reason",
     [
-        # neither a result nor a clean refusal
+        # neither a result nor a valid rejection
         (showing(input_torque=math.nan), "broken", "not finite"),
         (showing(imbalance_acceleration_z=math.inf), "broken", "not finite"),
         (raising(ZeroDivisionError("float division by zero")), "broken", "ZeroDivisionError"),
         (raising(OverflowError("too large")), "broken", "OverflowError"),
-        (faulty(refuse_short_steps), "broken", "short steps"),
-        (raising(Refused("omega1 is refused: for no reason")), "broken", "changed the state"),
-        # a missed bound, which is named
+        (faulty(reject_short_steps), "broken", "short steps"),
+        (raising(Refused("omega1 is rejected: for no reason")), "broken", "changed the state"),
+        # a violated bound, which the verdict names
         (showing(energy_residual=1.0), "degraded", "energy residual"),
         (showing(omega2=-1e-3), "degraded", "0 <= omega2 <= omega3"),
         (showing(housing_torque=-1.0), "degraded", "Th, Tc >= 0"),
         (showing(output_torque=-1.0), "degraded", "Th, Tc >= 0"),
         (showing(rhs_evaluations=1e7), "degraded", "work"),
         (showing(omega_out=lambda module, step: step), "degraded", "long against short steps"),
-        # all step sizes share it: it shows against the tight run
+        # an error of all step sizes, which only the tightened run shows
         (
             showing(energy_out=lambda m, _: m["energy_out"] * (1.0 + 1e5 * m["tolerance"])),
             "degraded",
@@ -60,28 +60,26 @@ def test_sound_module_at_ordinary_values_is_exact(sound):
         ),
     ],
 )
-def test_fault_of_a_module_gets_a_bad_verdict_that_names_it(planted, outcome, reason):
-    found = verdicts.judge(verdicts.try_case(CASE, planted))
-    assert found.outcome == outcome
-    assert reason in found.reason
+def test_verdict_names_the_planted_fault(planted, outcome, reason):
+    verdict = verdicts.judge(verdicts.try_case(CASE, planted))
+    assert verdict.outcome == outcome
+    assert reason in verdict.reason
 
 
-def test_refusals_are_verdicts_with_their_reason(monkeypatch):
-    at_the_start = verdicts.judge(
-        verdicts.try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0)))
-    )
-    assert at_the_start.outcome == "rejected"
-    assert "link2_inertia must be above 1e-12 of the maximum " in at_the_start.reason
-    assert verdicts.cause(at_the_start.reason).startswith("The inertia at link 2 vanishes")
-    # a step that is given up leaves a module that goes on: in plain Python with a limit that is soon met
+def test_rejection_is_a_verdict_with_its_reason(monkeypatch):
+    at_start = verdicts.judge(verdicts.try_case(replace(CASE, motion=CASE.motion.changed(link2_inertia=0.0))))
+    assert at_start.outcome == "rejected"
+    assert "link2_inertia must be above 1e-12 of the maximum " in at_start.reason
+    assert verdicts.cause(at_start.reason).startswith("The inertia at link 2 vanishes")
+    # after a rejected step the module continues; a small limit of evaluations in plain Python makes it fast
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     too_long = Motion(LEVEL.values, (Segment(1e4, 1e5, 1e7),))
-    given_up = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
-    assert given_up.outcome == "rejected"
-    assert "requires more than 5e7 right-hand-side evaluations" in given_up.reason
+    rejected = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
+    assert rejected.outcome == "rejected"
+    assert "requires more than 5e7 right-hand-side evaluations" in rejected.reason
 
 
-def test_bounds_follow_the_tolerance_and_none_is_so_wide_that_a_run_cannot_miss_it():
+def test_bounds_scale_with_the_tolerance_and_have_a_maximum():
     assert verdicts.energy_bound(1e-8) < 1e-4 * verdicts.energy_bound(1e-3)
     assert verdicts.result_bound(1e-9, 0.0) < 1e-4 * verdicts.result_bound(1e-3, 0.0)
     assert verdicts.result_bound(1e-6, 1e-3) > 100.0 * verdicts.result_bound(1e-6, 0.0)
@@ -101,14 +99,14 @@ def changed_end(trial, **changes):
 
 
 @pytest.mark.parametrize("sensitivity, outcome", [(0.0, "degraded"), (0.05, "degraded"), (1.3, "sensitive")])
-def test_runs_that_differ_are_sensitive_only_where_no_method_can_tell(sound, sensitivity, outcome):
-    found = verdicts.judge(changed_end(sound, sensitivity=sensitivity))
-    assert found.outcome == outcome
-    assert found.error > 0.1
-    assert "error" in found.reason
+def test_runs_that_differ_are_sensitive_only_if_the_motion_is(sound, sensitivity, outcome):
+    verdict = verdicts.judge(changed_end(sound, sensitivity=sensitivity))
+    assert verdict.outcome == outcome
+    assert verdict.error > 0.1
+    assert "error" in verdict.reason
 
 
-def test_sensitive_motion_is_exact_where_all_runs_agree_and_excuses_no_open_energy_balance(sound):
+def test_sensitive_motion_is_exact_if_all_runs_agree_and_must_satisfy_the_energy_balance(sound):
     assert verdicts.judge(replace(sound, sensitivity=1.3)).outcome == "exact"
     leaking = replace(sound.long, residual=0.5 * sound.long.energy)
     assert verdicts.judge(changed_end(sound, sensitivity=1.3, long=leaking)).outcome == "degraded"

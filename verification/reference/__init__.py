@@ -1,1 +1,1 @@
-"""The independent reference: equations of motion of their own, integrated from event to event."""
+"""The independent reference: separate equations of motion, integrated from event to event."""

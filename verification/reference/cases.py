@@ -1,19 +1,23 @@
-"""The machine with losses in one case of its contacts, slip and signs: forces, accelerations, powers.
+"""Forces, accelerations and powers of the machine with losses in one case of contacts, slip and signs.
 
-With A, R of virtual_work.py on (theta1, q), slip = omega1 - omega2, q' = k slip, q'' = k (alpha1 - alpha2)
+A and R are the torques of virtual_work.py on theta1 and q, V the torques of the windage.
+With slip = omega1 - omega2, q' = k slip, q'' = k (alpha1 - alpha2)
 and sigma = sign(q'):
 
-    tau_q = A_q (alpha1, q'') + R_q + V_q + bq q' + sigma (C + S)    M2 = f k tau_q    (air in V_q and V_1)
+    tau_q = A_q (alpha1, q'') + R_q + V_q + bq q' + sigma (C + S)    M2 = f k tau_q
     M1 = J1 alpha1 + A_1 (alpha1, q'') + R_1 + V_1 + b1 omega1 + M2
     J2 alpha2 = M2 - b2 omega2 - Tc + Th
     J3 alpha3 = Tc - b3 omega3 - Ts    J4 (alpha4 - beta alpha3) = Ts - f4 omega4 - load
     Ts = c twist + d (omega3 - omega4)
 
-f is 1/eta where sigma M2 > 0, else 1/(2 - eta); C the friction of the journals, S that of the meshes 17-6,
-linear while no satellite's torque changes its sign. An overrunning freewheel drags, -Th = drag + viscous
-omega2, and so does Tc; a locked one, rigid or a spring (c phi + d phi'), passes no less than -drag. One that
-turns back through its play passes nothing; its drag may hold it there, and passes no more than 0. At q' = 0
-links 1 and 2 turn together while |M2/k - tau_q(sigma = 0)| <= C + S + (1 - eta) |M2|/k.
+- f is 1/eta for sigma M2 > 0, else 1/(2 - eta).
+- C is the friction of the satellite bearings, S the friction of the meshes 17-6. S is linear while no
+  torque of a satellite changes its sign.
+- An overrunning freewheel drags: -Th = drag + viscous omega2, and Tc in the same way.
+- A locked freewheel is rigid or a spring (c phi + d phi') and transmits at least -drag.
+- A freewheel that rotates backward within its engagement angle transmits no torque.
+  Its drag can hold it there; then it transmits at most 0.
+- At q' = 0 links 1 and 2 stick together while |M2/k - tau_q(sigma = 0)| <= C + S + (1 - eta) |M2|/k.
 """
 
 from __future__ import annotations
@@ -31,26 +35,29 @@ from inertia_module.kernel.codes import DRIVE_TORQUE, ELASTIC
 from .geometry import EX, EZ, Array, Unavailable, attitudes, ratio, satellite_ratio, shaft_frequency
 from .virtual_work import VirtualWork
 
-# places of a case: freewheels, signs of the slip (0: none) and of sigma M2; then those of the satellites
+# indices of a case: freewheels, signs of slip (0: sticking) and sigma M2, first sign of the satellites
 HOUSING, OUTPUT, SLIP, MESH, TEETH = range(5)
-# of a freewheel; with play left it turns back, or its drag holds it
+# states of a freewheel; within the engagement angle it rotates backward, or its drag holds it
 OPEN, CLOSED, BACK, DRAGGED = range(4)
-# places of the state: angles and twist, speeds, wind-up and play of both freewheels, integrals
+# indices of the state: angles, twist, speeds; wind-up and remaining engagement angles; integrals
 Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3, OMEGA4, WOUND, _, PLAY, _, SUMS = range(12)
 CAUSES = ("viscous", "mesh", "journal", "freewheel", "shaft", "windage")
 INTEGRALS = ("energy_in", "energy_out", *CAUSES, "M1", "M2", "Tc", "Th")
-# the unknowns of a case
+# indices of the unknowns of a case
 A1, A2, A3, A4, M1, M2, TC, TH, TS = range(9)
 
 Mode = tuple[int, ...]
 
 
 class Forces(NamedTuple):
-    """Unknowns and friction of a case, of one state or, in a last axis, of several.
+    """Unknowns and friction of a case; a last axis contains several states.
 
     Attributes:
-        x: the unknowns, (9,). teeth: what friction 17-6 makes of the torque of each satellite, N.m.
-        journal, satellites: C and S, N.m. free: tau_q without C and S, N.m. All of them 0 without friction.
+        x: unknowns, (9,).
+        teeth: friction torque of the mesh 17-6 of each satellite, N.m; 0 without friction, as all below.
+        journal: friction C of the satellite bearings, N.m.
+        satellites: friction S of the meshes 17-6, N.m.
+        free: tau_q without C and S, N.m.
     """
 
     x: Array
@@ -62,9 +69,18 @@ class Forces(NamedTuple):
 
 @dataclass(frozen=True)
 class Freewheel:
-    """Freewheel: if it is there; drag, its viscous part; play; stiffness (0: rigid), damping when locked."""
+    """Parameters of a freewheel.
 
-    there: bool
+    Attributes:
+        is_present: False for no freewheel.
+        drag: constant drag, N.m.
+        viscous: viscous drag, N.m.s/rad.
+        angle: engagement angle, rad.
+        stiffness: stiffness when locked, N.m/rad; 0 for a rigid freewheel.
+        damping: damping when locked, N.m.s/rad.
+    """
+
+    is_present: bool
     drag: float
     viscous: float
     angle: float
@@ -73,25 +89,36 @@ class Freewheel:
 
 
 def speed_of(y: Array, place: int) -> Array:
-    """Relative speed at a freewheel or between links 1 and 2, rad/s: exactly zero where nothing turns."""
+    """Return the relative speed at a freewheel or between links 1 and 2, rad/s.
+
+    Args:
+        y: state.
+        place: HOUSING, OUTPUT or SLIP.
+    """
     speed: Array = y[(OMEGA2, OMEGA3, OMEGA1)[place]]
     return speed if place == HOUSING else speed - y[OMEGA2]
 
 
 class Machine:
-    """The equations of a mechanism.
+    """Equations of motion of a mechanism.
 
     Args:
-        parameters: by name, those that differ from the defaults; fidelity elastic or, any other, rigid.
+        parameters: parameters that differ from the defaults, by name; any fidelity except elastic is rigid.
 
     Attributes:
-        p: all parameters. load: N.m.
-        torque, slope: on link 1, N.m, or its acceleration, rad/s^2: the one that is given counts.
-        rubs: whether anything depends on the sign of the slip. wheels: freewheels to housing and output.
-        frequency: of elastic shaft and freewheels together, rad/s. highest: harmonic of the torques.
+        p: all parameters.
+        work: virtual work of the mechanism.
+        k: revolutions of the pinion shaft per revolution of link 1 relative to link 2.
+        load: load torque, N.m.
+        torque: torque on link 1 if the machine is torque-driven, N.m.
+        slope: acceleration of link 1 if the machine is speed-driven, rad/s^2.
+        rubs: True if a torque depends on the sign of the slip.
+        wheels: freewheels to housing and output.
+        frequency: sum of the natural frequencies of elastic shaft and freewheels, rad/s.
+        highest: maximum order of the harmonics of the torques.
 
     Raises:
-        Unavailable: a freewheel that is not there is a spring.
+        Unavailable: a missing freewheel has a stiffness.
     """
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
@@ -112,24 +139,42 @@ class Machine:
         self._matrices = dict[Mode, Array]()
 
     def _freewheel(self, name: str, spring: str) -> Freewheel:
+        """Return a freewheel.
+
+        Args:
+            name: prefix of its parameters.
+            spring: prefix of its stiffness and damping.
+        """
         p = self.p
-        there, sprung = bool(p[f"{name}_freewheel"]), self.elastic and p[f"{spring}_stiffness"] > 0.0
-        if sprung and not there:
+        is_present = bool(p[f"{name}_freewheel"])
+        has_spring = self.elastic and p[f"{spring}_stiffness"] > 0.0
+        if has_spring and not is_present:
             raise Unavailable(f"reference: {spring}_stiffness needs the freewheel")
-        own = (p[f"{name}_{value}"] * there for value in ("drag", "drag_viscous", "engagement_angle"))
-        drag, viscous, angle = own
-        stiffness = p[f"{spring}_stiffness"] if sprung else 0.0
-        return Freewheel(there, drag, viscous, angle, stiffness, p[f"{spring}_damping"])
+        values = (p[f"{name}_{value}"] * is_present for value in ("drag", "drag_viscous", "engagement_angle"))
+        drag, viscous, angle = values
+        stiffness = p[f"{spring}_stiffness"] if has_spring else 0.0
+        return Freewheel(is_present, drag, viscous, angle, stiffness, p[f"{spring}_damping"])
 
     def joined(self, mode: Mode, place: int) -> bool:
-        """Tell whether a freewheel is closed and rigid, or held: the speeds at it are the same."""
+        """Return True if the speeds at a freewheel are equal: it is locked and rigid, or held by its drag.
+
+        Args:
+            mode: case.
+            place: HOUSING or OUTPUT.
+        """
         return mode[place] == DRAGGED or (mode[place] == CLOSED and not self.wheels[place].stiffness)
 
-    def _passed(self, y: Array, mode: Mode, place: int) -> tuple[Array, Array]:
-        """(torque of a freewheel that joins nothing, N.m; power lost in it, W)."""
+    def _transmitted(self, y: Array, mode: Mode, place: int) -> tuple[Array, Array]:
+        """Return torque, N.m, and power loss, W, of a freewheel whose speeds differ.
+
+        Args:
+            y: state.
+            mode: case.
+            place: HOUSING or OUTPUT.
+        """
         wheel, speed = self.wheels[place], speed_of(y, place)
         if mode[place] == OPEN:
-            # at rest, too, its drag is that of the motion to come
+            # at rest the drag also acts against the next motion
             drag = wheel.drag + wheel.viscous * speed
             return -drag, drag * speed
         if mode[place] == BACK:
@@ -137,10 +182,12 @@ class Machine:
         return wheel.stiffness * y[WOUND + place] - wheel.damping * speed, wheel.damping * speed**2
 
     def _matrix(self, mode: Mode, link1: Array, drive: Array) -> Array:
-        """Matrix of the unknowns of a case, (9, 9), or of several states, (n, 9, 9).
+        """Return the matrix of the unknowns of a case, (9, 9), or of several states, (n, 9, 9).
 
         Args:
-            link1, drive: torques on theta1 and M2 by alpha1 and alpha2, kg m^2, (2,).
+            mode: case.
+            link1: torque on theta1 per alpha1 and alpha2, kg m^2, (2,) or (2, n).
+            drive: M2 per alpha1 and alpha2, kg m^2, (2,) or (2, n).
         """
         if mode not in self._matrices:
             p, a = self.p, np.zeros((9, 9))
@@ -165,17 +212,21 @@ class Machine:
         return matrix
 
     def forces(self, y: Array, mode: Mode) -> Forces:
-        """Solve a case at a state, whether it holds or not, or at several states, (places, n).
+        """Solve a case at a state, or at several states, (length of the state, n).
+
+        Args:
+            y: state or states.
+            mode: case, which need not be consistent with the state.
 
         Raises:
-            LinAlgError: the case leaves a torque or an acceleration open.
+            LinAlgError: the case does not determine a torque or an acceleration.
         """
         p, k, sigma = self.p, self.k, mode[SLIP]
         omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1]
         rate = k * (omega1 - omega2)
         squares = np.array([omega1 * omega1, omega1 * rate, rate * rate])
         work, bearings, weights = self.work(y[Q])
-        # by (alpha1, alpha2, 1)
+        # torques per alpha1, alpha2 and 1
         torques = work[:, :3].copy()
         torques[:, 2] = (work[:, 2:] * squares).sum(axis=1)
         torques[1, 2] += p["drive_friction"] * rate
@@ -188,8 +239,8 @@ class Machine:
         link1, drive, teeth = torques[0], torques[1], torques[2:]
         journal = 0.0 * rate
         if self._journals:
-            felt = (bearings * squares).sum(axis=2)
-            journal = np.sqrt((felt * felt).sum(axis=1)).sum(axis=0)
+            force = (bearings * squares).sum(axis=2)
+            journal = np.sqrt((force * force).sum(axis=1)).sum(axis=0)
         if sigma and self.rubs:
             drive = drive + sigma * np.tensordot(mode[TEETH:], teeth, 1)
             drive[2] += sigma * journal
@@ -200,7 +251,7 @@ class Machine:
         matrix = self._matrix(mode, link1[:2], factor * drive[:2])
         b[2] = factor * drive[2]
         if sigma == 0 and (self._by_torque or not self.joined(mode, HOUSING)):
-            # else link 1 is at rest as it is given and link 2 is held, friction allows any M2: as without it
+            # with link 1 and link 2 at rest friction allows any M2, so the equation without friction remains
             matrix[..., 2, [A1, A2, M2]], b[2] = (1.0, -1.0, 0.0), 0.0
         b[3] = -p["link2_friction"] * omega2
         b[4] = -p["output_friction"] * omega3
@@ -210,34 +261,42 @@ class Machine:
             b[6] = -p["driven_friction"] * omega4 - self.load
         for row, place in ((7, HOUSING), (8, OUTPUT)):
             if not self.joined(mode, place):
-                b[row], _ = self._passed(y, mode, place)
+                b[row], _ = self._transmitted(y, mode, place)
         x = np.asarray(np.linalg.solve(matrix, b.T[..., None])[..., 0].T)
         if not self.rubs:
             return Forces(x, *np.zeros(4))
         unknowns = np.array([x[A1], x[A2], np.ones_like(rate)])
-        moved = (torques * unknowns).sum(axis=1)
-        return Forces(x, moved[2:], journal, np.abs(moved[2:]).sum(axis=0), moved[1])
+        sums = (torques * unknowns).sum(axis=1)
+        return Forces(x, sums[2:], journal, np.abs(sums[2:]).sum(axis=0), sums[1])
 
     def air(self, y: Array) -> Array:
-        """Torques by which the air resists theta1 and q, N.m, and their power, W: c |t| t on each satellite.
+        """Return the torques of the windage on theta1 and q, N.m, and their power, W.
 
-        t = omega1 x + q' w is how it turns, by the matrices of its attitude.
+        The torque on each satellite is c |t| t with the angular velocity t = omega1 x + q' w.
+
+        Args:
+            y: state.
         """
         p, rate = self.p, self.k * (y[OMEGA1] - y[OMEGA2])
-        found = np.zeros((3, *np.shape(rate)))
+        total = np.zeros((3, *np.shape(rate)))
         for n in range(int(p["satellites"])):
             e = attitudes(p, np.asarray(y[Q]), n)[..., 0 if p["layout"] else 2]
             w = e if p["layout"] else EZ + satellite_ratio(p) * e
             t = np.multiply.outer(y[OMEGA1], EX) + np.asarray(rate)[..., None] * w
             torque = p["windage"] * p["modules"] * np.linalg.norm(t, axis=-1)[..., None] * t
-            found += [(torque * one).sum(axis=-1) for one in (EX, w, t)]
-        return found
+            total += [(torque * direction).sum(axis=-1) for direction in (EX, w, t)]
+        return total
 
     def rates(self, y: Array, mode: Mode) -> Array:
-        """Rates of the state: those of the integrals are powers, W, and torques, N.m."""
-        p, found = self.p, self.forces(y, mode)
+        """Return the derivatives of the state; the last ones are powers, W, and torques, N.m.
+
+        Args:
+            y: state.
+            mode: case.
+        """
+        p, forces = self.p, self.forces(y, mode)
         omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1].tolist()
-        x, slip = found.x.tolist(), omega1 - omega2
+        x, slip = forces.x.tolist(), omega1 - omega2
         rate = self.k * slip
         viscous = p["input_friction"] * omega1**2 + p["drive_friction"] * rate**2
         viscous += p["link2_friction"] * omega2**2 + p["output_friction"] * omega3**2
@@ -245,23 +304,27 @@ class Machine:
         if self.elastic:
             shaft = p["shaft_damping"] * (omega3 - omega4) ** 2 + p["driven_friction"] * omega4**2
             shaft -= p["balancer"] * p["driven_inertia"] * x[A3] * omega4
-        wheels = sum(self._passed(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self.joined(mode, n))
-        wound = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
-        played = [
+        wheels = sum(self._transmitted(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self.joined(mode, n))
+        wind_up = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
+        remaining = [
             speed_of(y, n) * (wheel.angle > 0.0 and mode[n] in (OPEN, BACK))
             for n, wheel in enumerate(self.wheels)
         ]
-        mesh = self.mesh * abs(x[M2] * slip) + found.satellites * abs(rate)
-        powers = x[M1] * omega1, self.load * omega4, viscous, mesh, found.journal * abs(rate), wheels, shaft
+        mesh = self.mesh * abs(x[M2] * slip) + forces.satellites * abs(rate)
+        powers = x[M1] * omega1, self.load * omega4, viscous, mesh, forces.journal * abs(rate), wheels, shaft
         air = float(self.air(y)[2]) if p["windage"] else 0.0
-        followed = rate, omega1, omega3 - omega4, *x[: A4 + 1], *wound, *played
-        return np.array([*followed, *powers, air, *x[M1 : TH + 1]])
+        derivatives = rate, omega1, omega3 - omega4, *x[: A4 + 1], *wind_up, *remaining
+        return np.array([*derivatives, *powers, air, *x[M1 : TH + 1]])
 
     def impact(self, y: Array, mode: Mode, change: float) -> Array:
-        """Changes of speed, rad/s, and impulses, N.m.s, of a jump of omega1, rad/s, or of an engagement.
+        """Return the changes of the speeds, rad/s, and the impulses, N.m.s, of an impact as unknowns, (9,).
 
-        They are the unknowns, (9,). No friction; of freewheels that are closed the speeds are equal
-        afterwards (Moreau).
+        Friction has no influence, and the speeds at a locked freewheel are equal afterwards (Moreau).
+
+        Args:
+            y: state.
+            mode: case of the impact.
+            change: jump of omega1, rad/s; 0 for an engagement.
         """
         torques, _, _ = self.work(y[Q])
         b = np.zeros(9)
@@ -272,7 +335,11 @@ class Machine:
         return np.asarray(np.linalg.solve(self._matrix(mode, torques[0, :2], self.k * torques[1, :2]), b))
 
     def energy(self, y: Array) -> float:
-        """Kinetic energy, that of the weights and of shaft and freewheels that are wound up, J."""
+        """Return the kinetic energy plus the energies of weights, shaft and wind-up springs, J.
+
+        Args:
+            y: state.
+        """
         p = self.p
         omega1, omega2, omega3, omega4 = y[OMEGA1 : OMEGA4 + 1]
         torques, _, weights = self.work(y[Q])

@@ -1,6 +1,7 @@
-"""Reference results that the FMUs carry along, by nothing of the kernel: FMI-LS-REF (fmu/references).
+"""Reference results in the FMUs (FMI-LS-REF, fmu/references), computed without the kernel.
 
-The module by the independent reference, the driven shaft by SciPy's integration of its two equations.
+The results of the module come from the independent reference. SciPy integrates the two equations of the
+driven shaft.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ from .geometry import Array
 from .motion import TOLERANCE, Reference
 
 HERE = Path(__file__).parent
-# where FMI-LS-REF looks
+# folder of FMI-LS-REF in an FMU
 CARRIED = "extra/org.fmi-standard.fmi-ls-ref"
 STEP, STOP = 0.01, 1.0
 TIMES = np.linspace(0.0, STOP, round(STOP / STEP) + 1)
-# tolerance of the experiment, and what a result may deviate, over the largest value
+# tolerance of the experiments, and deviation of a result allowed, relative to its maximum
 ASKED, SHARE = 1e-6, 1e-4
 ORIGIN = "Speeds and step means from {}, integrated by DOP853 of SciPy at 1e-13, independently of this FMU"
 SPEEDS = {"input_speed": OMEGA1, "omega2": OMEGA2, "omega_hub": OMEGA3, "omega_out": OMEGA4}
@@ -43,7 +44,15 @@ IMPULSES = {"input_torque_mean": "M1", "output_torque_mean": "Tc"}
 
 
 class Experiment(NamedTuple):
-    """A row of experiments.toml: inputs by name, each a value or the first and the last one."""
+    """A row of experiments.toml.
+
+    Attributes:
+        name: name.
+        description: one sentence.
+        inputs: inputs by name, each a value or the first and the last value of a ramp.
+        outputs: names of the compared outputs.
+        parameters: parameters that differ from the defaults, by name.
+    """
 
     name: str
     description: str
@@ -51,26 +60,42 @@ class Experiment(NamedTuple):
     outputs: tuple[str, ...]
     parameters: Mapping[str, float] = {}
 
-    def given(self, name: str) -> Array:
-        """An input at TIMES, linear between its ends; 0 where it is not given."""
+    def input(self, name: str) -> Array:
+        """Return an input at TIMES, linear between its ends; 0 if the row does not contain it.
+
+        Args:
+            name: name of the input.
+        """
         ends = np.broadcast_to(np.asarray(self.inputs.get(name, 0.0), dtype=float), 2)
         return np.asarray(np.interp(TIMES, (0.0, STOP), ends))
 
 
 def package_folder(model: Model) -> Path:
-    """Where the package keeps what FMUs of a model carry along, as it is laid out in them."""
+    """Return the folder in the package with the reference results of a model, arranged as in its FMUs.
+
+    Args:
+        model: a model.
+    """
     return PACKAGE_FOLDER / "fmu" / "references" / model.name
 
 
 def experiments(model: Model) -> list[Experiment]:
-    """The experiments of a model."""
+    """Return the experiments of a model.
+
+    Args:
+        model: a model.
+    """
     return [Experiment(**row) for row in tomllib.loads((HERE / "experiments.toml").read_text())[model.name]]
 
 
-def _module(one: Experiment) -> list[dict[str, float]]:
-    """Results of the module at TIMES."""
-    drive, load = one.given("drive_torque"), one.given("load_torque")
-    exact = Reference(one.parameters, one.given("omega1")[0], load[0], drive[0])
+def _module(experiment: Experiment) -> list[dict[str, float]]:
+    """Return the results of the module at TIMES.
+
+    Args:
+        experiment: an experiment.
+    """
+    drive, load = experiment.input("drive_torque"), experiment.input("load_torque")
+    exact = Reference(experiment.parameters, experiment.input("omega1")[0], load[0], drive[0])
     rows, before = list[dict[str, float]](), exact.integrals()
     for n, time in enumerate(TIMES):
         if n:
@@ -85,10 +110,14 @@ def _module(one: Experiment) -> list[dict[str, float]]:
     return rows
 
 
-def _shaft(one: Experiment) -> list[dict[str, float]]:
-    """Results of the driven shaft at TIMES: J omega' = c twist + d (hub - omega) - f omega - load."""
-    p = {v.name: v.start or 0.0 for v in DRIVEN_SHAFT.variables} | {**one.parameters}
-    hub, load = one.given("hub_speed"), one.given("load_torque")
+def _shaft(experiment: Experiment) -> list[dict[str, float]]:
+    """Return the results of the driven shaft at TIMES: J omega' = c twist + d (hub - omega) - f omega - load.
+
+    Args:
+        experiment: an experiment.
+    """
+    p = {v.name: v.start or 0.0 for v in DRIVEN_SHAFT.variables} | {**experiment.parameters}
+    hub, load = experiment.input("hub_speed"), experiment.input("load_torque")
     state = np.array([p["twist_start"], p["omega_out_start"], 0.0])
     rows = [{"twist": state[0], "omega_out": state[1], "shaft_torque_mean": 0.0}]
 
@@ -98,22 +127,32 @@ def _shaft(one: Experiment) -> list[dict[str, float]]:
         return [slip, (torque - p["driven_friction"] * y[1] - load) / p["driven_inertia"], torque]
 
     settings = {"method": "DOP853", "rtol": TOLERANCE, "atol": TOLERANCE}
-    for given in itertools.islice(zip(hub, load, strict=True), TIMES.size - 1):
-        state = solve_ivp(rates, (0.0, STEP), [*state[:2], 0.0], args=given, **settings).y[:, -1]
+    for inputs in itertools.islice(zip(hub, load, strict=True), TIMES.size - 1):
+        state = solve_ivp(rates, (0.0, STEP), [*state[:2], 0.0], args=inputs, **settings).y[:, -1]
         rows.append({"twist": state[0], "omega_out": state[1], "shaft_torque_mean": state[2] / STEP})
     return rows
 
 
 def _csv(names: Sequence[str], columns: Sequence[Array]) -> bytes:
-    """Numbers of nine digits below names in quotation marks: by the rules of compatibility information."""
+    """Return a CSV table with nine digits and names in quotation marks, as FMI tools expect it.
+
+    Args:
+        names: names of the columns without the time.
+        columns: columns, with the time first.
+    """
     rows = (",".join(f"{value:.9g}" for value in row) for row in np.transpose(columns))
     return "\n".join([",".join(f'"{name}"' for name in ("time", *names)), *rows, ""]).encode()
 
 
-def _parameters(one: Experiment, model: Model) -> bytes:
-    """The parameter set of an experiment as SSV."""
-    units = {model.by_name[name].unit for name in one.parameters} - {""}
-    part = SimpleNamespace(values=one.parameters, variable=model.by_name.__getitem__)
+def _parameters(experiment: Experiment, model: Model) -> bytes:
+    """Return the parameter set of an experiment as SSV.
+
+    Args:
+        experiment: an experiment.
+        model: its model.
+    """
+    units = {model.by_name[name].unit for name in experiment.parameters} - {""}
+    part = SimpleNamespace(values=experiment.parameters, variable=model.by_name.__getitem__)
     values = {
         "part": part,
         "origin": {},
@@ -124,28 +163,34 @@ def _parameters(one: Experiment, model: Model) -> bytes:
 
 
 def files(model: Model) -> dict[str, bytes]:
-    """Files of FMI-LS-REF of a model, made anew, by their path in an FMU."""
+    """Compute the files of FMI-LS-REF of a model; return them by their path in an FMU.
+
+    Args:
+        model: a model.
+    """
     rows = experiments(model)
     inputs = [variable.name for variable in model.with_causality(INPUT)]
     tables, allowed = dict[str, bytes](), dict[str, dict[str, str]]()
-    for one in rows:
-        results = (_shaft if model is DRIVEN_SHAFT else _module)(one)
-        columns = {name: np.array([row[name] for row in results]) for name in one.outputs}
-        allowed[one.name] = {name: f"{SHARE * np.abs(values).max():.1g}" for name, values in columns.items()}
-        ends = [one.given(name)[[0, -1]] for name in inputs]
-        tables[f"{one.name}_in.csv"] = _csv(inputs, [TIMES[[0, -1]], *ends])
-        tables[f"{one.name}_ref.csv"] = _csv(one.outputs, [TIMES, *columns.values()])
-        if one.parameters:
-            tables[f"{one.name}.ssv"] = _parameters(one, model)
-    told = {
+    for experiment in rows:
+        results = (_shaft if model is DRIVEN_SHAFT else _module)(experiment)
+        columns = {name: np.array([row[name] for row in results]) for name in experiment.outputs}
+        allowed[experiment.name] = {
+            name: f"{SHARE * np.abs(values).max():.1g}" for name, values in columns.items()
+        }
+        ends = [experiment.input(name)[[0, -1]] for name in inputs]
+        tables[f"{experiment.name}_in.csv"] = _csv(inputs, [TIMES[[0, -1]], *ends])
+        tables[f"{experiment.name}_ref.csv"] = _csv(experiment.outputs, [TIMES, *columns.values()])
+        if experiment.parameters:
+            tables[f"{experiment.name}.ssv"] = _parameters(experiment, model)
+    values = {
         "model": model,
         "experiments": rows,
         "allowed": allowed,
         "origin": ORIGIN.format(EQUATIONS[model.name]),
     }
-    told |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
+    values |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
     for name in ("experiments.exp", "fmi-ls-manifest.xml"):
-        tables[name] = filled_xml(HERE / "templates" / name, told)
-    text = filled(HERE / "templates" / "fmi-ls-ref.txt", told).encode()
-    found = {f"{CARRIED}/{name}": content for name, content in tables.items()}
-    return found | {"documentation/fmi-ls-ref.txt": text}
+        tables[name] = filled_xml(HERE / "templates" / name, values)
+    text = filled(HERE / "templates" / "fmi-ls-ref.txt", values).encode()
+    named = {f"{CARRIED}/{name}": content for name, content in tables.items()}
+    return named | {"documentation/fmi-ls-ref.txt": text}

@@ -1,4 +1,4 @@
-"""Lengths and positions by rotation matrices alone: nothing of the kernel is used."""
+"""Lengths and positions by rotation matrices, without any code of the kernel."""
 
 from __future__ import annotations
 
@@ -10,20 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# all parameters of the module by name
+# parameters of the module by name
 Parameters = Mapping[str, Any]
 
 EX, _, EZ = np.eye(3)
 
 
 class Unavailable(RuntimeError):
-    """A method cannot take the case: why, in one line."""
+    """A method does not support a case; the message is the reason."""
 
 
 def turn(axis: int, angle: float | Array) -> Array:
-    """Matrices of turns about axis 0, 1 or 2 (x, y, z) by angles, rad: shape of the angles, then (3, 3).
+    """Return rotation matrices about an axis, with the shape of the angles and (3, 3).
 
-    As positions, it may be continued to complex angles.
+    Args:
+        axis: 0, 1 or 2 for x, y or z.
+        angle: angles, rad; complex angles are allowed.
     """
     i, j = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.zeros((*np.shape(angle), 3, 3), dtype=np.result_type(angle, 1.0))
@@ -35,23 +37,39 @@ def turn(axis: int, angle: float | Array) -> Array:
 
 
 def ratio(p: Parameters) -> float:
-    """k: turns of the drive on link 1 per turn of link 1 against link 2."""
+    """Return k: revolutions of the pinion shaft per revolution of link 1 relative to link 2.
+
+    Args:
+        p: parameters by name.
+    """
     return float(p["sun_radius"] / p["satellite_radius"] if p["layout"] else p["z2"] / p["z16"])
 
 
 def satellite_ratio(p: Parameters) -> float:
-    """s: turns of the satellite on the drive per turn of the drive."""
+    """Return s: revolutions of the satellite relative to the pinion shaft per revolution of the pinion shaft.
+
+    Args:
+        p: parameters by name.
+    """
     return float(1.0 if p["layout"] else p["z17"] / p["z6"])
 
 
 def shaft_frequency(value: Callable[[str], float]) -> float:
-    """Frequency of the elastic shaft between its two inertias, rad/s, from the values of parameters."""
+    """Return the natural frequency of the elastic shaft between its two inertias, rad/s.
+
+    Args:
+        value: function that returns a parameter by name.
+    """
     inertias = 1.0 / value("output_inertia") + 1.0 / value("driven_inertia")
     return math.sqrt(value("shaft_stiffness") * inertias)
 
 
 def swing_frequency(value: Callable[[str], float]) -> float:
-    """About the most at which link 2 swings on freewheels that wind up and on weights, rad/s, or 0."""
+    """Estimate the maximum natural frequency of link 2 on wind-up springs and weights, rad/s; 0 without them.
+
+    Args:
+        value: function that returns a parameter by name.
+    """
     size = value("sun_radius") + value("satellite_radius") if value("layout") else value("wheel_radius")
     stiffness = value("housing_stiffness") + value("freewheel_stiffness")
     stiffness += value("imbalance_mass") * value("gravity") * size
@@ -59,7 +77,13 @@ def swing_frequency(value: Callable[[str], float]) -> float:
 
 
 def bevel_lengths(p: Parameters) -> tuple[float, float, float]:
-    """(AD, QA, OQ), m: the pitch cones touch on the line about which the satellite turns in link 1."""
+    """Return the lengths AD, QA and OQ in m.
+
+    The pitch cones touch on the instantaneous axis of the satellite in link 1.
+
+    Args:
+        p: parameters by name.
+    """
     satellite_axis = turn(1, -p["shaft_angle"]) @ EZ
     line = EZ + satellite_ratio(p) * satellite_axis
     line /= np.linalg.norm(line)
@@ -73,27 +97,38 @@ def bevel_lengths(p: Parameters) -> tuple[float, float, float]:
 
 
 def attitudes(p: Parameters, q: Array, satellite: int) -> Array:
-    """Matrices that turn a satellite to where it is in link 1 at drive angles q (points,): (points, 3, 3).
+    """Return the orientations of a satellite in the frame of link 1, (points, 3, 3).
 
-    Its own axis is x (planar) or z (bevel).
+    The axis of the satellite is x (planar) or z (bevel).
+
+    Args:
+        p: parameters by name.
+        q: pinion-shaft angles, rad, (points,).
+        satellite: number of the satellite.
     """
     place = 2.0 * np.pi * satellite / p["satellites"]
     if p["layout"]:
         planar: Array = turn(0, q + place)
         return planar
-    spun = turn(1, -p["shaft_angle"]) @ turn(2, satellite_ratio(p) * q + p["epsilon"])
-    bevel: Array = turn(2, q + p["gamma"] + place) @ spun
+    satellite_frame = turn(1, -p["shaft_angle"]) @ turn(2, satellite_ratio(p) * q + p["epsilon"])
+    bevel: Array = turn(2, q + p["gamma"] + place) @ satellite_frame
     return bevel
 
 
 def positions(p: Parameters, q: Array, satellite: int) -> Array:
-    """Imbalance of a satellite in the frame of link 1 at drive angles q (points,), m, shape (points, 3)."""
-    turned = attitudes(p, q, satellite)
+    """Return the positions of an unbalanced mass in the frame of link 1, m, (points, 3).
+
+    Args:
+        p: parameters by name.
+        q: pinion-shaft angles, rad, (points,).
+        satellite: number of the satellite.
+    """
+    orientation = attitudes(p, q, satellite)
     if p["layout"]:
         place = turn(0, 2.0 * np.pi * satellite / p["satellites"])
         centre = (p["sun_radius"] + p["satellite_radius"]) * EZ
-        planar: Array = place @ centre - p["eccentricity"] * turned @ EZ
+        planar: Array = place @ centre - p["eccentricity"] * orientation @ EZ
         return planar
     ad, qa, oq = bevel_lengths(p)
-    bevel: Array = oq * EZ + turned @ np.array([-ad, 0.0, -qa])
+    bevel: Array = oq * EZ + orientation @ np.array([-ad, 0.0, -qa])
     return bevel

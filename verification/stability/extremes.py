@@ -1,6 +1,6 @@
-"""The extremes: axes, each with its values and what they change of two ordinary mechanisms.
+"""The extremes: axes with their values, each a change of one of two ordinary mechanisms.
 
-They are rows of a table (extremes.toml).
+They are the rows of extremes.toml, and the ends of all ranges in the table of variables.
 """
 
 from __future__ import annotations
@@ -14,25 +14,30 @@ from pathlib import Path
 from typing import Any
 
 from inertia_module.fidelity.levels import Level
+from inertia_module.interface.variables import INTEGER, PARAMETER, REAL, Group, Variable, with_causality
 from inertia_module.kernel.codes import AVERAGED
 from inertia_module.model import Module
 
 from .motion import ELASTIC_LEVELS, LEVELS, Motion, Segment, imbalance_inertia, solve_at
 
-# accuracy of the torque map of averaged, relative
+# relative accuracy of fidelity averaged
 AVERAGED_ACCURACY = 0.005
-# rad that link 1 turns in a trial, where nothing else is said
+# default angle of link 1 in a trial, rad
 TRAVEL = 100.0
+RANGE_ENDS, OUT_OF_RANGE = "end of a range", "out of range"
 
 
 @dataclass(frozen=True)
 class Case:
-    """One value on an axis, for one layout, at one level of fidelity.
+    """An extreme on one layout at one fidelity level.
 
     Attributes:
-        axis, value, layout: how they are called. motion: what is run.
-        split: short communication steps that replace each long one.
-        slow: whether it is left out of a quick run.
+        axis: name of the axis.
+        value: name of the value on the axis.
+        layout: layout.
+        motion: parameters and inputs.
+        split: number of short communication steps for each long one.
+        slow: True if a quick study omits the case.
     """
 
     axis: str
@@ -44,22 +49,25 @@ class Case:
 
     @property
     def level(self) -> Level:
-        """Level of fidelity."""
+        """Fidelity level."""
         return self.motion.level
 
     @property
     def accuracy(self) -> float:
-        """Relative accuracy asked for: the tolerance, or the accuracy of the fidelity if that is larger."""
-        least = AVERAGED_ACCURACY if self.level.fidelity == AVERAGED else 0.0
-        return max(self.motion["tolerance"], least)
+        """Requested relative accuracy: the tolerance, or the accuracy of averaged if it is larger."""
+        minimum = AVERAGED_ACCURACY if self.level.fidelity == AVERAGED else 0.0
+        return max(self.motion["tolerance"], minimum)
 
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """A layout at ordinary values.
+    """An ordinary mechanism.
 
     Attributes:
-        layout: bevel or planar. parameters: over the defaults. omega1: rad/s. load: N.m.
+        layout: bevel or planar.
+        parameters: parameters that differ from the defaults.
+        omega1: input speed, rad/s.
+        load: load torque, N.m.
     """
 
     layout: str
@@ -69,19 +77,19 @@ class Mechanism:
 
     @functools.cached_property
     def module(self) -> Module:
-        """A module at the ordinary speed."""
+        """A started module of the plain kernel."""
         return Module("plain").start(**self.parameters, omega1=self.omega1)
 
     @functools.cached_property
     def imbalance(self) -> float:
-        """Largest inertia of the imbalances behind link 2, kg m^2."""
+        """Maximum inertia of the unbalanced masses at link 2, kg m^2."""
         return imbalance_inertia(self.module.derived)
 
     @functools.cached_property
-    def largest_held_torque(self) -> float:
-        """Largest torque on link 2 while it is held at the ordinary speed, N.m: no load above it is moved.
+    def stall_torque(self) -> float:
+        """Maximum torque on link 2 at rest, N.m; the module moves no larger load.
 
-        Looked for on a grid over a period, then on ever finer ones around the best.
+        It is the maximum on a grid over one period, and on ever finer grids around it.
         """
         d = self.module.derived
 
@@ -97,7 +105,7 @@ class Mechanism:
 
     @functools.cached_property
     def grazing_speed(self) -> float:
-        """Speed of the unloaded output shaft that link 2 only just reaches in TRAVEL rad, rad/s."""
+        """Maximum speed of an unloaded output shaft that link 2 reaches within TRAVEL, rad/s."""
         coasting = Segment(TRAVEL / self.omega1, self.omega1, 0.0)
 
         def engages(speed: float) -> bool:
@@ -116,43 +124,90 @@ class Mechanism:
 
 TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 MECHANISMS = [Mechanism(**row) for row in TABLE["mechanisms"]]
-# what an extreme changes besides parameters, where it does not
+# defaults of the changes that are no parameters
 USUAL = {"segments": (), "turns": 0.0, "levels": LEVELS, "split": 50, "slow": False}
 
 
-def signed(*sizes: float) -> list[float]:
-    """Each size with both signs."""
-    return [value for size in sizes for value in (size, -size)]
+def signed(*magnitudes: float) -> list[float]:
+    """Return each magnitude with both signs.
+
+    Args:
+        magnitudes: positive numbers.
+    """
+    return [value for magnitude in magnitudes for value in (magnitude, -magnitude)]
 
 
-def extremes(m: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Work out the table beside the code: axis, value as it is called, changes of the mechanism."""
-    known = {**vars(math), "m": m, "signed": signed, "Segment": Segment, "TRAVEL": TRAVEL}
-    known |= {"ELASTIC_LEVELS": ELASTIC_LEVELS}
-    for name, formula in TABLE["known"].items():
-        known[name] = eval(formula, known)
-    for axis, called, changes, values, layout in (
-        row + ["[()]", ""][len(row) - 3 :] for row in TABLE["rows"]
-    ):
-        for value in eval(values, known) if layout in ("", m.layout) else ():
-            together = value if isinstance(value, tuple) else (value,)
-            named = dict(zip("xyzw", together, strict=False))
-            yield axis, called.format(*together), eval(f"dict({changes})", known | named)
+def _numbers(mechanism: Mechanism) -> Iterator[Variable]:
+    """Yield the numerical parameters of the layout.
+
+    Args:
+        mechanism: an ordinary mechanism.
+    """
+    other = Group.PLANAR if mechanism.layout == "bevel" else Group.BEVEL
+    for variable in with_causality(PARAMETER):
+        if variable.kind in (REAL, INTEGER) and variable.group != other:
+            yield variable
+
+
+def range_ends(mechanism: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Yield an extreme for each end of the range of each parameter, and one for the next number beyond it.
+
+    Args:
+        mechanism: an ordinary mechanism.
+
+    Yields:
+        axis, name of the value, changes of the mechanism.
+    """
+    for variable in _numbers(mechanism):
+        name = variable.name
+        levels = ELASTIC_LEVELS if variable.group == Group.ELASTIC else LEVELS
+        together = TABLE["together"].get(name, "")
+        for end, side, direction in zip(variable.ends, ("below", "above"), (-1.0, 1.0), strict=True):
+            if end != mechanism.parameters.get(name, variable.start):
+                changes = eval(f"dict({together})", vars(math) | {"x": end})
+                yield RANGE_ENDS, f"{name} {end:g}", {"levels": levels, name: end, **changes}
+            next_one = (
+                end + direction if variable.kind == INTEGER else math.nextafter(end, direction * math.inf)
+            )
+            if mechanism.layout == "bevel" or variable.group == Group.PLANAR:
+                yield OUT_OF_RANGE, f"{name} {side} {end:g}", {"levels": LEVELS[2:3], name: next_one}
+
+
+def extremes(mechanism: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Yield the extremes of the table and of the ranges.
+
+    Args:
+        mechanism: an ordinary mechanism.
+
+    Yields:
+        axis, name of the value, changes of the mechanism.
+    """
+    scope = {**vars(math), "m": mechanism, "signed": signed, "Segment": Segment, "TRAVEL": TRAVEL}
+    scope |= {"ELASTIC_LEVELS": ELASTIC_LEVELS}
+    for name, formula in TABLE["constants"].items():
+        scope[name] = eval(formula, scope)
+    for axis, label, changes, values, layout in (row + ["[()]", ""][len(row) - 3 :] for row in TABLE["rows"]):
+        for value in eval(values, scope) if layout in ("", mechanism.layout) else ():
+            parts = value if isinstance(value, tuple) else (value,)
+            named = dict(zip("xyzw", parts, strict=False))
+            yield axis, label.format(*parts), eval(f"dict({changes})", scope | named)
+    yield from range_ends(mechanism)
 
 
 @functools.cache
 def axes() -> dict[str, list[Case]]:
-    """Cases by name of the axis: layout by layout, value by value, level by level."""
-    found: dict[str, list[Case]] = {}
-    for m in MECHANISMS:
-        for axis, value, changes in extremes(m):
-            usual = {**USUAL, "omega1": m.omega1, "load": m.load, "duration": TRAVEL / m.omega1}
-            run = {name: changes.get(name, ordinary) for name, ordinary in usual.items()}
+    """Return the cases by axis, ordered by layout, value and fidelity level."""
+    cases: dict[str, list[Case]] = {}
+    for mechanism in MECHANISMS:
+        for axis, value, changes in extremes(mechanism):
+            omega1, load = mechanism.omega1, mechanism.load
+            usual = {**USUAL, "omega1": omega1, "load": load, "duration": TRAVEL / omega1}
+            settings = {name: changes.get(name, default) for name, default in usual.items()}
             changed = {name: number for name, number in changes.items() if name not in usual}
-            whole = Segment(run["duration"], run["omega1"], run["load"])
-            for level in run["levels"]:
-                values = {**m.parameters, **changed, **level.values}
-                motion = Motion(values, run["segments"] or (whole,), run["turns"])
-                case = Case(axis, value, m.layout, motion, run["split"], run["slow"])
-                found.setdefault(axis, []).append(case)
-    return found
+            whole = Segment(settings["duration"], settings["omega1"], settings["load"])
+            for level in settings["levels"]:
+                values = {**mechanism.parameters, **changed, **level.values}
+                motion = Motion(values, settings["segments"] or (whole,), settings["turns"])
+                case = Case(axis, value, mechanism.layout, motion, settings["split"], settings["slow"])
+                cases.setdefault(axis, []).append(case)
+    return cases

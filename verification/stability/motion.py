@@ -1,4 +1,4 @@
-"""A motion: a module with its inputs over time. It is run, and held against other runs of it."""
+"""Motions of a module: parameters, inputs over time, the run, and the comparison of two runs."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from ..reference.geometry import shaft_frequency
 
 ELASTIC_LEVELS = (Level(ELASTIC),)
 LEVELS = (Level(KINEMATIC), Level(AVERAGED), Level(RIGID), *ELASTIC_LEVELS)
-# compared at the end of a run; and the torques whose largest is its scale
+# compared at the end of a run
 SPEEDS = ("omega2", "omega_out")
 ENERGIES = ("energy_in", "energy_out")
 IMPULSES = ("input_torque_mean", "output_torque_mean")
+# the maximum of these torques is the torque scale of a run
 TORQUES = ("load_torque", "input_torque", "mesh_torque", "output_torque", "housing_torque")
-# not the shaft's: a balancer gives energy, and of a shaft too stiff to be followed it is a difference
+# losses that never decrease; the loss of the shaft includes the work of the balancer
 LOST = tuple(name for name in LOSSES if name != "energy_lost_shaft")
-# never breached but for rounding, and what a breach is relative to; the first three without drag, the speeds
-# only of freewheels without wind-up and play
-SPEED, TORQUE, POWER, REGAINED = BREACHES = (
+# Conditions that hold except for round-off. SPEED applies to freewheels without wind-up and engagement angle,
+# TORQUE and POWER to the sum of torque and drag.
+SPEED, TORQUE, POWER, REGAINED = CONDITIONS = (
     "0 <= omega2 <= omega3",
     "Th, Tc >= 0",
     "torque or slip is 0",
@@ -43,40 +44,53 @@ Make = Callable[[], Module]
 
 
 @dataclass(frozen=True)
-class Figure:
-    """One measured figure and the bound it is held to; explained: the motion's own sensitivity widened it."""
+class Metric:
+    """A measured value with its bound.
+
+    Attributes:
+        value: measured value.
+        bound: maximum value allowed.
+        is_explained: True if the sensitivity of the motion explains a value above the plain bound.
+    """
 
     value: float
     bound: float
-    explained: bool = False
+    is_explained: bool = False
 
     @property
     def holds(self) -> bool:
-        """True within the bound (not for NaN)."""
+        """True if the value is within the bound; False for NaN."""
         return self.value <= self.bound
 
 
-Figures = dict[str, Figure]
+Metrics = dict[str, Metric]
 
 
-def missed(figures: Figures) -> dict[str, str]:
-    """Tell by name, with value and bound, of the figures that do not hold."""
+def violations(metrics: Metrics) -> dict[str, str]:
+    """Describe the metrics that exceed their bounds, by name.
+
+    Args:
+        metrics: metrics by name.
+    """
     return {
-        name: f"{name} {figure.value:.0e}, bound {figure.bound:.0e}"
-        for name, figure in figures.items()
-        if not figure.holds
+        name: f"{name} {metric.value:.0e}, bound {metric.bound:.0e}"
+        for name, metric in metrics.items()
+        if not metric.holds
     }
 
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of time with given inputs.
+    """A time interval with constant inputs, except for a constant slope of the input speed.
 
     Attributes:
-        duration: s. omega1: at its beginning, rad/s. load: N.m. slope: of omega1, rad/s^2.
-        drive: torque on link 1, where the drive gives one, N.m.
-        steps: communication steps it takes at least (a step may be up to 1e6 s long).
-        whole: whether its steps stay as they are in the run of many short ones.
+        duration: length, s.
+        omega1: input speed at the beginning, rad/s.
+        load: load torque, N.m.
+        slope: input acceleration, rad/s^2.
+        drive: torque on link 1 if the module is torque-driven, N.m.
+        steps: minimum number of communication steps; a step is at most 1e6 s long.
+        is_whole: True if the run with short steps keeps the steps of this segment.
     """
 
     duration: float
@@ -85,15 +99,21 @@ class Segment:
     slope: float = 0.0
     drive: float = 0.0
     steps: int = 1
-    whole: bool = False
+    is_whole: bool = False
 
     @property
-    def fastest(self) -> float:
-        """Largest speed of link 1, rad/s, where it is given."""
+    def max_speed(self) -> float:
+        """Maximum prescribed speed of link 1, rad/s."""
         return max(abs(self.omega1), abs(self.omega1 + self.slope * self.duration))
 
     def scaled(self, speed: float = 1.0, torque: float = 1.0, time: float = 1.0) -> Segment:
-        """The segment with its speeds, torques and duration times these factors."""
+        """Return the segment with scaled inputs.
+
+        Args:
+            speed: factor of the speeds.
+            torque: factor of the torques.
+            time: factor of the duration.
+        """
         return replace(
             self,
             duration=self.duration * time,
@@ -109,8 +129,9 @@ class Motion:
     """A module and its inputs over time.
 
     Attributes:
-        parameters: over the defaults. segments: each a communication step, or split into many.
-        turns: whole turns already on the counters of the drive and of link 1.
+        parameters: parameters that differ from the defaults, by name.
+        segments: inputs; each segment is one communication step, or several.
+        turns: whole revolutions on the counters of pinion shaft and link 1 at the start.
     """
 
     parameters: Parameters
@@ -119,40 +140,60 @@ class Motion:
 
     @classmethod
     def of(cls, values: dict[str, Any]) -> Self:
-        """The motion that as_dict has written."""
+        """Return the motion of a dictionary.
+
+        Args:
+            values: result of as_dict.
+        """
         return TypeAdapter(cls).validate_python(values)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain numbers that can be printed and pasted, without those at their defaults."""
+        """Return plain numbers by name, without the defaults, for printing and pasting."""
         plain: dict[str, Any] = TypeAdapter(Motion).dump_python(self, mode="json", exclude_defaults=True)
         return plain
 
     def __getitem__(self, name: str) -> float:
-        """Value of a parameter."""
+        """Return the value of a parameter.
+
+        Args:
+            name: name of the parameter.
+        """
         return float(self.parameters.get(name, BY_NAME[name].start or 0.0))
 
     @property
     def level(self) -> Level:
-        """Its level of fidelity."""
+        """Fidelity level."""
         return Level(int(self["fidelity"]))
 
     def changed(self, **parameters: float) -> Motion:
-        """The motion with other parameters."""
+        """Return the motion with other parameters.
+
+        Args:
+            parameters: new values by name.
+        """
         return replace(self, parameters=self.parameters | parameters)
 
-    def nudged(self, change: float) -> list[Motion]:
-        """The motion slightly changed: angle at the start, load, speed of link 1, each to both sides."""
-        beside = []
-        for part in (change, -change):
-            start = self.parameters.get("drive_angle_start", 0.0) + part
-            loads = tuple(one.scaled(torque=1.0 + part) for one in self.segments)
-            speeds = tuple(one.scaled(speed=1.0 + part) for one in self.segments)
-            turned = self.changed(drive_angle_start=start)
-            beside += [turned, replace(self, segments=loads), replace(self, segments=speeds)]
-        return beside
+    def perturbed(self, change: float) -> list[Motion]:
+        """Return six motions: start angle, load or input speed changed in both directions.
+
+        Args:
+            change: change of the angle in rad, relative change of load and speed.
+        """
+        motions = []
+        for signed_change in (change, -change):
+            start = self.parameters.get("drive_angle_start", 0.0) + signed_change
+            loads = tuple(segment.scaled(torque=1.0 + signed_change) for segment in self.segments)
+            speeds = tuple(segment.scaled(speed=1.0 + signed_change) for segment in self.segments)
+            rotated = self.changed(drive_angle_start=start)
+            motions += [rotated, replace(self, segments=loads), replace(self, segments=speeds)]
+        return motions
 
     def started(self, module: Module) -> Module:
-        """The module started with the parameters and the inputs of the first segment."""
+        """Start a module with the parameters and the inputs of the first segment.
+
+        Args:
+            module: a new module.
+        """
         first = self.segments[0]
         module.start(**self.parameters, omega1=first.omega1, load_torque=first.load, drive_torque=first.drive)
         if self.turns:
@@ -162,12 +203,14 @@ class Motion:
 
 
 def solve_at(module: Module, held: bool, driving: bool, load: float = 0.0, **motion: float) -> Any:
-    """Accelerations and torques of the kernel's equations at an instant, by the names of fields.MACHINE.
+    """Solve the kernel's equations of motion at an instant and return its record of the mechanism.
 
     Args:
-        module: plain and started, without losses; alpha1 or drive_torque of its state is given.
-        held, driving: whether the freewheels to housing and output are locked. load: N.m.
-        motion: q, omega1, omega2, omega3.
+        module: a started module of the plain kernel, without losses; its state contains the input.
+        held: True if the housing freewheel is locked.
+        driving: True if the output freewheel is locked.
+        load: load torque, N.m.
+        motion: q in rad; omega1, omega2 and omega3 in rad/s.
     """
     x, machine = module.state, module.derived.machine
     x.housing_state, x.output_state = (LOCKED if locked else OVERRUNNING for locked in (held, driving))
@@ -179,60 +222,79 @@ def solve_at(module: Module, held: bool, driving: bool, load: float = 0.0, **mot
 
 
 def imbalance_inertia(derived: Any) -> float:
-    """Largest inertia of the imbalances behind link 2, k^2 G, kg m^2."""
-    far = derived.pole_offset + 2.0 * derived.pole_arm
-    return float(derived.mass * derived.k**2 * (far * far + derived.spin))
+    """Return the maximum inertia of the unbalanced masses at link 2, k^2 G, in kg m^2.
+
+    Args:
+        derived: constants of a module.
+    """
+    radius = derived.pole_offset + 2.0 * derived.pole_arm
+    return float(derived.mass * derived.k**2 * (radius * radius + derived.spin))
 
 
 @dataclass
 class Run:
-    """Record of a run: the largest at its communication points of all that is held to a bound.
+    """Results of a run; maxima refer to the communication points.
 
     Attributes:
-        end: values at the end: speeds, energies, drive angle gone through, impulses of the torques.
-        points: all values at the start and after each segment. state: state and outputs at the end.
-        finite: whether every output was, at every communication point.
-        residual: largest energy residual, J.
-        energy: largest of input, output, stored, and what the imbalances can have at the speeds seen, J.
-        speed, torque: largest seen, rad/s, N.m.
-        breaches: deepest of each of BREACHES, rad/s, N.m, W, J.
-        lost: energy lost so far by cause, but the shaft's, J.
-        phase: advance of what has to be followed, rad. evaluations, steps: what it took.
-        refused: message of the refusal that ended it, or "".
-        broken: what must never happen and did, such as an exception that is no refusal, or "".
+        end: speeds, energies, pinion-shaft angle and impulses at the end.
+        points: all values at the start and after each segment.
+        state: bytes of state and outputs at the end.
+        is_finite: True if every output is finite at every communication point.
+        residual: maximum energy residual, J.
+        energy: maximum of input, output and stored energy, and of the kinetic energy that the unbalanced
+            masses can have at these speeds, J.
+        speed: maximum speed, rad/s.
+        torque: maximum torque, N.m.
+        breaches: maximum violation of each of CONDITIONS, in rad/s, N.m, W and J.
+        lost: lost energy by cause without the loss of the shaft, J.
+        phase: phase of the pulses and of an elastic shaft, rad.
+        evaluations: number of right-hand-side evaluations.
+        steps: number of communication steps.
+        rejection: message of the rejection that ended the run, or "".
+        fault: a fault of the module, such as a rejected step that changed the state, or "".
     """
 
     end: dict[str, float] = field(default_factory=dict)
     points: list[dict[str, float]] = field(default_factory=list)
     state: bytes = b""
-    finite: bool = True
+    is_finite: bool = True
     residual: float = 0.0
     energy: float = 0.0
     speed: float = 0.0
     torque: float = 0.0
-    breaches: dict[str, float] = field(default_factory=lambda: dict.fromkeys(BREACHES, 0.0))
+    breaches: dict[str, float] = field(default_factory=lambda: dict.fromkeys(CONDITIONS, 0.0))
     lost: dict[str, float] = field(default_factory=dict)
     phase: float = 0.0
     evaluations: float = 0.0
     steps: int = 0
-    refused: str = ""
-    broken: str = ""
+    rejection: str = ""
+    fault: str = ""
 
     @property
     def turns(self) -> float:
-        """Turns of the drives that its end tells of."""
+        """Revolutions of the pinion shaft."""
         return abs(self.end["angle"]) / (2.0 * math.pi)
 
-    def share(self, breach: str) -> float:
-        """Deepest breach relative to the largest speed, torque, their product, or energy."""
-        scales = self.speed, self.torque, self.speed * self.torque, self.energy
-        return relative(self.breaches[breach], scales[BREACHES.index(breach)])
+    def relative_breach(self, condition: str) -> float:
+        """Return the maximum violation of a condition, relative to its scale.
 
-    def look(self, module: Module) -> None:
-        """Take note of what shows at a communication point."""
-        self.finite = self.finite and all(map(math.isfinite, module.outputs.numbers))
+        The scales are maximum speed, maximum torque, their product, and maximum energy.
+
+        Args:
+            condition: one of CONDITIONS.
+        """
+        scales = self.speed, self.torque, self.speed * self.torque, self.energy
+        return relative(self.breaches[condition], scales[CONDITIONS.index(condition)])
+
+    def record(self, module: Module) -> None:
+        """Update the maxima at a communication point.
+
+        Args:
+            module: module at the communication point.
+        """
+        self.is_finite = self.is_finite and all(map(math.isfinite, module.outputs.numbers))
         self.residual = max(self.residual, abs(module["energy_residual"]))
-        # at the beginning of the step where it is given
+        # a prescribed speed refers to the beginning of the step
         link1 = module["input_speed" if module["drive"] else "omega1"]
         fastest = max(abs(link1), abs(module["omega2"]))
         possible = 0.5 * imbalance_inertia(module.derived) * fastest * fastest
@@ -243,66 +305,95 @@ class Run:
         self.torque = max(self.torque, *(abs(module[name]) for name in TORQUES))
         before, self.lost = self.lost, {name: module[name] for name in LOST}
         breaches = [(REGAINED, before.get(name, 0.0) - lost) for name, lost in self.lost.items()]
-        elastic, omega2 = module["fidelity"] == ELASTIC, module["omega2"]
-        slips = ("housing", "housing", omega2), ("output", "freewheel", module["omega_hub"] - omega2)
-        for wheel, spring, slip in slips if elastic or module["fidelity"] == RIGID else ():
-            if not module[f"{wheel}_freewheel"]:
-                continue
-            drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
-            held = module[f"{wheel}_torque"] + drag
-            breaches.append((TORQUE, -held))
-            if not elastic or module[f"{spring}_stiffness"] == 0.0:
-                breaches.append((POWER, slip * held))
-                # while it winds up, or is within its play, it may turn backwards
-                breaches.append((SPEED, -slip * (module[f"{wheel}_engagement_angle"] == 0.0)))
+        if module["fidelity"] in (RIGID, ELASTIC):
+            breaches += _freewheel_breaches(module)
         for name, value in breaches:
             self.breaches[name] = max(self.breaches[name], value)
 
 
+def _freewheel_breaches(module: Module) -> list[tuple[str, float]]:
+    """Return the violations of the conditions of both freewheels, as pairs of condition and value.
+
+    Args:
+        module: module at a communication point.
+    """
+    breaches = []
+    is_elastic, omega2 = module["fidelity"] == ELASTIC, module["omega2"]
+    slips = ("housing", "housing", omega2), ("output", "freewheel", module["omega_hub"] - omega2)
+    for wheel, spring, slip in slips:
+        if not module[f"{wheel}_freewheel"]:
+            continue
+        drag = module[f"{wheel}_drag"] + module[f"{wheel}_drag_viscous"] * max(slip, 0.0)
+        torque = module[f"{wheel}_torque"] + drag
+        breaches.append((TORQUE, -torque))
+        if not is_elastic or module[f"{spring}_stiffness"] == 0.0:
+            breaches.append((POWER, slip * torque))
+            # within the engagement angle the freewheel may turn backward
+            breaches.append((SPEED, -slip * (module[f"{wheel}_engagement_angle"] == 0.0)))
+    return breaches
+
+
 def _kick(module: Module, kick: float) -> None:
-    """Change the speed of link 2 and what it is locked to, rad/s, where no freewheel is in the way."""
+    """Change the speed of link 2 and of the links locked to it, unless a freewheel prevents it.
+
+    Args:
+        module: module at a communication point.
+        kick: change of the speed of a free link 2, rad/s.
+    """
     x, d = module.state, module.derived
     if x.housing_state != LOCKED:
-        before, carried = x.omega2, d.J3 if x.output_state == LOCKED else 0.0
-        x.omega2 += kick * response(d, d.J2 + carried)
+        before, hub = x.omega2, d.J3 if x.output_state == LOCKED else 0.0
+        x.omega2 += kick * response(d, d.J2 + hub)
         if not is_mode_admissible(d, x):
             x.omega2 = before
         x.rates_cached = 0.0
 
 
 def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1, kick: float = 0.0) -> Run:
-    """Run a module through a motion, each long communication step split in so many short ones.
+    """Run a module through a motion.
 
-    From the segment saved_at on another module goes on from the saved state. With each step link 2 is kicked,
-    rad/s, as far as the mechanism could move it so.
+    Args:
+        motion: parameters and inputs.
+        make: function that returns a new module.
+        split: number of short communication steps for each long one.
+        saved_at: number of the segment at which another module continues from the saved state; -1 for none.
+        kick: change of the speed of link 2 before each communication step, rad/s.
     """
-    found, module = Run(), make()
+    result, module = Run(), make()
     try:
         motion.started(module)
     except Refused as error:
-        found.refused = str(error)
-        return found
+        result.rejection = str(error)
+        return result
     begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
-    found.look(module)
-    found.points.append(module.snapshot())
+    result.record(module)
+    result.points.append(module.snapshot())
     for number, segment in enumerate(motion.segments):
         if number == saved_at:
             saved, module = module.save(), make()
             module.restore(saved)
-        _advance(found, module, segment, 1 if segment.whole else split, kick)
-        if found.refused:
-            return found
-        found.points.append(module.snapshot())
-    found.end |= {name: module[name] for name in (*SPEEDS, *ENERGIES)}
+        _advance(result, module, segment, 1 if segment.is_whole else split, kick)
+        if result.rejection:
+            return result
+        result.points.append(module.snapshot())
+    result.end |= {name: module[name] for name in (*SPEEDS, *ENERGIES)}
     turns = module["drive_turns"] - motion.turns
-    found.end["angle"] = module["drive_angle"] + 2.0 * math.pi * turns - begin
-    found.evaluations = module["rhs_evaluations"]
-    found.state = bytes(module.state) + bytes(module.outputs)
-    return found
+    result.end["angle"] = module["drive_angle"] + 2.0 * math.pi * turns - begin
+    result.evaluations = module["rhs_evaluations"]
+    result.state = bytes(module.state) + bytes(module.outputs)
+    return result
 
 
-def _advance(found: Run, module: Module, segment: Segment, split: int, kick: float) -> None:
-    """Advance through a segment, each of its steps split in so many; link 2 is kicked before each."""
+def _advance(result: Run, module: Module, segment: Segment, split: int, kick: float) -> None:
+    """Advance a module through a segment.
+
+    Args:
+        result: record to update.
+        module: module at the beginning of the segment.
+        segment: inputs.
+        split: number of short communication steps for each long one.
+        kick: change of the speed of link 2 before each communication step, rad/s.
+    """
     count = max(segment.steps, math.ceil(segment.duration / LARGEST_STEP)) * split
     step = segment.duration / count
     impulses = dict.fromkeys(IMPULSES, 0.0)
@@ -317,29 +408,43 @@ def _advance(found: Run, module: Module, segment: Segment, split: int, kick: flo
         try:
             module.advance(step)
         except Refused as error:
-            found.refused = str(error)
-            if bytes(module.state) != before:
-                found.broken = "a refused step changed the state"
-                return
-            module.set(omega1=1.0, load_torque=1.0)
-            try:
-                module.advance(1e-6)
-            except Refused as next_one:
-                found.broken = f"no good step after a refused one: {next_one}"
+            result.rejection = str(error)
+            result.fault = _fault_after_rejection(module, before)
             return
-        found.steps += 1
-        found.phase += step * _followed_rate(module)
+        result.steps += 1
+        result.phase += step * _phase_rate(module)
         for name in impulses:
             impulses[name] += module[name] * step
-        found.look(module)
+        result.record(module)
     for name, impulse in impulses.items():
-        found.end[name] = found.end.get(name, 0.0) + impulse
+        result.end[name] = result.end.get(name, 0.0) + impulse
 
 
-def _followed_rate(module: Module) -> float:
-    """Rate of the phase that has to be followed, rad/s: of the highest harmonic and of an elastic shaft.
+def _fault_after_rejection(module: Module, before: bytes) -> str:
+    """Return the fault of a module that rejected a step: a changed state or no valid next step; else "".
 
-    A shaft that oscillates faster than the pulses by more than 1 / sqrt(tolerance) is not followed.
+    Args:
+        module: module after the rejected step.
+        before: bytes of the state before the step.
+    """
+    if bytes(module.state) != before:
+        return "a rejected step changed the state"
+    module.set(omega1=1.0, load_torque=1.0)
+    try:
+        module.advance(1e-6)
+    except Refused as error:
+        return f"no valid step after a rejected one: {error}"
+    return ""
+
+
+def _phase_rate(module: Module) -> float:
+    """Return the rate of the phase that the integration must resolve, rad/s.
+
+    It contains the highest harmonic of the pulses and the oscillation of an elastic shaft. The kernel treats
+    a shaft as rigid if it oscillates faster than the pulses by more than 1 / sqrt(tolerance).
+
+    Args:
+        module: module at a communication point.
     """
     omega1 = module["input_speed" if module["drive"] else "omega1"]
     harmonic = float(module.derived.harmonic * module.derived.k)
@@ -348,32 +453,39 @@ def _followed_rate(module: Module) -> float:
         return pulses
     shaft = shaft_frequency(module.__getitem__)
     fastest = harmonic * max(abs(omega1), abs(module["omega_hub"]), abs(module["omega_out"]))
-    followed = shaft * math.sqrt(module["tolerance"]) <= fastest
-    return pulses + (shaft if followed else 0.0)
+    is_resolved = shaft * math.sqrt(module["tolerance"]) <= fastest
+    return pulses + (shaft if is_resolved else 0.0)
 
 
 def relative(value: float, scale: float) -> float:
-    """Size of a value, of its scale; infinite where that is zero and the value is not."""
+    """Return the magnitude of a value relative to a scale; infinity if only the scale is zero.
+
+    Args:
+        value: a value.
+        scale: scale in the same unit.
+    """
     if value == 0.0:
         return 0.0
     return abs(value) / scale if scale > 0.0 else math.inf
 
 
-def distance(one: Run, other: Run, inertia: float = 0.0, share: float = 0.0) -> float:
-    """Largest difference of what two runs end with, relative to the largest seen in them.
+def distance(first: Run, second: Run, inertia: float = 0.0, speed_fraction: float = 0.0) -> float:
+    """Return the maximum difference between the ends of two runs, relative to the maxima of both.
 
-    Speeds to the fastest, energies to the largest, impulses to energy over speed, the drive angle to
-    what it has gone through (at least a radian).
+    The scales are the maximum speed, the maximum energy, energy over speed for impulses, and for the
+    pinion-shaft angle its change (at least 1 rad).
 
     Args:
-        inertia: of hub and driven mass, kg m^2: the output's impulse is known as well as their speeds are.
-        share: of the fastest speed: with a slower swing the inertia may have any energy.
+        first: a run, whose angle and impulses are scales.
+        second: another run of the same motion.
+        inertia: inertia of hub and driven mass, kg m^2; it limits the accuracy of the output impulse.
+        speed_fraction: fraction of the maximum speed below which an oscillation of this inertia is ignored.
     """
-    speed = max(one.speed, other.speed)
-    energy = max(one.energy, other.energy, inertia * share * speed * speed)
+    speed = max(first.speed, second.speed)
+    energy = max(first.energy, second.energy, inertia * speed_fraction * speed * speed)
     scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
-    scales["angle"] = max(1.0, abs(one.end["angle"]))
+    scales["angle"] = max(1.0, abs(first.end["angle"]))
     for name in IMPULSES:
-        scales[name] = max(abs(one.end[name]), energy / speed if speed > 0.0 else 0.0)
+        scales[name] = max(abs(first.end[name]), energy / speed if speed > 0.0 else 0.0)
     scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
-    return max(relative(one.end[name] - other.end[name], scale) for name, scale in scales.items())
+    return max(relative(first.end[name] - second.end[name], scale) for name, scale in scales.items())

@@ -193,8 +193,7 @@ INERTIA_MODULE = Model(
     traced=("contact_mode", "contact_switches", "rhs_evaluations", "omega2", "omega_out"),
     bounds=(
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
-        # number of load samples in the last step; one bit for the sign of each satellite's spin
-        Bound("x", place(fields.STATE, "seen"), 2**53),
+        # one bit for the sign of each satellite's spin
         Bound("x", place(fields.STATE, "spin_signs"), 2 ** int(variables.BY_NAME["satellites"].ends[1])),
     ),
     terminals=variables.TERMINALS,

@@ -1,6 +1,7 @@
 """A communication step of the module with its pulses, from event to event.
 
-The contact mode is chosen, a solver follows it to the next event or to the end of the step, and so on.
+run_events is the event loop. It selects a contact mode, advances to the first event, and repeats this until
+the end of the step.
 """
 
 from .accumulate import copy
@@ -8,23 +9,21 @@ from .codes import AVERAGED, DRIVING, KINEMATIC, OK, STEP_TOO_SMALL, TOO_MANY_SW
 from .equations.choice import CONTINUATION_BIAS, select_mode, select_mode_after_event, switch_mode
 from .equations.motion import copy_accelerations, evaluate, load_state
 from .equations.states import RATIO_PRESCRIBED
-from .events.advance import advance_general
+from .events.advance import advance_to_event
 from .events.kinematic import advance_kinematic, impose_ratio, prescribe_motion
 from .links import fastest_own_rate, prescribed_at_input
 from .records import Constants, State, Workspace
 
-# share of a communication step that it has at least, where it ends at a switch
-SHORTEST = 1e-9
-# evaluations that one communication step may take before it is abandoned
-MAX_EVALUATIONS = 5e7
-# ... contact switches, besides those per turn of the highest harmonic: a pulse has about four
-SWITCHES_ALLOWED, SWITCHES_PER_PULSE = 1000.0, 64.0
-# ... events in a row that leave the mode as it was
-STALLS_ALLOWED = 100
+MIN_STEP_FRACTION = 1e-9  # Of the communication step, before it may end at a change of the contact mode
+MAX_EVALUATIONS = 5e7  # Of the equations of motion in a communication step
+# Maximum number of changes of the contact mode in a communication step: a constant, and a number per radian
+# of the highest harmonic (a pulse has about four changes)
+MAX_SWITCHES, MAX_SWITCHES_PER_RAD = 1000.0, 64.0
+MAX_UNCHANGED = 100  # Events in a row that leave the contact mode unchanged
 
 
 def solve_now(d: Constants, x: State) -> None:
-    """Accelerations and torques in the present mode, into d.machine."""
+    """Write accelerations and torques in the present contact mode to d.machine."""
     if x.output_state == RATIO_PRESCRIBED:
         prescribe_motion(d, x, 0.0)
         return
@@ -36,14 +35,14 @@ def solve_now(d: Constants, x: State) -> None:
 
 
 def follow_torque(d: Constants, x: State) -> None:
-    """Set the acceleration of link 1 from the torque at this instant, if a torque drives it."""
+    """Write the present acceleration of link 1 to the state if a torque drives it."""
     if d.by_torque != 0.0:
         solve_now(d, x)
         x.alpha1 = d.machine.alpha1
 
 
 def follow_parameters(d: Constants, x: State) -> None:
-    """Apply parameters at an instant: the prescribed speed of link 2, or contact mode and alpha1."""
+    """Write the prescribed speed of link 2, or the contact mode and alpha1, after a change of parameters."""
     if d.fidelity == KINEMATIC:
         impose_ratio(d, x)
         x.mode = DRIVING
@@ -53,7 +52,7 @@ def follow_parameters(d: Constants, x: State) -> None:
 
 
 def switch_now(d: Constants, x: State) -> None:
-    """Handle the event before which the last step has stopped, if there is one."""
+    """Select the contact mode if the last step has stopped just before an event."""
     if x.switching == 0.0:
         return
     x.step_evaluations = 0.0
@@ -72,7 +71,7 @@ def begin_events(d: Constants, x: State, w: Workspace) -> None:
         x.rates_cached = 0.0
         switch_mode(d, x, CONTINUATION_BIAS)
     if d.losses != 0.0:
-        x.rates_cached = 0.0  # losses and guards are not kept from one communication step to the next
+        x.rates_cached = 0.0  # Rates of losses and event indicators are not part of the state
     x.torques_continue = 0.0
     x.prescribed = w.prescribed
     x.load_prescribed = w.load
@@ -117,14 +116,28 @@ def phase_passed(d: Constants, x: State, passed: float, speeds: float) -> float:
     return phase + passed * fastest_own_rate(d, x) if d.elastic != 0.0 else phase
 
 
+def has_too_many_switches(d: Constants, x: State, w: Workspace, travel: float, n_unchanged: int) -> bool:
+    """Return True if there were more events than the pulses of this communication step can cause.
+
+    Args:
+        d: Constants.
+        x: State.
+        w: Workspace with the state before the step.
+        travel: Phase since the beginning of the step, rad.
+        n_unchanged: Number of events in a row that have not changed the contact mode.
+    """
+    allowed = MAX_SWITCHES_PER_RAD * d.harmonic * travel
+    switches = x.switches - w.before.switches
+    return n_unchanged > MAX_UNCHANGED + allowed or switches > MAX_SWITCHES + allowed
+
+
 def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
-    """Integrate from event to event over the time h, or up to the first event, and return the status."""
+    """Integrate from event to event over the time h, s, or up to the first event, and return the status."""
     if h > MAX_EVALUATIONS * d.max_step:
-        return TOO_MUCH_WORK  # each internal step takes an evaluation or more
+        return TOO_MUCH_WORK  # Each internal step takes an evaluation or more
     start1 = x.omega1
-    time = 0.0
-    travel = 0.0
-    stalls = 0
+    time = travel = 0.0
+    n_unchanged = 0
     event = False
     begin_events(d, x, w)
     while time < h:
@@ -133,7 +146,7 @@ def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
         if x.output_state == RATIO_PRESCRIBED:
             passed = advance_kinematic(d, x, w, remaining)
         else:
-            passed, event = advance_general(d, x, w, remaining)
+            passed, event = advance_to_event(d, x, w, remaining)
         if passed < 0.0:
             return STEP_TOO_SMALL
         time = h if passed >= remaining else time + passed
@@ -141,14 +154,12 @@ def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
             x.omega1 = start1 + w.prescribed * time
         travel += phase_passed(d, x, passed, speeds)
         if event:
-            has_changed, stops = switch_or_stop(d, x, w, time > SHORTEST * h)
+            has_changed, stops = switch_or_stop(d, x, w, time > MIN_STEP_FRACTION * h)
             if stops:
                 x.length = time
                 return OK
-            stalls = 0 if has_changed else stalls + 1
-            allowed = SWITCHES_PER_PULSE * d.harmonic * travel
-            switches = x.switches - w.before.switches
-            if stalls > STALLS_ALLOWED + allowed or switches > SWITCHES_ALLOWED + allowed:
+            n_unchanged = 0 if has_changed else n_unchanged + 1
+            if has_too_many_switches(d, x, w, travel, n_unchanged):
                 return TOO_MANY_SWITCHES
         if x.step_evaluations > MAX_EVALUATIONS:
             return TOO_MUCH_WORK

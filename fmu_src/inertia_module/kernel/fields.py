@@ -21,15 +21,14 @@ DENSE = 7  # coefficients of a dense output
 GUARDS = 6  # event indicators of freewheels and slip
 SATELLITES = 24  # maximum number of satellites; each has an event indicator
 CAUSES = len(losses.CAUSES)  # causes of losses
-MOMENTS = 8  # samples of the bearing force in a communication step
 # Map of fidelity averaged (averaged.torque_map): speed ratios, slownesses, causes of losses
 RATIOS, SLOWNESSES, LOSSES = 21, 13, 4
 
-# Sample of the motion for the bearing force (loads)
+# Beginning of an internal step, for the peak of the bearing force (loads)
 MOMENT = (
     "q",  # rad
-    *("omega1", "omega2"),  # rad/s
-    *("alpha1", "alpha2"),  # rad/s^2
+    *("omega1", "rate_q"),  # rad/s
+    *("alpha1", "rate2_q"),  # rad/s^2
 )
 
 # Motion at an instant
@@ -56,8 +55,8 @@ SUMS = (
     "turned3",  # angle of the output, rad
     "step_lost",  # energy lost, J
     "step_evaluations",  # evaluations of the equations of motion
-    "seen",  # samples of the bearing force
-    "largest_square",  # maximum of |a|^2 of imbalance 0 in samples that are no longer stored, m^2/s^4
+    "largest_square",  # maximum of |a|^2 of imbalance 0 before the last internal step, m^2/s^4
+    *("last_step", "last_turn"),  # length, s, and change of q, rad, of this step; 0 if it is included
     *("torque_peak", "housing_torque_peak"),  # N m
     *("housing_slip_peak", "output_slip_peak"),  # rad/s
 )
@@ -82,7 +81,7 @@ STATE = (
     "length",  # s
     *("begin_q", "begin_omega2", "begin_theta1"),  # rad, rad/s, rad
     *("begin_input_turns", "begin_drive_turns"),  # revolutions
-    ("moments", MOMENT, MOMENTS),
+    ("last_begin", MOMENT),
     # Contacts (equations.states)
     *("housing_state", "output_state"),
     "slip_sign",  # sign of omega1 - omega2; 0 if the links stick

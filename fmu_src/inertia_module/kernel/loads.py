@@ -1,99 +1,150 @@
 """Reaction forces of the unbalanced masses: bearing force of a satellite, its peak, forces on the mounting.
 
-The peak of the bearing force is the maximum of samples (docs/mechanics.md, Loads on the mounting and the
-satellite bearings). The solvers store a sample at the beginning of each internal step, inside long internal
-steps and before each event. The last samples stay in a ring buffer, `x.moments`, and are evaluated when the
-peak is read. A short communication step therefore pays almost nothing for it. In a long communication step
-only every fifth sample counts after the first 64.
+The peak of the bearing force is the maximum of |a| at evenly spaced samples of each internal step and of the
+parabolas through three of them in a row. The motion inside the step is interpolated between its ends: q by
+the quintic and omega1 by the cubic Hermite polynomial. The beginning of the last internal step is stored.
+This step is evaluated when the next one begins, at an event, or when the peak is read.
+
+Source: E. Hairer, S. P. Norsett, G. Wanner: Solving Ordinary Differential Equations I (1993), section II.6.
 """
 
 import math
 
 from .accumulate import TWO_PI
 from .layout import imbalance_acceleration, imbalance_motion, imbalance_position, to_fixed_frame
-from .records import Constants, Moment, Outputs, State
+from .records import Constants, Outputs, State
+from .tableau import parabola_extremum
 
-MIDSTEP_SAMPLE_PHASE = 1.0  # rad of the highest harmonic; a longer internal step has samples inside
-MAX_FULL_SAMPLES = 64.0  # Samples of a communication step that are all evaluated
-SAMPLE_DECIMATION = 5.0  # After these, one sample in SAMPLE_DECIMATION is evaluated
+# Phase of the highest harmonic p, rad, up to which an internal step has samples at its ends only. The maximum
+# of sqrt(A + B cos p), B <= A, midway between them is at most p^2/32 = 0.8 % larger.
+MAX_ENDS_PHASE = 0.5
 MAX_SATELLITE_TERMS = 3.0  # Satellites that represent any larger number in sums up to the second harmonic
 
 
-def squared_acceleration(d: Constants, moment: Moment) -> float:
-    """Return |a|^2 of imbalance 0 of module 0 at a sample, (m/s^2)^2.
+def squared_acceleration(
+    d: Constants, q: float, omega1: float, alpha1: float, rate_q: float, rate2_q: float
+) -> float:
+    """Return |a|^2 of imbalance 0 of module 0, (m/s^2)^2.
 
     Args:
         d: Constants.
-        moment: Sample (fields.MOMENT).
+        q: Pinion-shaft angle, rad.
+        omega1: Speed of link 1, rad/s.
+        alpha1: Acceleration of link 1, rad/s^2.
+        rate_q: q', rad/s.
+        rate2_q: q'', rad/s^2.
     """
-    rate_q = d.k * (moment.omega1 - moment.omega2)
-    rate2_q = d.k * (moment.alpha1 - moment.alpha2)
-    place = imbalance_position(d, moment.q, 0.0)
-    ax, ay, az = imbalance_acceleration(place, moment.omega1, moment.alpha1, rate_q, rate2_q)
+    ax, ay, az = imbalance_acceleration(imbalance_position(d, q, 0.0), omega1, alpha1, rate_q, rate2_q)
     return ax * ax + ay * ay + az * az
 
 
-def max_squared_acceleration(d: Constants, x: State) -> float:
-    """Return the maximum of |a|^2 of imbalance 0 over the samples of the step, (m/s^2)^2.
+def square_inside(
+    d: Constants, x: State, s: float, omega1: float, alpha1: float, rate_q: float, rate2_q: float
+) -> float:
+    """Return |a|^2 of imbalance 0 inside the last internal step, (m/s^2)^2.
 
     Args:
         d: Constants.
-        x: State with the samples.
+        x: State with the beginning of the step.
+        s: Fraction of the step.
+        omega1: Speed of link 1 at the end of the step, rad/s.
+        alpha1: Acceleration of link 1 there, rad/s^2.
+        rate_q: q' there, rad/s.
+        rate2_q: q'' there, rad/s^2.
     """
-    maximum = x.largest_square
-    for n in range(int(min(x.seen, len(x.moments)))):
-        maximum = max(maximum, squared_acceleration(d, x.moments[n]))
+    begin, h = x.last_begin, x.last_step
+    per_step = 1.0 / h
+    # Derivatives by s: of q at the beginning, and the coefficients of s^3, s^4, s^5
+    q1, q2 = h * begin.rate_q, h * h * begin.rate2_q
+    change = x.last_turn - q1 - 0.5 * q2
+    change1 = h * rate_q - q1 - q2
+    change2 = h * h * rate2_q - q2
+    q3 = 10.0 * change - 4.0 * change1 + 0.5 * change2
+    q4 = 7.0 * change1 - 15.0 * change - change2
+    q5 = 6.0 * change - 3.0 * change1 + 0.5 * change2
+    # The same of omega1
+    w1 = h * begin.alpha1
+    gain, gain1 = omega1 - begin.omega1 - w1, h * alpha1 - w1
+    w2, w3 = 3.0 * gain - gain1, gain1 - 2.0 * gain
+    return squared_acceleration(
+        d,
+        begin.q + s * (q1 + s * (0.5 * q2 + s * (q3 + s * (q4 + s * q5)))),
+        begin.omega1 + s * (w1 + s * (w2 + s * w3)),
+        (w1 + s * (2.0 * w2 + s * 3.0 * w3)) * per_step,
+        (q1 + s * (q2 + s * (3.0 * q3 + s * (4.0 * q4 + s * 5.0 * q5)))) * per_step,
+        (q2 + s * (6.0 * q3 + s * (12.0 * q4 + s * 20.0 * q5))) * per_step * per_step,
+    )
+
+
+def max_squared_acceleration(
+    d: Constants, x: State, end: float, omega1: float, alpha1: float, rate_q: float, rate2_q: float
+) -> float:
+    """Return the maximum of |a|^2 of imbalance 0 since the beginning of the communication step, (m/s^2)^2.
+
+    Args:
+        d: Constants.
+        x: State with the beginning of the last internal step.
+        end: |a|^2 at the end of this step, (m/s^2)^2.
+        omega1: Speed of link 1 there, rad/s.
+        alpha1: Acceleration of link 1 there, rad/s^2.
+        rate_q: q' there, rad/s.
+        rate2_q: q'' there, rad/s^2.
+    """
+    if x.last_step == 0.0:
+        return max(x.largest_square, end)
+    begin = x.last_begin
+    before = squared_acceleration(d, begin.q, begin.omega1, begin.alpha1, begin.rate_q, begin.rate2_q)
+    maximum = max(x.largest_square, before, end)
+    phase = d.harmonic * x.last_step * max(abs(begin.rate_q), abs(rate_q))
+    parts = 2.0 + math.floor(phase) if phase > MAX_ENDS_PHASE else 1.0
+    here = before
+    for n in range(1, int(parts) + 1):
+        after = square_inside(d, x, n / parts, omega1, alpha1, rate_q, rate2_q) if n < parts else end
+        if n > 1:
+            maximum = max(maximum, here, parabola_extremum(0.0, 1.0, 2.0, before, here, after, 2.0))
+        before, here = here, after
     return maximum
 
 
-def include_load(
-    d: Constants, x: State, q: float, omega1: float, omega2: float, alpha1: float, alpha2: float
+def include_last_step(
+    d: Constants, x: State, omega1: float, alpha1: float, rate_q: float, rate2_q: float
 ) -> None:
-    """Include the instant before an event in the maximum of |a|^2, independently of the ring buffer.
+    """Include the last internal step, which ends at the present angle, in the maximum of |a|^2.
 
     Args:
         d: Constants.
-        x: State; largest_square is updated.
-        q: Drive angle, rad.
-        omega1: Speed of link 1, rad/s.
-        omega2: Speed of link 2, rad/s.
-        alpha1: Acceleration of link 1, rad/s^2.
-        alpha2: Acceleration of link 2, rad/s^2.
+        x: State; largest_square and last_step are updated.
+        omega1: Speed of link 1 at the end of the step, rad/s.
+        alpha1: Acceleration of link 1 there, rad/s^2.
+        rate_q: q' there, rad/s.
+        rate2_q: q'' there, rad/s^2.
     """
-    ax, ay, az = imbalance_acceleration(
-        imbalance_position(d, q, 0.0), omega1, alpha1, d.k * (omega1 - omega2), d.k * (alpha1 - alpha2)
-    )
-    x.largest_square = max(x.largest_square, ax * ax + ay * ay + az * az)
+    if x.last_step != 0.0:
+        end = squared_acceleration(d, x.q, omega1, alpha1, rate_q, rate2_q)
+        x.largest_square = max_squared_acceleration(d, x, end, omega1, alpha1, rate_q, rate2_q)
+        x.last_step = 0.0
 
 
-def sample_load(
-    d: Constants, x: State, q: float, omega1: float, omega2: float, alpha1: float, alpha2: float
+def store_beginning(
+    d: Constants, x: State, omega1: float, alpha1: float, rate_q: float, rate2_q: float
 ) -> None:
-    """Store a sample in the ring buffer; the maximum of |a|^2 keeps the sample that it replaces.
+    """Store the beginning of an internal step, after the step before it is included.
 
     Args:
         d: Constants.
-        x: State; the ring buffer, the number of samples and largest_square are updated.
-        q: Drive angle, rad.
+        x: State, written.
         omega1: Speed of link 1, rad/s.
-        omega2: Speed of link 2, rad/s.
         alpha1: Acceleration of link 1, rad/s^2.
-        alpha2: Acceleration of link 2, rad/s^2.
+        rate_q: q', rad/s.
+        rate2_q: q'', rad/s^2.
     """
-    number = x.seen
-    if number >= MAX_FULL_SAMPLES:
-        number /= SAMPLE_DECIMATION
-    x.seen += 1.0
-    if number != math.floor(number):
-        return
-    moment = x.moments[int(number) % len(x.moments)]
-    if number >= len(x.moments):
-        x.largest_square = max(x.largest_square, squared_acceleration(d, moment))
-    moment.q = q
-    moment.omega1 = omega1
-    moment.omega2 = omega2
-    moment.alpha1 = alpha1
-    moment.alpha2 = alpha2
+    include_last_step(d, x, omega1, alpha1, rate_q, rate2_q)
+    begin = x.last_begin
+    begin.q = x.q
+    begin.omega1 = omega1
+    begin.alpha1 = alpha1
+    begin.rate_q = rate_q
+    begin.rate2_q = rate2_q
 
 
 def gear_momentum_rate(
@@ -175,6 +226,7 @@ def write_loads(d: Constants, x: State, y: Outputs, alpha2: float) -> None:
             mz -= gears * lz
         if n == 0:
             square = ax * ax + ay * ay + az * az
+            peak = max_squared_acceleration(d, x, square, x.omega1, x.alpha1, rate_q, rate2_q)
             y.imbalance_x = px
             y.imbalance_y = py
             y.imbalance_z = pz
@@ -186,7 +238,7 @@ def write_loads(d: Constants, x: State, y: Outputs, alpha2: float) -> None:
             y.imbalance_acceleration_y = ay
             y.imbalance_acceleration_z = az
             y.satellite_force = d.imbalance_mass * y.imbalance_acceleration
-            y.satellite_force_peak = d.imbalance_mass * math.sqrt(max(square, max_squared_acceleration(d, x)))
+            y.satellite_force_peak = d.imbalance_mass * math.sqrt(peak)
     is_single = d.modules == 1.0
     y.shaking_force_x = fx
     y.shaking_force_y = fy if is_single else 0.0

@@ -289,9 +289,9 @@ class Moment:
     numbers: Doubles
     q: float
     omega1: float
-    omega2: float
+    rate_q: float
     alpha1: float
-    alpha2: float
+    rate2_q: float
 
 class Now:
     numbers: Doubles
@@ -326,8 +326,9 @@ class State:
     turned3: float
     step_lost: float
     step_evaluations: float
-    seen: float
     largest_square: float
+    last_step: float
+    last_turn: float
     torque_peak: float
     housing_torque_peak: float
     housing_slip_peak: float
@@ -361,7 +362,7 @@ class State:
     begin_theta1: float
     begin_input_turns: float
     begin_drive_turns: float
-    moments: Records[Moment]
+    last_begin: Moment
     housing_state: float
     output_state: float
     slip_sign: float

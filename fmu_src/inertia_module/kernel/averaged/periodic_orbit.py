@@ -13,7 +13,7 @@ import math
 
 from ..accumulate import TWO_PI, clear, copy
 from ..equations.choice import select_mode, select_mode_after_event
-from ..events.advance import advance_general
+from ..events.advance import advance_to_event
 from ..inertia import reduced_inertia
 from ..inputs import reset_sums
 from ..links import energy_of_links, kinetic_energy
@@ -175,7 +175,7 @@ def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
     e0 = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
     for _ in range(MAX_STEPS):
         copy(before.numbers, x.numbers)
-        passed, event = advance_general(d, x, w, limit)
+        passed, event = advance_to_event(d, x, w, limit)
         if passed < 0.0 or time > longest:
             return -1.0
         rest = length - abs(angle_travelled(x))

@@ -1,4 +1,8 @@
-"""The module with its pulses, step by step of an embedded pair up to the next event."""
+"""One internal step of the module with its pulses, up to the first event in it.
+
+advance_to_event makes a step of allowed error (step_size), locates the first event in it (location), adds the
+changes up to this event to the state and handles the event.
+"""
 
 from ..accumulate import add_loss, wrap_drive_angle, wrap_input_angle
 from ..codes import NO_EVENT
@@ -11,11 +15,9 @@ from ..fields import CAUSES
 from ..impulse import apply_plastic_impact, has_rigid_housing_contact
 from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
-from ..loads import MIDSTEP_SAMPLE_PHASE, include_load, sample_load
+from ..loads import include_last_step, store_beginning
 from ..records import Constants, Followed, State, Workspace
 from ..tableau import (
-    DOP853_ROW,
-    DOPRI5_ROW,
     NODES,
     STAGES_BY_TIME,
     last_stage,
@@ -24,29 +26,30 @@ from ..tableau import (
 )
 from . import guards
 from .location import first_event
-from .stages import cut_step, keep_end, keep_rates, solve_motion, weighed_rate
+from .stages import cut_step, keep_end, keep_rates, solve_motion
 from .step_size import limit_size_after_switch, longest_step, make_accepted_step
 
-# stages inside the step at which the force on the bearing is seen
-SEEN = (5, 9, 10)
-# least play that is one, rad
-NO_PLAY = 1e-300
-# energy that a step may make, in tolerances of the energies that move, and tries with shorter steps
+NO_PLAY = 1e-300  # rad, minimum rest of an engagement angle that is not used up
+# Maximum energy made by a step, in tolerances of the energies that change; steps tried, each half as long
 MAX_ENERGY_MADE, MAX_REPEATS = 4.0, 20
-# share of energies that is rounding
-ENERGY_ROUNDING = 1e-13
+ENERGY_ROUNDING = 1e-13  # Round-off of energies, relative
 
 
 def balance(d: Constants, x: State, w: Workspace) -> None:
-    """Impulses and work of the step in hand by the balances, exact in its ends, without losses by load.
+    """Write impulses and work of the present step by balances of momentum and energy, for the ideal module.
 
-    M1 - Tc + Th is the rate of the angular momentum; what M1 does while link 2 is held is kinetic energy. A
-    ramp of the input speed has its integrals.
+    M1 - Tc + Th is the rate of the angular momentum. While link 2 is held, the work of M1 is kinetic energy.
+    On a ramp of the input speed the impulses are integrated instead.
+
+    Args:
+        d: Constants; ``d.machine`` holds the reduced inertia at the end of the step.
+        x: State at the beginning of the step.
+        w: Workspace with the changes over the step, which are updated.
     """
     change = w.change
     if d.elastic == 0.0 and x.output_state == LOCKED:
         change.output = d.J3 * change.omega3 + w.load * w.step + d.b3 * change.turned3
-    m = d.machine  # (of its motion nothing is known here)
+    m = d.machine  # Only the reduced inertia in it is valid here
     omega1, omega2 = x.omega1 + change.omega1, x.omega2 + change.omega2
     passed = momentum_of_links(d, m.i, m.b, omega1, omega2) - w.momentum + change.output
     passed += d.b1 * change.theta1 + d.b2 * (change.theta1 - change.q / d.k)
@@ -62,36 +65,44 @@ def balance(d: Constants, x: State, w: Workspace) -> None:
         change.work_in = x.omega1 * change.drive
 
 
-def left_of_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
-    """Return the rest of the engagement angle, rad, of a freewheel that has turned back.
+def remaining_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
+    """Return the rest of the engagement angle of a freewheel after a step, rad.
 
-    One that overruns has its whole play at most; one that closes has some left until that is an event. One
-    that is locked does not turn but by rounding.
+    It is at most the whole angle. Until the event at its end, a freewheel inside it keeps at least NO_PLAY. A
+    locked freewheel keeps its rest, because it turns only by round-off.
+
+    Args:
+        state: State of the freewheel.
+        play: Rest before the step, rad.
+        turned: Angle that the freewheel has turned back in the step, rad.
+        engagement_angle: rad.
     """
     if not is_open(state):
         return play
     return max(NO_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
 
 
-def turn_back(d: Constants, x: State, change: Followed) -> None:
-    """Take over by how much freewheels have turned back: into their springs, or out of their play."""
+def update_freewheel_angles(d: Constants, x: State, change: Followed) -> None:
+    """Update wind-up and rest of the engagement angle by the angles that the freewheels have turned back."""
     housing, output = x.housing_state, x.output_state
     if housing == ENGAGED_COMPLIANT:
         x.wound_housing += change.wound_housing
     if output == ENGAGED_COMPLIANT:
         x.wound_output += change.wound_output
-    x.play_housing = left_of_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
-    x.play_output = left_of_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
+    x.play_housing = remaining_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
+    x.play_output = remaining_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
 
 
 def work_of_balancer(d: Constants, x: State, change: Followed) -> float:
-    """Return the work of the balancer at the speed of the hub in the step in hand, J."""
+    """Return the work of the balancer at the speed of the hub in the present step, J."""
     return d.balancer * d.J4 * (x.omega3 + 0.5 * change.omega3) * change.omega3
 
 
 def commit(d: Constants, x: State, w: Workspace) -> None:
-    """Take the step in hand over, with its sums."""
+    """Add the changes over the present step to the state and to its sums."""
     change = w.change
+    if d.averaged == 0.0:
+        x.last_step, x.last_turn = w.step, change.q
     x.q += change.q
     wrap_drive_angle(d, x)
     x.theta1 += change.theta1
@@ -111,7 +122,7 @@ def commit(d: Constants, x: State, w: Workspace) -> None:
     if d.viscous != 0.0:
         add_loss(x, VISCOUS, change.lost[VISCOUS])
     if d.losses != 0.0:
-        turn_back(d, x, change)
+        update_freewheel_angles(d, x, change)
         for cause in range(MESH, CAUSES):
             add_loss(x, cause, change.lost[cause])
     x.input_impulse += change.drive
@@ -121,61 +132,64 @@ def commit(d: Constants, x: State, w: Workspace) -> None:
     x.turned3 += change.turned3
 
 
-def see_torques(x: State, output: float, housing: float) -> None:
-    """Take torques of the freewheels at a moment into their peaks."""
+def include_torques(x: State, output: float, housing: float) -> None:
+    """Include torques of the freewheels at an instant in their peaks, N m."""
     x.torque_peak = max(x.torque_peak, abs(output))
     x.housing_torque_peak = max(x.housing_torque_peak, abs(housing))
 
 
-def see_slips(x: State, housing: float, output: float) -> None:
-    """Take slips of the freewheels that overrun into their peaks."""
+def include_slips(x: State, housing: float, output: float) -> None:
+    """Include the slips of freewheels that overrun in their peaks, rad/s."""
     if x.housing_state == OVERRUNNING:
         x.housing_slip_peak = max(x.housing_slip_peak, housing)
     if x.output_state == OVERRUNNING:
         x.output_slip_peak = max(x.output_slip_peak, output)
 
 
-def see_peaks(x: State, w: Workspace, sigma: float) -> None:
-    """Take torques and slips of the freewheels up to this part of the step in hand into their peaks.
+def include_peaks(x: State, w: Workspace, sigma: float) -> None:
+    """Include torques and slips of the freewheels in the present step in their peaks.
 
-    They are those at its stages, and the extrema of parabolas through three stages in a row.
+    These are the values at its stages and the extrema of parabolas through three stages in a row.
+
+    Args:
+        x: State; the peaks are updated.
+        w: Workspace with the stages of the step.
+        sigma: Fraction of the step that counts.
     """
     pair = int(w.pair)
     for n in range(last_stage(pair) + 1):
         if NODES[pair + n] <= sigma:
-            see_torques(x, w.rates[n].output, w.rates[n].housing)
-            see_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
+            include_torques(x, w.rates[n].output, w.rates[n].housing)
+            include_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
     first, count = stage_order_range(pair)
     for n in range(first, first + count - 2):
         i, j, k = int(STAGES_BY_TIME[n]), int(STAGES_BY_TIME[n + 1]), int(STAGES_BY_TIME[n + 2])
         t, u, v = NODES[pair + i], NODES[pair + j], NODES[pair + k]
         if u <= sigma:
             one, two, three = w.rates[i], w.rates[j], w.rates[k]
-            see_torques(
+            include_torques(
                 x,
                 parabola_extremum(t, u, v, one.output, two.output, three.output, sigma),
                 parabola_extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
             )
             housing, output = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
-            see_slips(
+            include_slips(
                 x,
                 parabola_extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
                 parabola_extremum(t, u, v, output[i], output[j], output[k], sigma),
             )
 
 
-def see_end(d: Constants, x: State, w: Workspace) -> None:
-    """Include the moment before an event, which d.machine holds, in all peaks."""
+def include_event(d: Constants, x: State) -> None:
+    """Include the instant before an event, whose torques d.machine holds, in all peaks."""
     m = d.machine
-    omega2 = x.omega2 + w.change.omega2
-    see_torques(x, m.output, m.housing)
-    see_slips(x, omega2, x.omega3 + w.change.omega3 - omega2)
-    omega1 = x.omega1 + w.change.omega1
-    include_load(d, x, x.q + w.change.q, omega1, omega2, m.alpha1, m.alpha2)
+    include_torques(x, m.output, m.housing)
+    include_slips(x, x.omega2, x.omega3 - x.omega2)
+    include_last_step(d, x, x.omega1, m.alpha1, d.k * (x.omega1 - x.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
 def count_loaded(d: Constants, x: State, w: Workspace) -> None:
-    """Count freewheels that only their drag has held and that carry at the end of the step in hand."""
+    """Count freewheels that only their drag has held and that transmit torque at the end of the step."""
     begin, end = w.rates[0], w.rates[last_stage(int(w.pair))]
     if d.housing_drag > 0.0 and x.housing_state == LOCKED and d.housing_engagement_angle == 0.0:
         x.housing_engagements += 1.0 if begin.housing <= 0.0 < end.housing else 0.0
@@ -183,8 +197,8 @@ def count_loaded(d: Constants, x: State, w: Workspace) -> None:
         x.output_engagements += 1.0 if begin.output <= 0.0 < end.output else 0.0
 
 
-def meet(d: Constants, x: State, which: int) -> None:
-    """Set a speed that has met its limit there exactly."""
+def set_to_limit(d: Constants, x: State, which: int) -> None:
+    """Set the speed whose event indicator has crossed zero exactly to its limit."""
     x.rates_cached = 0.0
     if which == guards.HOUSING or which == guards.HOUSING_BACK:
         x.omega2 = 0.0
@@ -201,16 +215,16 @@ def meet(d: Constants, x: State, which: int) -> None:
         x.omega2 = x.omega1
 
 
-def meet_limits(d: Constants, x: State) -> None:
-    """Set speeds of freewheels that overrun, but not by more than rounding, exactly to their limits."""
+def remove_negative_slips(d: Constants, x: State) -> None:
+    """Set overrunning speeds that are negative by round-off exactly to their limits."""
     if d.housing != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
-        meet(d, x, guards.HOUSING)
+        set_to_limit(d, x, guards.HOUSING)
     if d.output != 0.0 and x.output_state == OVERRUNNING and x.omega3 < x.omega2:
-        meet(d, x, guards.OUTPUT)
+        set_to_limit(d, x, guards.OUTPUT)
 
 
-def unwind(d: Constants, x: State, which: int) -> None:
-    """Set the wind-up of a freewheel that opens to 0; the energy of its spring is lost."""
+def release_spring(d: Constants, x: State, which: int) -> None:
+    """Set the wind-up of a freewheel that opens to 0. The energy of its spring is lost."""
     if which == guards.HOUSING and x.housing_state == ENGAGED_COMPLIANT:
         add_loss(x, FREEWHEEL, 0.5 * d.housing_stiffness * x.wound_housing * x.wound_housing)
         x.wound_housing = 0.0
@@ -219,20 +233,8 @@ def unwind(d: Constants, x: State, which: int) -> None:
         x.wound_output = 0.0
 
 
-def see_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """See the bearing's force at stages inside this part of the step, where the drive turns far."""
-    if w.pair == DOPRI5_ROW or d.harmonic * abs(w.change.q) < MIDSTEP_SAMPLE_PHASE:
-        return
-    for place in range(len(SEEN)):
-        n = int(SEEN[place])
-        if NODES[n] < sigma:
-            rates = w.rates[n]
-            q = x.q + w.step / sigma * weighed_rate(w, n, n, 0, 1)
-            sample_load(d, x, q, rates.theta1, rates.theta1 - rates.q / d.k, rates.omega1, rates.omega2)
-
-
 def begin_step(d: Constants, x: State, w: Workspace) -> None:
-    """Accelerations, torques and rates at the beginning of a step, or those kept from the one before."""
+    """Write accelerations, torques and rates at the beginning of a step, or reuse those of the last step."""
     m = d.machine
     enforce_equal_speeds(x)
     load_state(d, x)
@@ -250,11 +252,11 @@ def begin_step(d: Constants, x: State, w: Workspace) -> None:
     w.potential = 0.0
     if d.weight != 0.0:
         w.potential, _, _ = gravity_potential(d, imbalance_position(d, x.q, 0.0), x.theta1)
-    sample_load(d, x, x.q, x.omega1, x.omega2, m.alpha1, m.alpha2)
+    store_beginning(d, x, m.omega1, m.alpha1, d.k * (m.omega1 - m.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
 def energy_lost(d: Constants, x: State, change: Followed) -> float:
-    """Return the energy that all causes take in the step in hand, J."""
+    """Return the energy lost in the present step by all causes, J."""
     lost = 0.0
     if d.viscous != 0.0:
         lost += change.lost[VISCOUS]
@@ -269,7 +271,7 @@ def energy_lost(d: Constants, x: State, change: Followed) -> float:
 
 
 def energy_made(d: Constants, x: State, w: Workspace) -> float:
-    """Return the energy that the step in hand makes, over the allowed energy.
+    """Return the energy that the present step makes, over the allowed energy.
 
     The error estimate of a step far too long can be zero by chance. The energy balance does not depend on it.
     Only moving parts count: neither link 1 at prescribed speed nor an output that overruns.
@@ -295,8 +297,9 @@ def energy_made(d: Constants, x: State, w: Workspace) -> float:
         springs += 0.5 * d.freewheel_stiffness * wound
     work_in = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
     work_out = w.load * change.turned3
-    weights = 0.0
+    weights = lifted = 0.0
     if d.weight != 0.0:
+        lifted = d.weight * (abs(d.radial) + abs(d.axial) + d.arm)
         weights, _, _ = gravity_potential(
             d, imbalance_position(d, x.q + change.q, 0.0), x.theta1 + change.theta1
         )
@@ -306,35 +309,50 @@ def energy_made(d: Constants, x: State, w: Workspace) -> float:
     link1 = 0.5 * d.J1 * (x.omega1 * x.omega1 + omega1 * omega1) if d.by_torque == 0.0 else 0.0
     moved += abs(links + w.energy - link1) + abs(work_in) + abs(work_out) + abs(lost) + abs(springs)
     fixed = link1 + d.J3 * (x.omega3 * x.omega3 + omega3 * omega3)
-    allowed = MAX_ENERGY_MADE * w.tolerance * moved + ENERGY_ROUNDING * (moved + fixed + abs(w.potential))
+    allowed = MAX_ENERGY_MADE * w.tolerance * moved + ENERGY_ROUNDING * (moved + fixed + lifted)
     return abs(made) / allowed if allowed > 0.0 else 0.0
 
 
-def end_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Bring the step in hand, or its part up to an event, to its end: changes, and d.machine there."""
-    if sigma < 0.0:
-        copy_accelerations(d.machine, x.now)
-    else:
+def end_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Write the changes over the present step, or over its part up to an event, and its end to d.machine.
+
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step.
+        w: Workspace with the step; it is cut to the part.
+        sigma: Fraction of the step.
+        has_event: True if an event ends it.
+    """
+    if has_event:
         cut_step(d, x, w, sigma)
+    else:
+        copy_accelerations(d.machine, x.now)
     if d.losses == 0.0:
         balance(d, x, w)
 
 
-def take_over(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Take the step in hand over, with its peaks and sums."""
-    see_inside(d, x, w, sigma if sigma >= 0.0 else 1.0)
-    if sigma < 0.0:
-        if d.losses != 0.0:
-            count_loaded(d, x, w)
-    else:
-        see_end(d, x, w)
-    x.rates_cached = 1.0 if sigma < 0.0 else 0.0
+def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Add the changes over the present step to the state, with its sums and peaks.
+
+    Args:
+        d: Constants; ``d.machine`` holds the end of the step.
+        x: State, advanced.
+        w: Workspace with the step and its changes.
+        sigma: Fraction of the step before it was cut.
+        has_event: True if an event ends it.
+    """
+    if d.losses != 0.0 and not has_event:
+        count_loaded(d, x, w)
+    x.rates_cached = 0.0 if has_event else 1.0
     commit(d, x, w)
-    see_peaks(x, w, sigma if sigma >= 0.0 else 1.0)
+    include_peaks(x, w, sigma)
+    if has_event:
+        include_event(d, x)
+    remove_negative_slips(d, x)
 
 
 def engage(d: Constants, x: State, which: int) -> None:
-    """Let a freewheel whose play is used up carry: a rigid one by an impact, a spring begins to wind up."""
+    """Engage a freewheel at the end of its engagement angle, by an impact if it is rigid."""
     x.rates_cached = 0.0
     if which == guards.HOUSING:
         x.play_housing = 0.0
@@ -348,8 +366,14 @@ def engage(d: Constants, x: State, which: int) -> None:
         apply_plastic_impact(d, x)
 
 
-def pass_event(d: Constants, x: State, which: int) -> None:
-    """Apply the immediate changes of an event and return its kind."""
+def handle_event(d: Constants, x: State, which: int) -> None:
+    """Apply the immediate changes of an event: signs, impact, speeds that are 0 from now on.
+
+    Args:
+        d: Constants.
+        x: State; ``ended`` and ``slip_reached_zero`` describe the event for select_mode_after_event.
+        which: Number of the event indicator, or NO_EVENT.
+    """
     x.ended = 0.0
     x.slip_reached_zero = 0.0
     if which == guards.FLOW:
@@ -363,33 +387,38 @@ def pass_event(d: Constants, x: State, which: int) -> None:
             if guards.is_play(x, which):
                 engage(d, x, which)
             else:
-                meet(d, x, which)
+                set_to_limit(d, x, which)
         else:
             x.ended = 1.0
-            unwind(d, x, which)
+            release_spring(d, x, which)
 
 
-def advance_general(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
-    """Advance by one step, or to the first event in it.
+def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
+    """Advance by one internal step, or to the first event in it.
+
+    A step that makes more than the allowed energy is repeated with half its length.
+
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State, advanced.
+        w: Workspace with load, prescribed quantity of link 1 and tolerance.
+        remaining: Time to the end of the communication step, s.
 
     Returns:
-        (time passed or -1 if no step is small enough, whether the contact mode may change then).
+        Time passed, s, or -1 if no step is small enough; True if the contact mode may change now.
     """
     begin_step(d, x, w)
     limit = longest_step(d, x, remaining)
-    sigma, which = -1.0, NO_EVENT
+    sigma, which = 1.0, NO_EVENT
     for _ in range(MAX_REPEATS):
         if not make_accepted_step(d, x, w, remaining, limit):
             return -1.0, False
         copy_accelerations(x.now, d.machine)
-        sigma, which = -1.0, NO_EVENT
-        if w.pair == DOP853_ROW:
-            sigma, which = first_event(d, x, w)
+        sigma, which = first_event(d, x, w)
         limit = 0.5 * w.step
-        end_step(d, x, w, sigma)
+        end_step(d, x, w, sigma, which != NO_EVENT)
         if d.averaged != 0.0 or energy_made(d, x, w) <= 1.0:
             break
-    take_over(d, x, w, sigma)
-    meet_limits(d, x)
-    pass_event(d, x, which)
+    accept_step(d, x, w, sigma, which != NO_EVENT)
+    handle_event(d, x, which)
     return w.step, NO_EVENT != which < guards.FLOW

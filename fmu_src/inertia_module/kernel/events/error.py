@@ -7,6 +7,7 @@ output, angle of shaft and springs, and impulse (times speed: work).
 
 import math
 
+from ..accumulate import clear
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import LOCKED, has_engaged_spring
 from ..links import response, shaft_frequency
@@ -49,19 +50,23 @@ def write_scales(d: Constants, x: State, w: Workspace) -> None:
     change in the step if load or shaft move it more.
     """
     scale, change = w.scale, w.change
+    clear(scale.numbers)
     links = fastest_link(x, change)
     output = max(links, fastest_output(d, x, change))
     if has_engaged_spring(x):
         links = output
     scale.q = 1.0
-    scale.omega1 = response(d, d.J1) * links if d.by_torque != 0.0 else 0.0
+    if d.by_torque != 0.0:
+        scale.omega1 = response(d, d.J1) * links
     carried = d.J3 if x.output_state == LOCKED else 0.0
     scale.omega2 = max(response(d, d.J2 + carried) * links, abs(change.omega2))
-    behind = max(response(d, d.J2 + d.J3) * output, abs(change.omega3), abs(change.relative))
-    scale.omega3 = behind if x.output_state != LOCKED else 0.0
+    behind = max(response(d, d.J2 + d.J3) * output, abs(change.omega3))
     if d.elastic != 0.0:
+        behind = max(behind, abs(change.relative))
         scale.relative = behind
         scale.twist = max(behind / shaft_frequency(d, 1.0 / d.J3), abs(change.twist))
+    if x.output_state != LOCKED:
+        scale.omega3 = behind
     if d.losses != 0.0:
         stiffness = max(d.housing_stiffness, d.freewheel_stiffness)
         angle = links * math.sqrt(d.J2 / stiffness) if stiffness > 0.0 else 1.0

@@ -8,7 +8,7 @@ import math
 
 from ..equations.motion import evaluate
 from ..equations.states import OVERRUNNING, RATIO_PRESCRIBED
-from ..loads import sample_load
+from ..loads import store_beginning
 from ..records import Constants, State, Workspace
 from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from .advance import commit
@@ -150,6 +150,7 @@ def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) ->
     if d.losses != 0.0:
         h = until_next_kink(d, x, h)
     w.step = h
+    store_beginning(d, x, x.omega1, x.alpha1, rate * x.omega1, rate * x.alpha1)
     work_out = 0.0
     for n in range(N_GAUSS_NODES):
         prescribe_motion(d, x, GAUSS_NODES[n] * h)
@@ -165,6 +166,5 @@ def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) ->
     w.change.turned3 = d.kinematic_ratio * w.change.theta1
     w.load = 0.0  # The energy balance ends at the output
     x.energy_out += work_out
-    sample_load(d, x, x.q, x.omega1, d.kinematic_ratio * x.omega1, x.alpha1, d.kinematic_ratio * x.alpha1)
     commit(d, x, w)
     return h

@@ -1,4 +1,4 @@
-"""Event location: where in the step in hand an event indicator first falls through zero.
+"""Event location: where in the present step an event indicator first falls through zero.
 
 The dense output is sampled. The first interval in which the indicator falls is narrowed by the Illinois
 method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a
@@ -9,9 +9,10 @@ from ..codes import NO_EVENT
 from ..equations.choice import torque_magnitude
 from ..links import response
 from ..records import Constants, State, Workspace
-from ..tableau import DOP853_LAST_STAGE, N_STAGES, fit_dense_output
+from ..tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGES, fit_dense_output
 from . import guards
 from .error import fastest_link
+from .guards import fitted_guard
 from .stages import evaluate_stages, exact_guard
 
 # points of the dense output at which an indicator is sampled
@@ -21,13 +22,6 @@ MAX_ITERATIONS = 100
 VELOCITY_ROUNDING = 1e-13
 TORQUE_ROUNDING = 1e-13
 PLAY_ROUNDING = 1e-12
-
-
-def guard_inside(d: Constants, x: State, w: Workspace, which: int, sigma: float, by_equations: bool) -> float:
-    """Return an indicator at the part sigma of the step, by the equations or by its dense output."""
-    if by_equations:
-        return exact_guard(d, x, w, which, sigma)
-    return guards.fitted_guard(x, w, which, sigma)
 
 
 def illinois(
@@ -47,7 +41,7 @@ def illinois(
     Args:
         d: constants.
         x: state at the beginning of the step.
-        w: workspace with the step in hand.
+        w: workspace with the present step.
         which: number of the indicator.
         zero: threshold of the indicator; the result is accepted between -3 zero and -zero.
         low: part of the step at which the indicator has not fallen.
@@ -67,7 +61,8 @@ def illinois(
             sigma = 0.5 * (low + high)
         if not low < sigma < high:
             break
-        value = guard_inside(d, x, w, which, sigma, by_equations) + 2.0 * zero
+        value = 2.0 * zero
+        value += exact_guard(d, x, w, which, sigma) if by_equations else fitted_guard(x, w, which, sigma)
         if value <= zero:
             high, value_high = sigma, value
             if side < 0:
@@ -107,7 +102,7 @@ def fall_between(
     Args:
         d: constants.
         x: state at the beginning of the step.
-        w: workspace with the step in hand.
+        w: workspace with the present step.
         which: number of the indicator.
         zero: threshold of the indicator.
         low: part of the step at which its dense output has not fallen.
@@ -134,14 +129,14 @@ def first_fall(d: Constants, x: State, w: Workspace, which: int, zero: float) ->
     """
     part = 1.0 / SAMPLES
     low = 0.0
-    value_before = value_low = guards.fitted_guard(x, w, which, 0.0)
+    value_before = value_low = fitted_guard(x, w, which, 0.0)
     for n in range(1, SAMPLES + 1):
         high = n * part
-        value_high = guards.fitted_guard(x, w, which, high)
+        value_high = fitted_guard(x, w, which, high)
         sigma = -1.0
         offset = lowest_point(value_before, value_low, value_high) if n > 1 else 0.0
         lowest = low + offset * part
-        value_lowest = guards.fitted_guard(x, w, which, lowest) if offset != 0.0 else 0.0
+        value_lowest = fitted_guard(x, w, which, lowest) if offset != 0.0 else 0.0
         if value_lowest < -zero:
             begin, value_begin = (low, value_low) if offset > 0.0 else (low - part, value_before)
             sigma = fall_between(d, x, w, which, zero, begin, value_begin, lowest, value_lowest)
@@ -174,11 +169,19 @@ def guard_tolerance(d: Constants, x: State, w: Workspace, which: int) -> float:
 
 
 def first_event(d: Constants, x: State, w: Workspace) -> tuple[float, int]:
-    """Return the part of the step in hand at which the first event occurs, or -1, and its indicator."""
-    earliest = -1.0
-    which = NO_EVENT
+    """Return the fraction of the present step at which the first event occurs, and its indicator.
+
+    It is 1 and NO_EVENT if there is no event. An accepted step of the pair 5(4) contains none
+    (step_size.try_short_step).
+
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step.
+        w: Workspace with the step; the dense output is written.
+    """
+    earliest, which = -1.0, NO_EVENT
     has_dense_output = False
-    for guard in range(guards.how_many_guards(d)):
+    for guard in range(guards.how_many_guards(d) if w.pair == DOP853_ROW else 0):
         if not guards.is_watched(d, x, guard) or guards.is_clear(x, w, guard):
             continue
         if not has_dense_output:
@@ -189,4 +192,4 @@ def first_event(d: Constants, x: State, w: Workspace) -> tuple[float, int]:
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma
             which = guard
-    return earliest, which
+    return earliest if which != NO_EVENT else 1.0, which

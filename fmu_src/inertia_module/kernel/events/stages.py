@@ -33,7 +33,7 @@ FEWEST = 12
 
 
 def solve_motion(d: Constants, x: State, w: Workspace) -> None:
-    """Solve the equations for the motion in d.machine, signs of the loads as in the step in hand; counted."""
+    """Solve the equations of motion in d.machine with the mesh signs of the step; count the evaluation."""
     evaluate(d, x, w.prescribed, w.load, True)
     x.step_evaluations += 1.0
 
@@ -173,15 +173,15 @@ def weigh_motion(
 
 
 def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
-    """Evaluate stages of the step in hand, from the first to the last."""
-    if d.losses != 0.0:
-        stages_of(d, x, w, first, last, LOSSY)
-    else:
-        stages_of(d, x, w, first, last, IDEAL)
+    """Evaluate stages of the present step, each from the rates at the stages before.
 
-
-def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy: int) -> None:
-    """Rates at the stages, each from those at the stages before, for evaluate_stages."""
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step.
+        w: Workspace with the pair, the step and the rates of the earlier stages; the rates are written.
+        first: Number of the first stage.
+        last: Number of the last stage.
+    """
     h = w.step
     m = d.machine
     pair = int(w.pair)
@@ -194,19 +194,24 @@ def stages_of(d: Constants, x: State, w: Workspace, first: int, last: int, lossy
         m.omega1 = x.omega1 + h * (omega1 if d.by_torque != 0.0 else NODES[row] * w.prescribed)
         m.omega2 = x.omega2 + h * omega2
         m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
-        if lossy and d.weight != 0.0:
+        if d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
-        if d.elastic != 0.0 or (lossy and d.turning != 0.0):
+        if d.elastic + d.turning != 0.0:
             twist, relative, housing, output = weighed_four(
                 w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
-            if lossy and d.turning != 0.0:
+            if d.turning != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        equations_of_motion(d, x, w.prescribed, w.load, True, lossy)
-        rates_of(d, x, w, n, lossy)
+        # As evaluate and keep_rates, but inlined
+        if d.losses != 0.0:
+            equations_of_motion(d, x, w.prescribed, w.load, True, LOSSY)
+            rates_of(d, x, w, n, LOSSY)
+        else:
+            equations_of_motion(d, x, w.prescribed, w.load, True, IDEAL)
+            rates_of(d, x, w, n, IDEAL)
         x.step_evaluations += 1.0
 
 
@@ -238,13 +243,14 @@ def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None
 
 
 def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
-    """Solve the equations for the motion with these changes, into d.machine; counted."""
-    move(d, x, changes)
-    solve_motion(d, x, w)
+    """Solve the equations of motion after changes of the motion in ``x``; ``d.machine`` is written.
 
-
-def move(d: Constants, x: State, changes: Followed) -> None:
-    """Write the motion with these changes into d.machine."""
+    Args:
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step; the evaluation is counted.
+        w: Workspace with the load and the prescribed quantity of link 1.
+        changes: Changes of the integrated quantities (fields.FOLLOWED).
+    """
     m = d.machine
     m.q = x.q + changes.q
     m.theta1 = x.theta1 + changes.theta1
@@ -256,10 +262,11 @@ def move(d: Constants, x: State, changes: Followed) -> None:
         m.relative = x.relative + changes.relative
     if d.turning != 0.0:
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
+    solve_motion(d, x, w)
 
 
 def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Write the changes of the motion over the part sigma of the step in hand into w.inside (order 7)."""
+    """Write the changes of the motion over the fraction sigma of the step to w.inside (dense output)."""
     write_dense_weights(sigma, w.weights)
     weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
     prescribe_link1(d, x, w, w.inside, sigma * w.step)
@@ -279,7 +286,7 @@ def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) 
 
 
 def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Cut the step in hand, its dense output known, to its part sigma; d.machine is then at its end."""
+    """Cut the present step to its fraction sigma by its dense output; d.machine then holds its end."""
     write_dense_weights(sigma, w.weights)
     set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
     w.step *= sigma

@@ -8,21 +8,18 @@ from .error import error_norm, write_scales
 from .guards import how_many_guards, is_clear, is_watched
 from .stages import make_step
 
-# maximum phase of the highest harmonic in one step, rad: more would step over pulses
-STEP_PHASE = 2.0
-# ... in a step of the pair 5(4), whose few stages show the event indicators
-QUIET_PHASE = 2.0
-# ... in the first step after a contact mode has changed
-FIRST_PHASE = 1.0
-SAFETY, SHORT_SAFETY = 0.8, 0.9
-MIN_FACTOR, MAX_FACTOR = 0.2, 5.0
-# factor by which the size of the pair 5(4) grows in each step of the other pair
-SHORT_GROWTH = 1.05
-MAX_REJECTIONS = 100
+# Maximum phase of the highest harmonic in a step, rad
+STEP_PHASE = 2.0  # Of the pair 8(5,3); a longer step could pass over a pulse
+QUIET_PHASE = 2.0  # Of the pair 5(4), whose few stages exclude events
+FIRST_PHASE = 1.0  # Of the first step in a new contact mode
+SAFETY, SHORT_SAFETY = 0.8, 0.9  # Safety factors of the pairs 8(5,3) and 5(4)
+MIN_FACTOR, MAX_FACTOR = 0.2, 5.0  # Between successive step sizes
+SHORT_GROWTH = 1.05  # Of the size of the pair 5(4) in each step of the pair 8(5,3)
+MAX_REJECTIONS = 100  # Of a step, before it is given up
 
 
 def advance_of_phase(d: Constants, x: State, w: Workspace) -> float:
-    """Return the advance of the highest harmonic in the step in hand, rad."""
+    """Return the advance of the highest harmonic in the present step, rad."""
     slip = abs(x.omega1 - x.omega2)
     end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
     return w.step * d.harmonic * d.k * max(slip, end)
@@ -90,8 +87,23 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     return True
 
 
-def try_steps(d: Constants, x: State, w: Workspace, limit: float) -> bool:
-    """Make the longest step of allowed error by the pair 8(5,3). Returns whether there is one."""
+def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
+    """Make a step and shrink it until its error norm is at most 1.
+
+    Args:
+        d: Constants.
+        x: State at the beginning of the step; the next step sizes are written.
+        w: Workspace; the step and its stages are written.
+        remaining: Time to the end of the communication step, s. The pair 5(4) makes a step that reaches it.
+        limit: Maximum step of the pair 8(5,3), s.
+
+    Returns:
+        True if there is such a step.
+    """
+    is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
+    if is_short and try_short_step(d, x, w, remaining):
+        return True
+    x.short_size *= SHORT_GROWTH
     h = first_size(x.step_size, limit)
     for attempt in range(MAX_REJECTIONS):
         make_step(d, x, w, DOP853_ROW, h)
@@ -103,12 +115,3 @@ def try_steps(d: Constants, x: State, w: Workspace, limit: float) -> bool:
             return True
         h *= factor
     return False
-
-
-def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
-    """Make a step of allowed error, by the pair 5(4) if it reaches the end. Returns whether there is one."""
-    is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
-    if is_short and try_short_step(d, x, w, remaining):
-        return True
-    x.short_size *= SHORT_GROWTH
-    return try_steps(d, x, w, limit)
