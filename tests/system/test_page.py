@@ -534,7 +534,7 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
 def test_row_of_a_long_run_includes_means_and_peaks_of_omitted_rows(monkeypatch):
     columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
     record = Result(columns, {})
-    monkeypatch.setattr(html, "MOST", 6)
+    monkeypatch.setattr(html, "MAX_NUMBERS", 6)
     run = html.page_run(record)
     assert run["step"] == 3.0
     packed = zlib.decompress(base64.b64decode(run["numbers"]), -zlib.MAX_WBITS)
