@@ -172,7 +172,7 @@ def test_figures_with_satellite_mass_have_a_caveat(density, end):
     assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
     doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
-    doubts.pop("drive too weak", None)  # a machine that locks up has this doubt
+    doubts.pop("drive too weak", None)  # A machine that locks up has this doubt
     assert doubts == (
         {"no lock-up": f"no torque is transmitted above a speed ratio of {end}"}
         if density
@@ -195,7 +195,7 @@ def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
 
 
 def test_input_torque_pulses_follow_from_the_reduced_inertia():
-    # M1 - M2 is the rate of I omega1. Six satellites leave the even part, so both pulses equal M2.
+    # Link 2 is at rest. M1 - M2 is the rate of I omega1. Six satellites have a constant I: use one.
     one = {**POINTS, "satellites": 1.0}
     lengths = POINTS["sun_radius"] + POINTS["satellite_radius"], POINTS["eccentricity"]
     k = POINTS["sun_radius"] / POINTS["satellite_radius"]
@@ -375,7 +375,7 @@ def farthest(values):
 
 @pytest.mark.parametrize("values", BEVEL)
 def test_envelope_of_bevel_gears_includes_imbalance_and_rim(values):
-    # Teeth are whole numbers. An imbalance therefore reaches all angles of its satellite at any place.
+    # Over time an imbalance passes all angles of its satellite at every position.
     reached = max(farthest(values), farthest({**values, "a": 1.0, "b": 1.0}))
     assert SteadyMechanism(values).envelope_diameter / 2.0 == pytest.approx(reached, rel=2e-3)
     assert SteadyMechanism(values).envelope_diameter / 2.0 >= reached * (1.0 - 1e-12)
