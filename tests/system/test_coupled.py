@@ -1,4 +1,4 @@
-"""An engine in front of the FMU, by speed and by torque: limits, orders, energy, an independent reference."""
+"""Test an engine coupled to the FMU by speed and by torque: stability, order, energy, reference."""
 
 import csv
 import math
@@ -20,7 +20,7 @@ from tests.system.programs import DOCS
 
 TABLE = DOCS / "verification" / "coupling_map.csv"
 SAMPLE = 5e-3
-# kg.m2, nearly all of it on link 1, so that it does not change with the angle
+# kg.m2. Nearly all of the inertia belongs to link 1 and does not change with the angle.
 INTERFACE = 0.1
 PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
 SPEED, TORQUE_STEP = 100.0, 1.0
@@ -31,18 +31,18 @@ one_piece = study.one_piece
 
 @cache
 def reference(name, ratio):
-    """Course of a case in one piece, which takes seconds."""
+    """Return the monolithic solution of a case, which takes seconds."""
     return one_piece(study.CASES[name](ratio))
 
 
-# --- the added-mass limit, on a module that is an inertia and little else ---
+# --- stability limit of the added mass, on a module that is almost only an inertia ---
 
 
 def characteristic(scheme, r, rho):
-    """Polynomial of the growth in a step, of any length, highest power first: a step passes momentum on.
+    """Return the polynomial of the growth per step, highest power first; momentum is conserved.
 
-    u and m are the changes of speed of engine and module, (1 + rho) u = (rho - r) m with r = Phi/J_E and
-    rho what the engine reckons with, over J_E; m is u of the step before, or 2 u - u along a ramp.
+    u and m are changes of speed of engine and module, with (1 + rho) u = (rho - r) m and r = Phi/J_E. The
+    engine assumes the inertia rho J_E. m is u of the previous step, or 2 u - u along a ramp.
     """
     return {
         Scheme.JACOBI: (1.0, 0.0, r),
@@ -53,7 +53,7 @@ def characteristic(scheme, r, rho):
 
 
 def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
-    """Changes of the engine's speed, step by step, after a step of torque; cut off where they are absurd."""
+    """Return the changes of the engine speed in each step after a torque step; stop at divergence."""
     inertia = INTERFACE / ratio
     still = driveline.Governor(0.0, 0.0, 1e9)
     engine = Engine(inertia, driveline.EngineMap((0.0,), (1e6,), (1e6,)), still, SPEED, SPEED, TORQUE_STEP)
@@ -70,7 +70,7 @@ def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
 @pytest.mark.parametrize(
     "scheme, share, ratio, step, stable",
     [
-        # what the engine reckons with, over the interface inertia; shorter steps do not move the limit
+        # Assumed inertia relative to the interface inertia. The limit does not depend on the step.
         *(
             (scheme, share, ratio, step, ratio < 1.0)
             for scheme, share in (
@@ -81,7 +81,7 @@ def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
             for ratio in (0.3, 0.95, 1.05, 3.0)
             for step in (1e-5, 5e-3)
         ),
-        # there is none
+        # These schemes have no limit.
         *(
             (Scheme.INERTIA, share, ratio, 1e-3, True)
             for share in (0.75, 1.0)
@@ -95,7 +95,7 @@ def test_changes_of_speed_follow_the_characteristic_polynomial_to_either_side_of
 ):
     polynomial = np.array(characteristic(scheme, ratio, share * ratio))
     changes = np.array(speed_changes(scheme, ratio, step, fmu, share, 12)[:12])
-    # an error of the module's torque moves a small engine the more
+    # An error of the module torque affects a small engine more.
     unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min() * max(1.0, 0.01 * ratio)
     for n in range(4, unrest.size - polynomial.size):
         window = unrest[n : n + polynomial.size][::-1]
@@ -112,7 +112,7 @@ def test_speed_changes_approach_the_response_of_the_total_inertia(fmu, scheme):
 
 
 def test_interface_inertia_equals_a_rolling_satellite():
-    """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
+    """With a fixed wheel, the imbalance rotates about the contact point at (1 + k) omega1."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
     found = driveline.interface_inertia(study.URBAN_MODULE)
     assert found.minimum == pytest.approx(turned * 0.02**2, rel=1e-12)
@@ -125,7 +125,7 @@ def test_interface_inertia_equals_a_rolling_satellite():
 @pytest.mark.parametrize("name, ratio, close", [("planar", 0.5, 1.9e-5), ("bevel", 5.0, 1e-4)])
 def test_coupling_converges_to_the_monolithic_reference(fmu, name, ratio, close):
     case, expected = study.CASES[name](ratio), reference(name, ratio)
-    # by torque in steps that meet the samples
+    # The torque-driven steps end at the samples.
     by_torque = [(None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)]
     for scheme, step, bound in [(Scheme.IMPLICIT, 1e-4, close), *by_torque]:
         found = course(case, scheme, step, fmu, 1e-10)
@@ -159,7 +159,7 @@ def test_engine_work_equals_the_sum_of_all_energies(fmu, scheme, step, loss):
         assert left == pytest.approx(defect, abs=1e-5 * worked)
         assert abs(residual) < 1e-7 * worked
         assert abs(defect) < loss * worked
-        if scheme is None:  # by torque no rotor is in between
+        if scheme is None:  # The torque-driven coupling has no rotor.
             assert worked == pytest.approx(given, rel=1e-12)
             assert abs(left) < 1e-7 * worked
 
@@ -227,13 +227,13 @@ def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheape
 
 
 def read_rows(path):
-    """Rows by heading, without its unit."""
+    """Return the rows by heading without the unit."""
     with path.open(newline="") as file:
         headings, *rows = csv.reader(file)
     return [dict(zip((heading.split(" [")[0] for heading in headings), row, strict=True)) for row in rows]
 
 
-# a pulse, s, of the cases of the map
+# Pulse durations of the cases of the map, s.
 PULSES = {"planar": 0.019, "bevel": 0.037}
 
 
@@ -251,7 +251,7 @@ def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_p
         row
         for row in read_rows(TABLE)
         if row["scheme"] == scheme and float(row["ratio"]) <= ratio
-        # to the step of the map next to it
+        # Use the nearest step of the map.
         if float(row["step"]) <= 1.1 * share * PULSES[row["case"]]
     ]
     assert {row["case"] for row in rows} == set(PULSES)
@@ -281,7 +281,7 @@ def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu)
     assert abs(study.urban_run(scene, fmu, "mean module first held", 1, stop_time=20.0).residual) > 0.05
 
 
-# --- what is refused ---
+# --- errors ---
 
 
 def test_parameters_add_the_rotor_to_link_1():
