@@ -11,7 +11,7 @@ REFERENCE = ROOT / "examples" / "reference.toml"
 PHONE, DESK = {"width": 360, "height": 740}, {"width": 1440, "height": 900}
 SMALL = {"width": 640, "height": 480}
 COARSE = {"viewport": SMALL, "device_scale_factor": 0.25}  # Small frames are fast without a graphics card.
-# No sandbox, because the tests may run as root. WebGL works without a graphics card. No service of Chromium connects.
+# No sandbox, because the tests may run as root. WebGL without a graphics card. No background services.
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
     *("--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync"),

@@ -1,4 +1,4 @@
-"""Verdicts on the equations and claims of the papers, their text on the page, and the figures.
+"""Test the verdicts on the papers, their text on the page, and the figures.
 
 docs/papers/index.md contains the verdicts; `make docs` compares it.
 """
@@ -23,7 +23,7 @@ papers = pytest.mark.parametrize("name", PAPERS)
 
 @pytest.fixture(scope="module")
 def drawn():
-    """Figures and their columns by name, each drawn once."""
+    """Return figures and their columns by name; each figure is drawn once."""
     figures = {name: draw() for name, draw in FIGURES.items()}
     return {name: (figure, numbers(figure)) for name, figure in figures.items()}
 
@@ -73,9 +73,9 @@ def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
         assert len({values.shape for values in columns.values()}) == 1
         assert all(np.isfinite(values).all() for values in columns.values())
         assert "=" in figure.get_label()
-        # a unit, or a number of revolutions
+        # Each label has a unit or a number of revolutions.
         assert all("[" in column or "revolutions" in column for column in columns)
-    # of each kind one is written
+    # Write one figure of each kind.
     for name in ("karetin_1", "karetin_2", "karetin_3", "lysenko_forces"):
         written = io.BytesIO()
         drawn[name][0].savefig(written, format="svg")
@@ -84,7 +84,7 @@ def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
 
 def test_columns_hold_the_curves(drawn):
     for name, values in drawn["karetin_2"][1].items():
-        # trajectories close after a period
+        # Trajectories close after a period.
         assert values[-1] == pytest.approx(values[0], abs=1e-12), name
     columns = drawn["karetin_3"][1]
     for quantity, kind in (("V", "velocity [m/s]"), ("a", "acceleration [km/s²]")):
@@ -92,7 +92,7 @@ def test_columns_hold_the_curves(drawn):
             of = [columns[f"{kind}, {mode}, {quantity}_{axis}"] for axis in "xyz"]
             modulus = columns[f"{kind}, {mode}, |{quantity}|"]
             np.testing.assert_allclose(modulus**2, sum(part**2 for part in of), atol=1e-12)
-    # what is drawn as mirrored is as far from the speed as is told
+    # The distance of the mirrored curve from the speed agrees with the text.
     columns = drawn["karetin_offsets"][1]
     exact = [name for name in columns if name.endswith("exact")]
     assert len(exact) == 8

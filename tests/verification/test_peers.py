@@ -1,4 +1,4 @@
-"""Each peer integrates the same mechanism: it agrees with the kernel within its own error."""
+"""Test that each peer integrates the same mechanism and agrees with the kernel within its error."""
 
 import functools
 
@@ -22,12 +22,12 @@ both = pytest.mark.parametrize("name", ["R1", "planar"])
 
 @functools.cache
 def kernel_trajectory(name):
-    """Trajectory by the converged kernel."""
+    """Return the trajectory of the converged kernel."""
     return converged(CASES[name])
 
 
 def run(case, setting, method, stiffness=None):
-    """The trajectory, or a skip that says which library is missing."""
+    """Return the trajectory, or skip the test with the name of the missing library."""
     try:
         if method in ("Euler", "RK4"):
             return mujoco_model.simulate(case, setting, method)
@@ -37,7 +37,7 @@ def run(case, setting, method, stiffness=None):
 
 
 def distances(name, *settings):
-    """Trajectory of a case and its largest differences from the kernel in q, omega2 and omega3, relative."""
+    """Return the trajectory of a case and its largest relative differences in q, omega2 and omega3."""
     found, exact = run(CASES[name], *settings), kernel_trajectory(name)
     largest = exact.omega_out.max()
     scales = abs(exact.motion[:, 0]).max(), largest, largest
@@ -85,10 +85,10 @@ def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_
 
 
 def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled):
-    """Link 2 turns back from rest until it is caught; link 1 is light, and answers."""
+    """Link 2 turns back from rest until the impact. Link 1 is light, so its speed changes."""
     engine, step = pytest.importorskip("mujoco"), 1e-6
     scene = DRIVEN["planar"] | {"satellites": 1, "input_inertia": 0.002, "drive_torque": 0.0}
-    # (a speed that is none, so that it has overrun), and the output overruns throughout
+    # A speed of nearly zero, so that the housing freewheel has overrun; the output overruns throughout.
     scene |= {"housing_engagement_angle": 0.02, "omega2_start": 1e-9, "omega_out_start": 500.0}
     module = started(compiled, scene, drive_angle_start=1.5, load_torque=0.0)
     before = module["energy_stored"]
@@ -136,7 +136,7 @@ def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
 
 def test_every_peer_and_setting_is_there_once_and_integrates_a_case():
     assert len({(name, label) for name, label, _ in PEERS}) == len(PEERS)
-    # of each the loosest, which comes first
+    # The first run of each peer has the largest tolerance.
     for integrate in {name: integrate for name, _, integrate in reversed(PEERS)}.values():
         try:
             assert integrate(Case(stop_time=0.002, points=2)).omega_out.shape == (3,)
