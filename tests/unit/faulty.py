@@ -38,7 +38,7 @@ def raising(error):
 
 
 def showing(**values):
-    """Return a class of modules with other outputs after each step: numbers or functions of (module, step)."""
+    """Return a class of modules with changed outputs: numbers, or functions of (module, step)."""
 
     def fault(module, step_size):
         for name, value in values.items():
