@@ -45,7 +45,7 @@ LARGEST = 1_800_000
 LICENCES = "documentation/licenses"
 
 
-def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
+def test_archive_is_complete_and_unpacks_within_its_folder(fmu_path):
     with zipfile.ZipFile(fmu_path) as archive:
         assert archive.testzip() is None
         names, infos = archive.namelist(), archive.infolist()

@@ -75,7 +75,7 @@ def test_directional_derivative_is_the_derivative_of_the_last_step(instances, le
             assert derivative == pytest.approx(expected, abs=share * scale + 1e-9), (name, variable, h)
 
 
-def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value(instances):
+def test_directional_derivative_uses_the_tuned_value(instances):
     tuned = {"link2_friction": 0.05, "output_friction": 0.2}
     before, after = (instances().start(tolerance=1e-6, **START) for _ in range(2))
     for instance in (before, after):

@@ -219,7 +219,7 @@ def times_of_updates(instances, step, **settings):
     return times, not instances(intermediateUpdate=update).start(**R1, **settings).is_discarded(step)
 
 
-def test_intermediate_updates_of_a_long_step_are_spread_over_it(instances):
+def test_intermediate_updates_are_distributed_over_a_long_step(instances):
     times, is_taken = times_of_updates(instances, 100.0)  # The run has some 12,000 switches.
     assert is_taken
     assert 1500 < len(times) <= 2000

@@ -87,7 +87,7 @@ def check_bits_and_state(instances, memory, settings, tuned):
 
 @pytest.mark.parametrize("level", LEVELS.items(), ids=lambda level: level[0])
 @pytest.mark.parametrize("scene", SCENES)
-def test_fmu_is_the_module_in_memory_and_so_is_its_state(instances, scene, level):
+def test_fmu_and_its_state_equal_the_module_in_memory(instances, scene, level):
     name, settings = level
     if name.startswith("averaged") and scene == "no freewheels":
         pytest.skip("averaged takes both freewheels, and by torque no losses")
@@ -97,7 +97,7 @@ def test_fmu_is_the_module_in_memory_and_so_is_its_state(instances, scene, level
 
 
 @pytest.mark.parametrize("identifier", ["DrivenShaft", "DrivenShaft3"])
-def test_fmu_is_the_shaft_in_memory_and_so_is_its_state(instances_of, identifier):
+def test_fmu_and_its_state_equal_the_shaft_in_memory(instances_of, identifier):
     for settings in SHAFTS:
         make, tuned = partial(instances_of, identifier), {"shaft_damping": 0.7, **SPRUNG}
         check_bits_and_state(make, DrivenShaft(), settings, tuned)
@@ -122,7 +122,7 @@ def test_rates_of_inputs_are_followed_exactly(instances_of, model, start, rates)
     assert instance.get("omega_out") != 0.0
 
 
-def test_fmpy_simulates_it_from_any_path_and_its_start_values_are_scene_r1(fmu_path, tmp_path):
+def test_fmpy_simulates_scene_r1_by_default_from_any_path(fmu_path, tmp_path):
     folder = tmp_path / "Ordner mit Ümläuten"
     folder.mkdir()
     result = simulate_fmu(shutil.copy(fmu_path, folder), output_interval=0.01)

@@ -156,7 +156,7 @@ def moved(request, unpacked, tmp_path):
         *("not encoded", "all encoded", "path"),
     ],
 )
-def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, moved, form):
+def test_resource_location_is_accepted_in_all_forms(description, moved, form):
     assert messages_at(form(moved / "resources").encode(), description, moved) is None
 
 

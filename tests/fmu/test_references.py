@@ -118,7 +118,7 @@ def test_references_are_checked_until_an_fmu_ends_the_simulation(built, monkeypa
             fmu.advance(0.1)
 
 
-def test_tree_for_importers_is_as_the_cross_check_has_it(built, tmp_path, monkeypatch):
+def test_tree_for_importers_has_the_structure_of_the_cross_check(built, tmp_path, monkeypatch):
     def ready(fmu, build):
         return (built / fmu.file_name).read_bytes()
 

@@ -155,7 +155,7 @@ def contents():
 
 
 @pytest.mark.parametrize("identifier, run, events", CASES)
-def test_wasmtime_computes_what_the_library_does(
+def test_component_in_wasmtime_agrees_with_the_library(
     identifier, run, events, contents, opened, record_testsuite_property
 ):
     fmu, values = FMUS[identifier], RUNS[identifier][run]
@@ -166,7 +166,7 @@ def test_wasmtime_computes_what_the_library_does(
     assert (len(there) > STEPS) == (events and run != "averaged")
 
 
-def test_what_is_refused_is_told_in_whole_letters(contents):
+def test_rejections_contain_complete_letters(contents):
     it = Component(contents["InertiaModule3"])
     assert it.call("get-version", of=COMMON) == "3.0"
     assert it.instantiate("another") is None
@@ -240,12 +240,12 @@ def make():
     return module
 
 
-def test_the_world_is_that_of_the_standard(make):
+def test_component_world_equals_the_standard(make):
     assert (FOLDER / "world.wasm").read_bytes() == make.world()
 
 
 @pytest.mark.parametrize("identifier", OF_FMI_3)
-def test_chromium_computes_what_the_library_does(
+def test_component_in_chromium_agrees_with_the_library(
     identifier, contents, make, tmp_path, browser, opened, record_testsuite_property
 ):
     fmu = FMUS[identifier]

@@ -42,12 +42,12 @@ NEEDED = "3 logStatusError: Python must be 3.11 or later"
         (["-DWITH_PYTHON"], "3.12.1", ".*pythonfmu cannot be loaded: .*"),
     ],
 )
-def test_a_host_without_a_python_that_serves_is_told_so(binary_folder, tmp_path, flags, version, said):
+def test_host_without_a_suitable_python_gets_a_message(binary_folder, tmp_path, flags, version, said):
     printed = run([host(tmp_path, *flags), binary_folder / "linux64" / "InertiaModulePy.so", version])
     assert re.fullmatch(said, printed, re.S)
 
 
-def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
+def test_front_library_exports_fmi_and_requires_few_libraries(binary_folder):
     linux = read(binary_folder / "linux64" / "InertiaModulePy.so")
     windows = read(binary_folder / "win64" / "InertiaModulePy.dll")
     assert required_by(2) <= linux.offers
@@ -56,7 +56,7 @@ def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
     assert windows.needs == {"ucrtbase.dll", "kernel32.dll"}
 
 
-def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
+def test_docs_name_the_c_library_that_pythonfmu_requires(binary_folder):
     """The Python FMU requires the versions of the C library in docs/reference/fmu.md."""
     needed = glibc_versions(read(binary_folder / LINUX64.folder / "pythonfmu-export.so"))
     text = (SOURCES.parents[1] / "docs" / "reference" / "fmu.md").read_text()
@@ -100,7 +100,7 @@ def run_at(binary_folder, tmp_path_factory, windows):
 
 
 @pytest.mark.parametrize("name", ["plain", "with space", "100% #3", "Jürgen Müller", "日本"])
-def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(run_at, tmp_path, name):
+def test_windows_path_is_readable_for_pythonfmu_and_python(run_at, tmp_path, name):
     resources = tmp_path / name / "resources"
     resources.mkdir(parents=True)
     (resources / "slavemodule.txt").write_text("slave")
@@ -115,6 +115,6 @@ def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(run_at, tmp_path
     )
 
 
-def test_windows_is_told_of_a_location_that_is_none(run_at):
+def test_invalid_location_is_reported_on_windows(run_at):
     printed = run_at("file:///Z:/no/such/folder")
     assert printed.startswith("the resource location must be the URI of this FMU's resources")

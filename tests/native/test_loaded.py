@@ -116,9 +116,7 @@ def instance(identifier, path, settings):
 
 
 @pytest.mark.parametrize("identifier, settings", CASES)
-def test_no_floating_point_exception_interrupts_and_the_host_keeps_its_environment(
-    identifier, settings, host, shipped
-):
+def test_host_keeps_its_floating_point_environment_without_exceptions(identifier, settings, host, shipped):
     """The host calls FMI in and out of order, with invalid numbers, and checks its environment."""
     words = [host, *instance(identifier, shipped(identifier), settings)]
     assert run(words, **TRAPS) == run(words)
@@ -131,7 +129,7 @@ def test_a_host_that_flushes_subnormal_numbers_gets_the_same_bits(identifier, ho
 
 
 @pytest.mark.parametrize("identifier", FMUS)
-def test_sources_make_a_library_that_shows_nothing_but_fmi_and_has_the_bits_of_the_shipped_one(
+def test_library_compiled_from_sources_exports_only_fmi_and_has_the_bits_of_the_shipped_library(
     identifier, host, shipped, compiled_from_source
 ):
     made = compiled_from_source(identifier)

@@ -45,7 +45,7 @@ def comma(tmp_path_factory):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop, seed):
+def test_random_calls_pass_the_sanitizers_and_leave_no_files(workshop, seed):
     program = workshop.build("abuse", *FILES, flags=SANITIZERS)
     modes = MODES[workshop.fmu.fmi]
     calls = CALLS // len(modes)
@@ -56,16 +56,16 @@ def test_random_calls_are_survived_under_sanitizers_and_leave_no_trace(workshop,
 
 @pytest.mark.parametrize("identifier", OF_FMI_3)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_random_calls_of_fmi_3_in_any_order_are_survived(workshops, identifier, seed):
+def test_random_calls_of_fmi_3_in_any_order_pass_the_sanitizers(workshops, identifier, seed):
     program = workshops(identifier).build("abuse3", "abuse3.c", "host.c", flags=SANITIZERS)
     assert "error" in run([program, seed, CALLS], ASAN_OPTIONS="detect_leaks=1")
 
 
-def test_refusals_that_random_calls_seldom_meet(workshop):
+def test_rare_rejections(workshop):
     run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
 
 
-def test_a_value_reference_that_no_variable_has_is_an_error_and_harmless(one_of_each, tmp_path):
+def test_unused_value_reference_is_a_harmless_error(one_of_each, tmp_path):
     """A row after the time, which exists only in FMI 3.0, leaves unused value references."""
     model = one_of_each.fmu.model
 
@@ -80,39 +80,39 @@ def test_a_value_reference_that_no_variable_has_is_an_error_and_harmless(one_of_
     run([workshop.build("abuse", *FILES, flags=SANITIZERS), 1, CALLS // 10])
 
 
-def test_forged_states_reach_no_memory_beyond_their_own(one_of_each):
+def test_forged_states_access_only_their_memory(one_of_each):
     """A checksum stops no forgery. Indices and choices are checked when a state is deserialised."""
     run([one_of_each.build("forged", "forged.c", "host.c", "snapshot.c", flags=SANITIZERS)])
 
 
-def test_hundreds_of_lives_leak_nothing(one_of_each, checked):
+def test_hundreds_of_life_cycles_leak_no_memory(one_of_each, checked):
     program = one_of_each.build("leaks", "leaks.c", "host.c", "snapshot.c", flags=("-g",))
     assert checked(program, LIVES) == f"{LIVES} instances lived\n"
 
 
 @pytest.mark.parametrize("identifier", OF_FMI_3)
-def test_random_calls_of_fmi_3_use_no_memory_that_is_not_theirs(workshops, identifier, checked):
+def test_random_calls_of_fmi_3_use_only_their_memory(workshops, identifier, checked):
     program = workshops(identifier).build("abuse3", "abuse3.c", "host.c", flags=("-g",))
     assert "events" in checked(program, 1, 20000)
 
 
-def test_the_kernel_keeps_within_its_arrays(one_of_each, checked):
+def test_kernel_stays_within_its_arrays(one_of_each, checked):
     checked(one_of_each.build("bounds", "bounds.c", "host.c", flags=("-g",)))
 
 
-def test_steps_and_values_ask_for_no_memory_and_an_instance_is_small(workshop):
+def test_steps_and_values_allocate_no_memory_and_instances_are_small(workshop):
     program = workshop.build("memory", "memory.c", "host.c", "snapshot.c")
     of_instance, with_state = map(int, run([program]).split())
     assert 0 < of_instance < with_state < MOST_BYTES
 
 
-def test_eight_threads_give_the_bits_of_one(one_of_each):
+def test_eight_threads_give_the_bits_of_a_single_thread(one_of_each):
     files = ("threads.c", "host.c", "snapshot.c")
     program = one_of_each.build("threads", *files, flags=("-O2",), libraries=("-lpthread",))
     assert run([program, 8, 250]) == "8 threads, 250 instances each: the bits of one thread\n"
 
 
-def test_no_thread_touches_what_another_uses(one_of_each):
+def test_threads_share_no_memory(one_of_each):
     flags = ("-fsanitize=thread", "-g")
     program = one_of_each.build(
         "races", "threads.c", "host.c", "snapshot.c", flags=flags, libraries=("-lpthread",)
@@ -120,7 +120,7 @@ def test_no_thread_touches_what_another_uses(one_of_each):
     run([program, 8, 30], TSAN_OPTIONS="halt_on_error=1")
 
 
-def test_messages_write_numbers_alike_in_every_country(one_of_each, comma):
+def test_messages_contain_the_same_numbers_in_every_locale(one_of_each, comma):
     program = one_of_each.build("locales", "locales.c", "host.c")
     tolerance, begin, speed = run([program], **comma).splitlines()
     variable = one_of_each.fmu.model.variables[0]

@@ -21,7 +21,7 @@ def simulated(folder, **modes):
 
 # Each model and each version of FMI.
 @pytest.mark.parametrize("identifier", ["InertiaModule3", "DrivenShaft"])
-def test_fmpy_makes_a_library_of_them_that_has_the_bits_of_ours(identifier, built_for_all, tmp_path):
+def test_library_compiled_by_fmpy_has_the_bits_of_the_shipped_library(identifier, built_for_all, tmp_path):
     if shutil.which("cmake") is None:
         pytest.skip("cmake is not installed")
     system_compiler()
@@ -36,7 +36,7 @@ def test_fmpy_makes_a_library_of_them_that_has_the_bits_of_ours(identifier, buil
 
 
 @pytest.mark.parametrize("identifier", FMUS)
-def test_they_are_c99_without_a_warning(identifier, tmp_path):
+def test_sources_compile_as_c99_without_warnings(identifier, tmp_path):
     fmu = FMUS[identifier]
     source = tmp_path / SOURCE
     source.write_bytes(source_files(fmu, fmu.guid(), lambda stage: None)[f"sources/{SOURCE}"])

@@ -207,7 +207,7 @@ DEFAULTS = {
 
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("case", DEFAULTS)
-def test_default_experiment_is_stepped_as_the_fmu_has_it(fmu, fmi, case):
+def test_default_experiment_has_the_steps_of_the_fmu(fmu, fmi, case):
     times, variable, steps, end = DEFAULTS[case]
     code = "return fabs(time - model.time) > 1e-6 ? 3 : 0"
     report = examined(fmu(code, fmi=fmi, times=times, variable=variable))

@@ -62,7 +62,7 @@ SHORT = (REFERENCE, "--set", "run.stop_time=0.1 s", "--set", "run.communication_
 # --- files of commands ---
 
 
-def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
+def test_run_writes_only_table_summary_and_plot(tmp_path):
     done = own_process("run", *SHORT, "-o", tmp_path / "out", folder=tmp_path)
     assert done.exit_code == 0, done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
@@ -113,7 +113,7 @@ def test_run_prints_every_metric_with_all(workshop, tmp_path):
     assert "final output speed" in done.stdout
 
 
-def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
+def test_run_chooses_the_fidelity_and_prints_the_reason(workshop, tmp_path):
     auto = ("--fidelity", "auto", "--error", "5 %")
     done = succeeded("run", *SHORT, *auto, "-o", tmp_path / "out", folder=workshop)
     for words in ("chosen: ", "requested 0.05", "next level: "):
@@ -125,7 +125,7 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
     assert choice["chosen"]["fidelity"] == "rigid"
 
 
-def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
+def test_mechanism_that_cannot_be_built_runs_with_a_warning(workshop, tmp_path):
     scene = (*SHORT, "--set", "satellites=6", "--set", "a=1.5", "--set", "method=timestepping")
     done = succeeded("run", *scene, "-o", tmp_path / "out", folder=workshop)
     marks = [line.startswith("  ! ") for line in done.stdout.splitlines()]
@@ -156,7 +156,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
-def test_check_finds_no_problem_in_ours(built, tmp_path, fmu):
+def test_check_reports_no_problems_of_the_fmus(built, tmp_path, fmu):
     # A Python FMU ends its process in an unusual way, so use a separate process.
     done = (own_process if fmu is PYTHON_FMU else command)("check", built / fmu.file_name, folder=tmp_path)
     assert done.exit_code == 0
@@ -166,7 +166,7 @@ def test_check_finds_no_problem_in_ours(built, tmp_path, fmu):
     assert ("with event mode" in done.stdout) == (fmu.identifier == "InertiaModule3")
 
 
-def test_check_tells_what_is_wrong_with_another(built, tmp_path):
+def test_check_names_the_problems_of_a_foreign_fmu(built, tmp_path):
     units = b'unit="rad/s"', b'unit="furlong"'
     broken = with_words(tmp_path / "broken.fmu", built / "InertiaModule.fmu", DESCRIPTION, *units)
     done = command("check", broken, "--json")
@@ -220,7 +220,7 @@ CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_path, monkeypatch):
+def test_options_reach_the_study_and_errors_are_a_line(name, tmp_path, monkeypatch):
     told = {}
 
     def stand_in(*arguments, **options):
@@ -242,9 +242,7 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
 
 
 @pytest.mark.parametrize("arguments, words", REFUSED["options"])
-def test_what_cannot_be_is_one_line_before_any_build_and_leaves_nothing(
-    tmp_path, monkeypatch, arguments, words
-):
+def test_invalid_request_is_an_error_in_a_line_before_the_build(tmp_path, monkeypatch, arguments, words):
     monkeypatch.setattr(builder, "current_fmu", lambda *_: pytest.fail("an FMU was built"))
     name, *options = arguments
     files = {"fit": RIG, "design": [EXAMPLES / "design_car.toml"]}.get(name, SHORT)
@@ -264,7 +262,7 @@ IS_FOLDER = "error: . must be an FMU file (got a folder)\n"
         (command, ("run", REFERENCE, "--fmu", ".", "-o", "out"), IS_FOLDER),
     ],
 )
-def test_files_that_are_none_are_named_and_no_folder_is_made_for_nothing(tmp_path, run, arguments, words):
+def test_missing_files_are_named_before_a_folder_is_created(tmp_path, run, arguments, words):
     is_one_line(run(*arguments, folder=tmp_path), words)
     assert list(tmp_path.iterdir()) == []
 
@@ -301,7 +299,7 @@ def places(folder):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_place_that_cannot_be_written_is_refused_before_the_work(name, tmp_path, monkeypatch):
+def test_path_without_write_permission_is_rejected_before_the_work(name, tmp_path, monkeypatch):
     arguments, work = COMMANDS[name]
     monkeypatch.setattr(f"inertia_module.{work}", lambda *_, **__: pytest.fail("the work was begun"))
     for place, words in places(tmp_path).items():
@@ -313,7 +311,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(name, tmp_pat
         is_one_line(command(*arguments, folder=tmp_path), "error: cannot write to out")
 
 
-def test_a_table_that_cannot_be_written_says_so_in_a_sentence(tmp_path):
+def test_unwritable_table_is_an_error_in_a_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError, match=r"^cannot write to .*file: .*file is not a folder$"):
         Result.from_columns({"time": [0.0]}).to_csv(tmp_path / "file" / "table.csv")
@@ -337,7 +335,7 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="there is no /dev/ful
 
 @LINUX
 @pytest.mark.parametrize("arguments, line, code", OUTPUTS)
-def test_closed_or_full_outputs_are_one_line(tmp_path, arguments, line, code):
+def test_closed_or_full_output_is_an_error_in_a_line(tmp_path, arguments, line, code):
     shell = ["bash", "-o", "pipefail", "-c", f"{shlex.quote(sys.executable)} -m inertia_module {arguments}"]
     done = subprocess.run(shell, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert (done.stderr, done.returncode) == (f"{line}\n" if line else "", code)
@@ -356,7 +354,7 @@ main()
 @pytest.mark.parametrize(
     "arguments, file", [(["new", "urban"], "urban.toml"), (["chart", REFERENCE], "out/chart/reference.csv")]
 )
-def test_full_disk_is_one_line_with_the_name_of_the_file_and_leaves_no_part_of_it(tmp_path, arguments, file):
+def test_full_disk_is_an_error_with_the_file_name_and_leaves_no_partial_file(tmp_path, arguments, file):
     done = process("-c", NEARLY_FULL, *arguments, statuses=(1,), folder=tmp_path)
     assert done.stderr == f"error: {file}: File too large\n"
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
@@ -365,7 +363,7 @@ def test_full_disk_is_one_line_with_the_name_of_the_file_and_leaves_no_part_of_i
 @LINUX
 @pytest.mark.parametrize("device", ["/dev/zero", "pipe"])
 @pytest.mark.parametrize("name", ["run", "view", "report", "chart", "tradeoff", "export", "design", "orders"])
-def test_scene_that_is_a_device_or_a_pipe_is_one_line(tmp_path, name, device):
+def test_device_or_pipe_as_a_scene_is_an_error_in_a_line(tmp_path, name, device):
     os.mkfifo(tmp_path / "pipe")
     message = f"error: cannot read {device}: not a regular file (a device or a pipe)"
     is_one_line(command(name, device, folder=tmp_path), message)
@@ -373,7 +371,7 @@ def test_scene_that_is_a_device_or_a_pipe_is_one_line(tmp_path, name, device):
 
 @LINUX
 @pytest.mark.parametrize("device", ["/dev/zero", "pipe"])
-def test_other_files_that_are_devices_or_pipes_are_one_line(tmp_path, device):
+def test_device_or_pipe_as_another_file_is_an_error_in_a_line(tmp_path, device):
     os.mkfifo(tmp_path / "pipe")
     place = "/dev" if device == "/dev/zero" else tmp_path
     words = "not a regular file (a device or a pipe)"
@@ -388,7 +386,7 @@ def test_other_files_that_are_devices_or_pipes_are_one_line(tmp_path, device):
         Result.from_csv(Path(place, device))
 
 
-def test_file_that_is_too_large_is_refused(tmp_path):
+def test_too_large_file_is_rejected(tmp_path):
     path = tmp_path / "table.csv"
     path.touch()
     os.truncate(path, MAX_TEXT_SIZE + 1)
@@ -424,7 +422,7 @@ PRINTERS = {
 
 
 @pytest.mark.parametrize("name", PRINTERS)
-def test_brackets_and_colons_are_printed_as_they_are(name, capsys, monkeypatch):
+def test_brackets_and_colons_are_printed_unchanged(name, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     PRINTERS[name]()
     assert AWKWARD in capsys.readouterr().out

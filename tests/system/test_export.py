@@ -143,7 +143,7 @@ def test_ssp_file_is_valid_and_portable(exported):
             assert parameter.unit == described[parameter.name].unit
 
 
-def test_container_describes_itself_as_fmi_2_wants(exported):
+def test_container_has_the_description_that_fmi_2_requires(exported):
     """FMPy alone gives all containers one GUID, duplicate settable variables, and no units."""
     description = read_model_description(str(exported.folder / "container.fmu"))
     variables = {variable.name: variable for variable in description.modelVariables}

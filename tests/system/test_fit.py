@@ -49,7 +49,7 @@ def found(fmu, tmp_path_factory):
 # --- estimates ---
 
 
-def test_example_finds_the_truth_and_the_noise(found, rig):
+def test_example_estimates_the_true_values_and_the_noise(found, rig):
     for name in FREE:
         low, high = found[name].interval_if_exact
         assert low <= rig.TRUE[name] <= high
@@ -74,7 +74,7 @@ def test_interval_ends_at_the_squared_quantile_of_the_profile(fmu, found, tmp_pa
             assert 3.0 < squares(fit) - squares(found) < 4.7
 
 
-def test_a_key_without_influence_is_named_and_stays(found):
+def test_key_without_influence_is_named_and_unchanged(found):
     stiffness = found["shaft_stiffness"]
     assert stiffness.value == 400.0
     assert "has no influence" in stiffness.text
@@ -250,7 +250,7 @@ def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(f
     assert "chi-squared" in lines
 
 
-def test_an_offset_of_a_sensor_is_named_and_freed_it_gives_the_truth(offset, rig):
+def test_sensor_offset_is_named_and_estimated_if_free(offset, rig):
     found, freed = offset
     assert [one.name for one in found.causes] == ["offset.omega_out"]
     (sentence,) = (line for line in found.warnings if "would explain" in line)
@@ -412,7 +412,7 @@ def test_signals_of_the_loop_are_linear_between_its_steps(fmu):
     assert between == pytest.approx(0.75 * points[0] + 0.25 * points[1], rel=1e-9)
 
 
-def test_a_speed_extrapolated_over_steps_is_not_stopped_within_them(fmu):
+def test_extrapolated_speed_continues_within_steps(fmu):
     scene = load_scene(SCENE).with_keys({"mechanism.input_hold": "linear"})
     table = Result.from_columns({"time": [0.005, 0.007], "omega2": [0.0, 0.0]})
     with Rig(scene, measurement(table, scene), fmu) as rig:

@@ -73,7 +73,7 @@ def alone(path, speed, changes):
         return fmu.read(OUTPUTS)
 
 
-def test_instances_in_a_host_follow_their_own_inputs_and_do_not_know_of_each_other(host, built):
+def test_instances_in_a_host_are_independent(host, built):
     values = printed(GIVEN + f"{SPEEDS}\n" + PROGRAMS[host], built)
     path, count = built / "InertiaModule.fmu", len(OUTPUTS)
     for n, speed in enumerate(SPEEDS):

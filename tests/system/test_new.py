@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 COPIED = tomllib.loads(Path(__file__).with_name("new.toml").read_text(encoding="utf-8"))
 
 
-def test_version_is_that_of_the_package_the_changelog_and_the_citation():
+def test_version_of_package_changelog_and_citation_agree():
     assert command("--version").stdout == f"inertia-module {__version__}\n"
     assert f"\n## [{__version__}] - " in (ROOT / "CHANGELOG.md").read_text()
     assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text()
@@ -40,7 +40,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", COPIED)
-def test_new_copies_an_example_with_what_belongs_to_it_and_tells_the_next_commands(name, folder):
+def test_new_copies_an_example_with_its_files_and_prints_the_next_commands(name, folder):
     files, told = COPIED[name]
     shown = command("new", name).stdout.splitlines()
     assert shown[: len(files) + 1] == [*(f"created: {file}" for file in files), "Next steps:"]
@@ -53,7 +53,7 @@ def test_new_copies_an_example_with_what_belongs_to_it_and_tells_the_next_comman
     assert command("new", name).stderr == message
 
 
-def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
+def test_new_overwrites_no_files_and_lists_skipped_files_in_json(folder):
     told = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
     assert told.startswith("  inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
     Path("here/rig.toml").unlink()
@@ -119,9 +119,7 @@ def test_scene_without_a_loop_runs_without_python_control(fmu, name):
     assert process("-c", code, example(name), fmu).stdout == "[]\n"
 
 
-def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
-    built, tmp_path, monkeypatch, compiled
-):
+def test_kernel_of_a_wheel_equals_the_kernel_of_its_native_fmu(built, tmp_path, monkeypatch, compiled):
     def run():
         module = Module(compiled).start(omega1=100.0, load_torque=5.0)
         module.advance(0.05)
@@ -149,11 +147,11 @@ print(module["omega2"])
 """
 
 
-def test_compiled_kernel_loads_where_memory_is_far_apart(compiled):
+def test_compiled_kernel_loads_at_distant_addresses(compiled):
     assert float(process("-c", FAR_APART).stdout) == pytest.approx(0.969128517, abs=1e-7)
 
 
-def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypatch, compiled):
+def test_simultaneous_linkers_leave_a_single_complete_library(tmp_path, monkeypatch, compiled):
     for path in (*cache_folder().glob("DrivenShaft-*.o"), *cache_folder().glob("DrivenShaft-*.xz")):
         shutil.copy(path, tmp_path)
     (tmp_path / "zig").symlink_to(cache_folder() / "zig")
@@ -165,7 +163,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
     assert len(set(tmp_path.iterdir()) - before) == 1
 
 
-def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
+def test_wheel_needs_no_build(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
     monkeypatch.setattr(builder.NativeFmu, "content", lambda *_: pytest.fail("compiled"))
     assert builder.current_fmu(folder=tmp_path) == built / "InertiaModule.fmu"
@@ -191,9 +189,7 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
         builder.current_fmu(folder=tmp_path)
 
 
-def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_complete_wheel_or_none(
-    tmp_path, built
-):
+def test_installed_clone_excludes_built_files_and_sdist_gives_a_complete_wheel_or_an_error(tmp_path, built):
     pytest.importorskip("hatchling")
     hook = runpy.run_path(str(ROOT / "hatch_build.py"))["ReadyMade"]
 
@@ -221,7 +217,7 @@ def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_co
     assert forced(sdist) == ready | {"inertia_module/examples"}
 
 
-def test_an_empty_name_of_a_cache_folder_counts_as_none(monkeypatch):
+def test_empty_name_of_the_cache_folder_is_ignored(monkeypatch):
     monkeypatch.delenv("INERTIA_MODULE_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", "")
     assert cache_folder().is_absolute()

@@ -102,7 +102,7 @@ def test_waterfall_has_the_speed_of_each_window(tmp_path):
     )
 
 
-def test_complex_amplitudes_come_for_matlab(tmp_path):
+def test_complex_amplitudes_are_written_for_matlab(tmp_path):
     found = known(highest=8.0, names=("x", "input_speed"))
     read = loadmat(found.write_mat(tmp_path / "x.mat"), simplify_cells=True)["orders"]
     assert read["x"].tolist() == found.spectrum["x"].tolist()
@@ -111,7 +111,7 @@ def test_complex_amplitudes_come_for_matlab(tmp_path):
     assert [read["units"][name] for name in ("order", "rpm", "frequency", "x")] == ["1", "rpm", "Hz", "N.m"]
 
 
-def test_spectrum_contains_the_whole_oscillation():
+def test_spectrum_contains_the_total_oscillation():
     found = known()
     assert found.rms("x") == pytest.approx(math.sqrt(0.5 * (3.0**2 + 0.5**2)), rel=2e-3)
     low = known(highest=5.0)
@@ -141,7 +141,7 @@ def test_line_of_varying_order_is_a_single_line_with_its_amplitude(turning):
 
 
 @pytest.mark.parametrize("growth", [0.0, 1.0])
-def test_side_lobes_of_a_line_are_no_orders_and_small_lines_beyond_them_are(growth):
+def test_side_lobes_are_no_orders_but_small_lines_outside_them_are(growth):
     """The second side lobes of a Hann window reach 0.4 % of the line, at a distance of 4.5 / turns."""
     turned = np.arange(0.0, 320.0, 0.01)
     large = (1.0 + growth * turned / 320.0) * np.cos(math.tau * turned)

@@ -38,7 +38,7 @@ def scrub(page, place):
     return page.drawn()
 
 
-def test_clock_runs_when_it_is_played_alone(page, opened):
+def test_clock_runs_only_while_playing(page, opened):
     assert (page.state("playing"), page.state("time")) == (False, 0)
     page.press("Play")
     page.page.wait_for_function("inertiaModule.state().time > 0.005")
@@ -432,7 +432,7 @@ def over_time(time):
     return values
 
 
-def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
+def test_inputs_over_time_are_linear_as_in_the_fmu(still, built):
     run_options = {**options({}), "steps": 400}  # The run continues after the last point.
     actual = still.simulate({**run_options, "inputs": OVER_TIME})
     for name, values in native(built, run_options, over_time).items():
@@ -441,7 +441,7 @@ def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built)
         )
 
 
-def test_integrate_is_simulate_in_slices_with_angles_whole(still):
+def test_integrate_in_slices_equals_simulate_with_full_angles(still):
     run_options = options({**scenes.PLANAR, "tolerance": 1e-12})  # The run takes some slices.
     run = still.ask("integrate", {**run_options, "duration": 2.0})
     at_once = still.simulate({**run_options, "steps": 2000})
@@ -500,7 +500,7 @@ def table_of(scene, fmu, folder):
     return Result.from_csv(folder / "table.csv")
 
 
-def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
+def test_page_plays_the_recorded_run(opened, fmu, tmp_path):
     """The load depends on the motion. The page cannot compute such a run, so it contains the record."""
     page, table = opened(ENGINE), table_of(ENGINE, fmu, tmp_path)
     check_page(page)
@@ -514,7 +514,7 @@ def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
     assert np.diff(played["q"]).max() < 0.4 * every  # Rows are closer than a whole turn.
 
 
-def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, fmu, tmp_path):
+def test_run_too_coarse_for_its_pulses_shows_means_and_dots_instead_of_curves(opened, fmu, tmp_path):
     page = opened(COARSE, reduced_motion="reduce")
     mean = table_of(COARSE, fmu, tmp_path)["mesh_torque_mean"][50]
     page.page.get_by_role("slider", name="time", exact=True).fill("5000")
@@ -578,7 +578,7 @@ def test_impossible_page_or_report_is_rejected_before_the_run(tmp_path, monkeypa
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.html"]
 
 
-def test_page_is_whole_or_not_there(tmp_path, monkeypatch):
+def test_page_is_complete_or_absent(tmp_path, monkeypatch):
     monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("the disk is full")))
     done = command("view", REFERENCE, "-o", tmp_path / "page.html")
     assert (done.exit_code, done.stderr) == (1, "error: the disk is full\n")

@@ -114,7 +114,7 @@ def test_search_finds_guides_before_tables(visit):
         assert first not in TABLES, words
 
 
-def test_search_works_from_a_folder_and_asks_the_network_for_nothing(site, browser):
+def test_search_works_offline_from_a_folder(site, browser):
     _, folder = site
     page = browser.new_page()
     asked = []

@@ -378,7 +378,7 @@ def test_design_is_written_as_a_scene_that_reproduces_its_values(designs, fmu):
         assert "outputs" not in text
 
 
-def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
+def test_table_and_figure_of_a_design_have_integers_and_units(designs):
     for row in csv.DictReader(designs.files["checked csv"].open()):
         assert (row["mechanism.satellites"] + row["contact_switches"]).isdecimal()
     picture = design_figure(designs)

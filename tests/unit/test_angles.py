@@ -36,7 +36,7 @@ def distance(angle, exact, period):
 
 @pytest.mark.parametrize("teeth", [(34, 20), (20, 20), (13, 20), (36, 24)], ids=str)
 @pytest.mark.parametrize("ratio", [0.0, 0.5, -0.25, 2.0])
-def test_angles_over_many_steps_are_exact_but_for_whole_turns(compiled, teeth, ratio):
+def test_angles_over_many_steps_are_exact_except_for_full_turns(compiled, teeth, ratio):
     z17, z6 = teeth
     omega1 = 4096.0 if z17 > z6 else -4096.0
     period = 2 * PI * Fraction(z17, z6).denominator

@@ -172,7 +172,7 @@ def test_keys_that_cannot_vary_are_an_error_in_a_sentence(scene, read, keys, wor
 # --- columns ---
 
 
-def test_columns_come_in_si_units_inputs_and_noise_apart(scene, tmp_path):
+def test_columns_are_in_si_units_separate_from_inputs_and_noise(scene, tmp_path):
     file = tmp_path / "measured.csv"
     file.write_text(
         "time [ms];omega_out [rpm];vehicle_speed [km/h];omega1 [rpm];omega_out_noise [rpm]\n"

@@ -45,7 +45,7 @@ def kept(made, made_from=b"source", name=NAME):
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_file_is_made_again_and_stays_whole(cache, made, damage):
+def test_damaged_file_is_replaced_by_a_complete_file(cache, made, damage):
     path = kept(made)
     assert path == kept(made)
     assert (len(made), path.read_bytes(), path.suffix) == (1, CONTENT, ".so")

@@ -333,9 +333,7 @@ def test_force_on_bearing_and_mount_with_link_2_held(satellites):
 
 
 @pytest.mark.parametrize("speed, told", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")])
-def test_command_gives_finite_torques_and_a_converter_table_at_the_speed_it_has_understood(
-    speed, told, tmp_path
-):
+def test_command_prints_the_speed_and_writes_finite_torques_and_a_converter_table(speed, told, tmp_path):
     done = succeeded("chart", "examples/planar.toml", "--speed", speed, "-o", tmp_path)
     assert told in done.output
     warned = "warning: --speed 3000 has no unit; rad/s is used: 3000 rad/s" in done.stderr

@@ -127,7 +127,7 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
 
 
 @pytest.mark.parametrize("h", [1e-9, 5e-4, 0.1])
-def test_a_ramp_from_rest_is_exact_in_all_it_begins_with(compiled, h):
+def test_ramp_from_rest_is_exact(compiled, h):
     """Larger energies do not hide the friction loss of the first twist."""
     shaft = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.0, "driven_friction": 20.0}
     model = DrivenShaft(compiled).start(**shaft)

@@ -180,7 +180,7 @@ def test_level_that_rejects_the_losses_of_a_scene_is_not_chosen():
     assert any(label.startswith("averaged") for label in choice.rejections)
 
 
-def test_error_of_averaged_includes_the_weights_that_it_ignores():
+def test_error_of_averaged_includes_ignored_weights():
     def averaged(scene):
         (row,) = (row for row in measure.trial_rows(scene) if row.level == "averaged")
         return row.errors["output_torque_mean"]

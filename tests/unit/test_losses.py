@@ -18,7 +18,7 @@ LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start":
 
 
 @pytest.mark.parametrize("drive", [0, 1], ids=["by-speed", "by-torque"])
-def test_locked_up_machine_with_friction_stays_so(compiled, drive):
+def test_machine_with_friction_stays_locked_up(compiled, drive):
     """At a speed ratio of one, under a load that friction holds, slip and losses are zero."""
     engine = {"drive": drive, "input_inertia": 0.2, "drive_torque": 1.0, "load_torque": 1.0}
     locked = {**scenes.SCENES["bevel"], **LOCKED_UP, "journal_friction": 1.0}

@@ -135,7 +135,7 @@ def test_invalid_state_is_rejected_without_effect(compiled):
 
 
 @motions(added=("ideal", "losses"))
-def test_outputs_evaluated_after_a_step_equal_a_whole_step(compiled, scene):
+def test_outputs_evaluated_after_a_step_equal_a_complete_step(compiled, scene):
     whole, parts = (started(compiled, scene) for _ in range(2))
     advanced(whole, 0.01, 0.01)
     late = [variable.name for variable in parts.model.variables if variable.late]

@@ -49,7 +49,7 @@ def found():
 
 
 @pytest.mark.parametrize("motion, switches", list(found()))
-def test_what_was_found_stays_mended(compiled, motion, switches):
+def test_fixed_failures_stay_fixed(compiled, motion, switches):
     finding = examine(motion, lambda: Module(compiled))
     assert not finding.failed, finding.metrics
     assert not finding.rejection
@@ -57,7 +57,7 @@ def test_what_was_found_stays_mended(compiled, motion, switches):
     assert run(motion, lambda: Module(compiled)).points[-1]["contact_switches"] < switches
 
 
-def test_speeds_that_come_to_rest_at_once_are_not_followed_for_ever(compiled):
+def test_immediate_stop_of_both_speeds_terminates(compiled):
     assert 0.0 < run(draw_motion(1, 18441), lambda: Module(compiled)).evaluations < 3e4
 
 

@@ -148,7 +148,7 @@ def test_maximum_frequency_is_the_mean_of_ten_engagements():
     assert run.fastest(few[0], np.zeros(4)) == 0.0
 
 
-def test_overruns_through_which_sprags_stay_engaged_do_not_count():
+def test_overruns_with_engaged_sprags_do_not_count():
     degrees = np.array([0.0, 1.0, 0.05, 0.05, 0.05, 0.0, 0.02, 0.4])
     columns = {
         "housing_engagements": np.array([0.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 6.0]),

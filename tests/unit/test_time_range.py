@@ -117,7 +117,7 @@ def test_a_step_is_read_in_each_table_of_a_scene(name):
     assert points == [[0.0, 0.5, 0.5]]
 
 
-def test_a_road_may_have_a_step_and_a_torque_over_the_speed_has_none(tmp_path):
+def test_road_may_have_a_step_but_torque_over_speed_may_not(tmp_path):
     (tmp_path / "road.csv").write_text("distance,slope\n0,0\n5,0\n5,0.1\n9,0.1\n")
     scene = load_scene(example("urban"), {"load.slope_over_distance.file": str(tmp_path / "road.csv")})
     assert scene.load.slope_over_distance.signal()(np.array([4.9, 5.0])).tolist() == [0.0, 0.1]

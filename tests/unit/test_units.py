@@ -49,7 +49,7 @@ WRITTEN = [
 
 
 @pytest.mark.parametrize(("unit", "si", "factor"), WRITTEN)
-def test_a_unit_is_read_as_engineers_write_it(unit, si, factor):
+def test_unit_in_usual_notation_is_accepted(unit, si, factor):
     assert factor_between(unit, si) == pytest.approx(factor, rel=1e-14)
     assert number_of(f"3 {unit}", si) == pytest.approx(3.0 * factor, rel=1e-14)
 

@@ -41,7 +41,7 @@ def model(request):
     return MODELS[request.param]
 
 
-def test_each_variable_has_its_own_number_and_so_has_the_time(model):
+def test_each_variable_and_the_time_has_a_unique_value_reference(model):
     references = [variable.reference for variable in model.in_fmu(3)]
     assert len(set(references)) == len(references)
 

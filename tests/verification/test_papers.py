@@ -57,7 +57,7 @@ def test_each_equation_is_shown_as_printed_and_exact_and_a_wrong_curve_is_drawn(
             assert any(part.startswith("Exact") for part in rest) == two
 
 
-def test_the_page_has_no_figure_that_is_none_and_whole_tables():
+def test_page_has_complete_figures_and_tables():
     whole = PAGE.read_text(encoding="utf-8")
     assert not re.search(r"\bnan\b|\binf\b", whole)
     for table in whole.split("| in the paper | in the FMU |")[1:]:
@@ -68,7 +68,7 @@ def test_the_page_has_no_figure_that_is_none_and_whole_tables():
 # --- figures ---
 
 
-def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
+def test_figures_have_columns_of_equal_length_and_parameters(drawn):
     for figure, columns in drawn.values():
         assert len({values.shape for values in columns.values()}) == 1
         assert all(np.isfinite(values).all() for values in columns.values())

@@ -77,14 +77,14 @@ def test_stiff_methods_agree_on_the_clutches(name, method, tolerance, stiffness)
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_kernel(name):
+def test_mujoco_model_with_gears_and_freewheels_as_constraints_is_close_to_the_kernel(name):
     off = distances(name, 5e-5, "RK4")[1]
     assert max(off) < 2e-3
     if name in ("R1", "planar"):
         assert off[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
 
 
-def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled):
+def test_impact_at_the_end_of_the_backlash_agrees_with_a_limit_in_mujoco(compiled):
     """Link 2 turns back from rest until the impact. Link 1 is light, so its speed changes."""
     engine, step = pytest.importorskip("mujoco"), 1e-6
     scene = DRIVEN["planar"] | {"satellites": 1, "input_inertia": 0.002, "drive_torque": 0.0}
@@ -121,7 +121,7 @@ def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled)
     "parameters",
     [{"fidelity": 0}, {"fidelity": 3}, {"a": 1.0, "link2_inertia": 0.0}, {"link2_friction": 0.1}],
 )
-def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
+def test_unsupported_case_is_rejected_in_a_sentence(parameters):
     for simulate, *settings in (
         (integrators.simulate, 1e-6, "DOP853"),
         (integrators.simulate, 1e-6, "BDF"),
