@@ -143,7 +143,7 @@ def workshop(request, workshops):
 
 
 @pytest.fixture(scope="session", params=("InertiaModule", "DrivenShaft3"))
-def one_of_each(request, workshops):
+def representative_workshop(request, workshops):
     """Return the workshops of two FMUs, which include each model and each version of FMI."""
     return workshops(request.param)
 

@@ -19,8 +19,8 @@ FILES = (
     *("host.c", "snapshot.c"),
 )
 GAP = 4  # Value reference of the last variable before a gap.
-MOST_BYTES = 131072  # Limit for an instance with a saved state.
-LIVES = 420  # 3 · 4 · 5 · 7: all combinations of the periods of the actions
+MAX_BYTES = 131072  # Limit for an instance with a saved state.
+N_LIVES = 420  # 3 · 4 · 5 · 7: all combinations of the periods of the actions
 
 
 @pytest.fixture
@@ -65,29 +65,29 @@ def test_rare_rejections(workshop):
     run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
 
 
-def test_unused_value_reference_is_a_harmless_error(one_of_each, tmp_path):
+def test_unused_value_reference_is_a_harmless_error(representative_workshop, tmp_path):
     """A row after the time, which exists only in FMI 3.0, leaves unused value references."""
-    model = one_of_each.fmu.model
+    model = representative_workshop.fmu.model
 
     def moved(variable):
         return replace(variable, reference=variable.reference + (variable.reference > GAP))
 
     variables = tuple(moved(variable) for variable in model.variables)
     changed = replace(model, variables=variables, time=moved(model.time))
-    workshop = Workshop(one_of_each.fmu._replace(model=changed), tmp_path)
+    workshop = Workshop(representative_workshop.fmu._replace(model=changed), tmp_path)
     run([workshop.build("gap", "gap.c", "host.c", flags=SANITIZERS), GAP + 1])
     run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
     run([workshop.build("abuse", *FILES, flags=SANITIZERS), 1, CALLS // 10])
 
 
-def test_forged_states_access_only_their_memory(one_of_each):
+def test_forged_states_access_only_their_memory(representative_workshop):
     """A checksum stops no forgery. Indices and choices are checked when a state is deserialised."""
-    run([one_of_each.build("forged", "forged.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+    run([representative_workshop.build("forged", "forged.c", "host.c", "snapshot.c", flags=SANITIZERS)])
 
 
-def test_hundreds_of_life_cycles_leak_no_memory(one_of_each, checked):
-    program = one_of_each.build("leaks", "leaks.c", "host.c", "snapshot.c", flags=("-g",))
-    assert checked(program, LIVES) == f"{LIVES} instances lived\n"
+def test_hundreds_of_life_cycles_leak_no_memory(representative_workshop, checked):
+    program = representative_workshop.build("leaks", "leaks.c", "host.c", "snapshot.c", flags=("-g",))
+    assert checked(program, N_LIVES) == f"{N_LIVES} instances lived\n"
 
 
 @pytest.mark.parametrize("identifier", OF_FMI_3)
@@ -96,34 +96,34 @@ def test_random_calls_of_fmi_3_use_only_their_memory(workshops, identifier, chec
     assert "events" in checked(program, 1, 20000)
 
 
-def test_kernel_stays_within_its_arrays(one_of_each, checked):
-    checked(one_of_each.build("bounds", "bounds.c", "host.c", flags=("-g",)))
+def test_kernel_stays_within_its_arrays(representative_workshop, checked):
+    checked(representative_workshop.build("bounds", "bounds.c", "host.c", flags=("-g",)))
 
 
 def test_steps_and_values_allocate_no_memory_and_instances_are_small(workshop):
     program = workshop.build("memory", "memory.c", "host.c", "snapshot.c")
     of_instance, with_state = map(int, run([program]).split())
-    assert 0 < of_instance < with_state < MOST_BYTES
+    assert 0 < of_instance < with_state < MAX_BYTES
 
 
-def test_eight_threads_give_the_bits_of_a_single_thread(one_of_each):
+def test_eight_threads_give_the_bits_of_a_single_thread(representative_workshop):
     files = ("threads.c", "host.c", "snapshot.c")
-    program = one_of_each.build("threads", *files, flags=("-O2",), libraries=("-lpthread",))
+    program = representative_workshop.build("threads", *files, flags=("-O2",), libraries=("-lpthread",))
     assert run([program, 8, 250]) == "8 threads, 250 instances each: the bits of one thread\n"
 
 
-def test_threads_share_no_memory(one_of_each):
+def test_threads_share_no_memory(representative_workshop):
     flags = ("-fsanitize=thread", "-g")
-    program = one_of_each.build(
+    program = representative_workshop.build(
         "races", "threads.c", "host.c", "snapshot.c", flags=flags, libraries=("-lpthread",)
     )
     run([program, 8, 30], TSAN_OPTIONS="halt_on_error=1")
 
 
-def test_messages_contain_the_same_numbers_in_every_locale(one_of_each, comma):
-    program = one_of_each.build("locales", "locales.c", "host.c")
+def test_messages_contain_the_same_numbers_in_every_locale(representative_workshop, comma):
+    program = representative_workshop.build("locales", "locales.c", "host.c")
     tolerance, begin, speed = run([program], **comma).splitlines()
-    variable = one_of_each.fmu.model.variables[0]
+    variable = representative_workshop.fmu.model.variables[0]
     assert tolerance == "tolerance must be a positive number (got -1.5)"
     assert begin == "start time must be a finite number of seconds (got nan)"
     assert speed == f"{variable.name} must be {variable.allowed} (got 1234567.5)"

@@ -20,7 +20,7 @@ FLAGS = (
 # Fonts of matplotlib and their letter spacing. Text has the same width on all machines, and is wider or
 # narrower than in common fonts.
 FONTS = {"narrow": ("STIXGeneral.ttf", "-0.02em"), "wide": ("DejaVuSansMono.ttf", "0.04em")}
-ASKED = Path(__file__).with_name("page.js").read_text()
+PAGE_FUNCTIONS = Path(__file__).with_name("page.js").read_text()
 
 
 def set_font(page, name):
@@ -63,9 +63,9 @@ class Opened:
         self.page.goto("about:blank")
         self.page.goto(self.url + change)
         self.page.wait_for_function("window.inertiaModule")
-        return self.settled()
+        return self.integrated()
 
-    def settled(self):
+    def integrated(self):
         """Wait until the integration has ended, and return the page."""
         self.page.wait_for_function("inertiaModule.state().run?.complete && !inertiaModule.state().busy")
         return self
@@ -81,9 +81,9 @@ class Opened:
 
     def ask(self, name, *arguments):
         """Return the value of a function of page.js."""
-        return self.page.evaluate(f"{ASKED}.{name}", *arguments)
+        return self.page.evaluate(f"{PAGE_FUNCTIONS}.{name}", *arguments)
 
-    def shown(self, name):
+    def column(self, name):
         """Return the displayed column of the run."""
         return np.array(self.ask("shown", name))
 

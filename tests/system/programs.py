@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 
 DOCS = Path(__file__).parents[2] / "docs"
-BESIDE_ECOS = "tbb"  # Ecos on Linux loads libtbb.so.12 from the libraries of the system.
+ECOS_DEPENDENCY = "tbb"  # Ecos on Linux loads libtbb.so.12 from the libraries of the system.
 
 
 def command(*arguments, folder=None, of=app):
@@ -72,7 +72,7 @@ def printed(source, folder):
     """
     environment = {}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):
-        libraries = [file for file in importlib.metadata.files(BESIDE_ECOS) if "libtbb.so" in file.name]
+        libraries = [file for file in importlib.metadata.files(ECOS_DEPENDENCY) if "libtbb.so" in file.name]
         folders = {str(file.locate().resolve().parent) for file in libraries}
         environment["LD_LIBRARY_PATH"] = os.pathsep.join(folders)
     # Ecos sometimes crashes at its end, after it has printed its numbers.
@@ -82,7 +82,7 @@ def printed(source, folder):
 
 def needs(package):
     """Skip a test if a package is not installed."""
-    beside = {BESIDE_ECOS} if package == "ecospy" and sys.platform == "linux" else set()
-    installed = {name for name in beside if [*importlib.metadata.distributions(name=name)]}
-    if importlib.util.find_spec(package) is None or installed != beside:
+    dependencies = {ECOS_DEPENDENCY} if package == "ecospy" and sys.platform == "linux" else set()
+    installed = {name for name in dependencies if [*importlib.metadata.distributions(name=name)]}
+    if importlib.util.find_spec(package) is None or installed != dependencies:
         pytest.skip(f"{package} is not installed; the extra inertia-module[hosts] has what pip can install")

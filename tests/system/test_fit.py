@@ -35,13 +35,13 @@ def rig():
 
 
 @pytest.fixture(scope="module")
-def known(rig):
+def true_scene(rig):
     """Return the scene with the true values; the fit of a single key needs few runs."""
     return load_scene(SCENE).with_keys({f"mechanism.{name}": rig.TRUE[name] for name in FREE})
 
 
 @pytest.fixture(scope="module")
-def found(fmu, tmp_path_factory):
+def example_fit(fmu, tmp_path_factory):
     free = {**RANGES, "shaft_stiffness": None}
     return studies.fit(MEASURED, SCENE, free, starts=2, output=tmp_path_factory.mktemp("fit"), fmu=fmu)
 
@@ -49,49 +49,50 @@ def found(fmu, tmp_path_factory):
 # --- estimates ---
 
 
-def test_example_estimates_the_true_values_and_the_noise(found, rig):
+def test_example_estimates_the_true_values_and_the_noise(example_fit, rig):
     for name in FREE:
-        low, high = found[name].interval_if_exact
+        low, high = example_fit[name].interval_if_exact
         assert low <= rig.TRUE[name] <= high
-        assert not found[name].doubt
-    assert found["imbalance_mass"].error < 0.002
-    assert found.estimated == list(rig.NOISE)
-    for name, value in found.noise.items():
+        assert not example_fit[name].doubt
+    assert example_fit["imbalance_mass"].error < 0.002
+    assert example_fit.estimated == list(rig.NOISE)
+    for name, value in example_fit.noise.items():
         assert value == pytest.approx(rig.NOISE[name], rel=0.1)
-    assert found.searches == (3, 3)
+    assert example_fit.searches == (3, 3)
 
 
-def test_interval_ends_at_the_squared_quantile_of_the_profile(fmu, found, tmp_path):
+def test_interval_ends_at_the_squared_quantile_of_the_profile(fmu, example_fit, tmp_path):
     def squares(fit):
         """Return the sum of squared residuals, scaled by the estimated noise."""
-        return sum(np.sum((fit.table()[f"{name}_residual"] / found.noise[name]) ** 2) for name in found.noise)
+        table, noise = fit.table(), example_fit.noise
+        return sum(np.sum((table[f"{name}_residual"] / noise[name]) ** 2) for name in noise)
 
     for name, other in ([*FREE], [*FREE][::-1]):
-        for end in found[name].interval_if_exact:
+        for end in example_fit[name].interval_if_exact:
             free = {name: f"{end!r} +- 0", other: None}
-            fit = studies.fit(MEASURED, found.scene, free, output=tmp_path, fmu=fmu)
+            fit = studies.fit(MEASURED, example_fit.scene, free, output=tmp_path, fmu=fmu)
             # The squared quantile of Student's t is 3.86.
-            assert 3.0 < squares(fit) - squares(found) < 4.7
+            assert 3.0 < squares(fit) - squares(example_fit) < 4.7
 
 
-def test_key_without_influence_is_named_and_unchanged(found):
-    stiffness = found["shaft_stiffness"]
+def test_key_without_influence_is_named_and_unchanged(example_fit):
+    stiffness = example_fit["shaft_stiffness"]
     assert stiffness.value == 400.0
     assert "has no influence" in stiffness.text
-    assert [line for line in found.warnings if "shaft_stiffness: has no influence" in line]
-    assert list(found.correlations) == [tuple(f"mechanism.{name}" for name in FREE)]
+    assert [line for line in example_fit.warnings if "shaft_stiffness: has no influence" in line]
+    assert list(example_fit.correlations) == [tuple(f"mechanism.{name}" for name in FREE)]
 
 
-def test_fitted_scene_and_residuals_can_be_read_again(found):
-    scene = load_scene(found.files["scene"])
+def test_fitted_scene_and_residuals_can_be_read_again(example_fit):
+    scene = load_scene(example_fit.files["scene"])
     for name in FREE:
-        assert scene.parameters()[name] == found[name].value
+        assert scene.parameters()[name] == example_fit[name].value
     assert scene.run == load_scene(SCENE).run
-    columns, units = read_columns(found.files["residuals"])
+    columns, units = read_columns(example_fit.files["residuals"])
     assert units["omega2_residual"] == "rad/s"
     residual = np.array(columns["omega2_computed"]) - np.array(columns["omega2_measured"])
     assert columns["omega2_residual"] == pytest.approx(residual)
-    assert np.std(residual) == pytest.approx(found.noise["omega2"], rel=0.02)
+    assert np.std(residual) == pytest.approx(example_fit.noise["omega2"], rel=0.02)
 
 
 def test_intervals_are_as_wide_as_the_values_scatter(fmu, rig, tmp_path, monkeypatch):
@@ -158,11 +159,11 @@ def test_parameter_of_the_scale_is_named(fmu, tmp_path):
         ("imbalance_mass", (1.14, 1.3), "is at the end of its range"),
     ],
 )
-def test_too_narrow_or_wrong_range_causes_a_warning(fmu, known, tmp_path, name, limits, doubt):
-    fit = studies.fit(MEASURED, known, {name: limits}, starts=0, output=tmp_path, fmu=fmu)
+def test_too_narrow_or_wrong_range_causes_a_warning(fmu, true_scene, tmp_path, name, limits, doubt):
+    fit = studies.fit(MEASURED, true_scene, {name: limits}, starts=0, output=tmp_path, fmu=fmu)
     assert fit[name].doubt.startswith(doubt)
     assert [line for line in fit.warnings if line.startswith(f"mechanism.{name}: {doubt}")]
-    outside = not limits[0] <= known.parameters()[name] <= limits[1]
+    outside = not limits[0] <= true_scene.parameters()[name] <= limits[1]
     words = "does not contain the value in the scene"
     assert bool([line for line in fit.warnings if words in line]) == outside
 
@@ -173,20 +174,20 @@ def test_residuals_reveal_an_incomplete_scene(fmu, tmp_path):
     assert any("residuals of omega_out are autocorrelated" in line for line in fit.warnings)
 
 
-def test_specified_noise_sets_weights_and_tests(fmu, known, tmp_path):
+def test_specified_noise_sets_weights_and_tests(fmu, true_scene, tmp_path):
     columns, units = read_columns(MEASURED)
     rows = len(columns["time"])
     noisy = {**columns, "omega2_noise": [0.5] * rows, "omega_out_noise": [0.05] * rows}
     units = {**units, "omega2_noise": "rad/s", "omega_out_noise": "rad/s"}
-    fit = studies.fit(Result.from_columns(noisy, units), known, MASS, output=tmp_path, fmu=fmu)
+    fit = studies.fit(Result.from_columns(noisy, units), true_scene, MASS, output=tmp_path, fmu=fmu)
     assert fit.estimated == []
     # The specified noise of one of the two columns is half the true noise: (1 + 4) / 2.
     assert fit.chi_squared == pytest.approx(2.5, rel=0.1)
     assert any("the residuals are larger than the specified noise" in line for line in fit.warnings)
 
 
-def test_several_starts_reach_a_minimum_that_a_single_start_misses(fmu, known, tmp_path):
-    scene = known.with_keys({"drive.omega1": "75 rad/s"})
+def test_several_starts_reach_a_minimum_that_a_single_start_misses(fmu, true_scene, tmp_path):
+    scene = true_scene.with_keys({"drive.omega1": "75 rad/s"})
     free = {"drive.omega1": (50.0, 150.0)}
     alone = studies.fit(MEASURED, scene, free, columns=["omega2"], starts=0, output=tmp_path / "a", fmu=fmu)
     assert alone["omega1"].value < 90.0
@@ -199,16 +200,16 @@ def test_several_starts_reach_a_minimum_that_a_single_start_misses(fmu, known, t
     assert several.warnings == []
 
 
-def test_interrupted_search_is_reported(fmu, known, tmp_path, monkeypatch):
+def test_interrupted_search_is_reported(fmu, true_scene, tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.import_module("inertia_module.studies.least_squares"), "MAX_EVALUATIONS", 2)
-    scene = known.with_keys({"mechanism.imbalance_mass": 0.5})
-    found = studies.fit(MEASURED, scene, FREE, output=tmp_path, fmu=fmu)
-    assert "the search did not converge within the maximum number of iterations" in found.warnings
+    scene = true_scene.with_keys({"mechanism.imbalance_mass": 0.5})
+    fit = studies.fit(MEASURED, scene, FREE, output=tmp_path, fmu=fmu)
+    assert "the search did not converge within the maximum number of iterations" in fit.warnings
 
 
-def test_same_seed_same_result(fmu, known, tmp_path):
+def test_same_seed_same_result(fmu, true_scene, tmp_path):
     settings = {"free": {"imbalance_mass": (0.5, 2.0)}, "starts": 2, "seed": 5, "fmu": fmu}
-    fit, again = (studies.fit(MEASURED, known, **settings, output=tmp_path / name) for name in "ab")
+    fit, again = (studies.fit(MEASURED, true_scene, **settings, output=tmp_path / name) for name in "ab")
     assert fit.as_dict() == again.as_dict()
 
 
@@ -228,62 +229,62 @@ def measured():
 def offset(fmu, measured, tmp_path_factory):
     given = with_column(measured, omega_out=measured["omega_out"] + np.pi / 3.0)
     folder = tmp_path_factory.mktemp("offset")
-    found = studies.fit(given, SCENE, FREE, output=folder, fmu=fmu)
-    return found, studies.fit(given, SCENE, {**FREE, "offset.omega_out": None}, output=folder, fmu=fmu)
+    fit = studies.fit(given, SCENE, FREE, output=folder, fmu=fmu)
+    return fit, studies.fit(given, SCENE, {**FREE, "offset.omega_out": None}, output=folder, fmu=fmu)
 
 
-def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(found):
-    assert found.causes == []
-    assert [line for line in found.warnings if "would explain" in line] == []
-    mass = found["imbalance_mass"]
+def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(example_fit):
+    assert example_fit.causes == []
+    assert [line for line in example_fit.warnings if "would explain" in line] == []
+    mass = example_fit["imbalance_mass"]
     assert not mass.is_excluded
     assert "mechanism.output_inertia" in mass.released
-    assert set(mass.released) < set(found.candidate_lines())
+    assert set(mass.released) < set(example_fit.candidate_lines())
     low, high = mass.interval_if_exact
     assert mass.interval[0] < low < high < mass.interval[1]
     # The inertia rotates with link 2, because the speed of link 1 is prescribed.
-    assert "mechanism.drive_inertia" in found.candidate_lines()["not separately identifiable"]
-    assert set(found.scale) == {"mechanism.output_inertia", "load.torque"}
-    lines = found.lines()
+    assert "mechanism.drive_inertia" in example_fit.candidate_lines()["not separately identifiable"]
+    assert set(example_fit.scale) == {"mechanism.output_inertia", "load.torque"}
+    lines = example_fit.lines()
     assert lines["mechanism.imbalance_mass"].endswith(" released")
     assert lines["mechanism.imbalance_mass, if everything else is exact"].startswith("from 1.06")
     assert "chi-squared" in lines
 
 
 def test_sensor_offset_is_named_and_estimated_if_free(offset, rig):
-    found, freed = offset
-    assert [one.name for one in found.causes] == ["offset.omega_out"]
-    (sentence,) = (line for line in found.warnings if "would explain" in line)
+    fit, free_fit = offset
+    assert [one.name for one in fit.causes] == ["offset.omega_out"]
+    (sentence,) = (line for line in fit.warnings if "would explain" in line)
     assert sentence.startswith("an offset of 1.0")
     assert "chi-squared " in sentence
     assert sentence.endswith("correct the cause or fit again with --free offset.omega_out")
-    assert freed.warnings == []
-    low, high = freed["offset.omega_out"].interval
+    assert free_fit.warnings == []
+    low, high = free_fit["offset.omega_out"].interval
     assert low <= np.pi / 3.0 <= high < low + 0.1
     for name in FREE:
-        low, high = freed[name].interval
+        low, high = free_fit[name].interval
         assert low <= rig.TRUE[name] <= high
     # The candidate was fitted in full.
-    (cause,) = found.causes
-    assert cause.value == pytest.approx(freed["offset.omega_out"].value, abs=0.005)
-    assert cause.values["mechanism.link2_inertia"] == pytest.approx(freed["link2_inertia"].value, rel=0.02)
+    (cause,) = fit.causes
+    assert cause.value == pytest.approx(free_fit["offset.omega_out"].value, abs=0.005)
+    assert cause.values["mechanism.link2_inertia"] == pytest.approx(free_fit["link2_inertia"].value, rel=0.02)
     assert cause.p_value < 1e-6
-    assert freed.noise["omega_out"] == pytest.approx(rig.NOISE["omega_out"], rel=0.1)
-    assert "offset" not in freed.files["scene"].read_text()
+    assert free_fit.noise["omega_out"] == pytest.approx(rig.NOISE["omega_out"], rel=0.1)
+    assert "offset" not in free_fit.files["scene"].read_text()
 
 
-def test_shift_of_the_clock_is_estimated(fmu, known, measured, tmp_path):
+def test_shift_of_the_clock_is_estimated(fmu, true_scene, measured, tmp_path):
     late = with_column(measured, time=measured.time + 3e-3)
-    scene = known.with_keys({"run.stop_time": 0.6})
-    found = studies.fit(late, scene, MASS, output=tmp_path, fmu=fmu)
-    assert found.causes[0].name == "shift.time"
+    scene = true_scene.with_keys({"run.stop_time": 0.6})
+    fit = studies.fit(late, scene, MASS, output=tmp_path, fmu=fmu)
+    assert fit.causes[0].name == "shift.time"
     assert any(
         line.startswith("a time shift of 3") and " ms (late) in the clock of the file would explain" in line
-        for line in found.warnings
+        for line in fit.warnings
     )
-    freed = studies.fit(late, scene, {**MASS, "shift.time": "-5 ms:5 ms"}, output=tmp_path, fmu=fmu)
-    assert freed["shift.time"].value == pytest.approx(3e-3, abs=1e-4)
-    assert freed.warnings == []
+    free_fit = studies.fit(late, scene, {**MASS, "shift.time": "-5 ms:5 ms"}, output=tmp_path, fmu=fmu)
+    assert free_fit["shift.time"].value == pytest.approx(3e-3, abs=1e-4)
+    assert free_fit.warnings == []
 
 
 def test_wrong_unit_is_named_for_a_column_and_for_all(fmu, measured, tmp_path):
@@ -298,7 +299,7 @@ def test_wrong_unit_is_named_for_a_column_and_for_all(fmu, measured, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def lossy(rig):
+def lossy_data(rig):
     """Return measurements of a machine with losses."""
     losses = {"link2_friction": 0.02, "output_friction": 0.05, "mesh_efficiency": 0.97}
     columns = rig.measured(rig.true_speeds(imbalance_mass=1.13, **losses), 1)
@@ -306,35 +307,35 @@ def lossy(rig):
     return Result.from_columns(dict(zip(names, columns.values(), strict=True)), units)
 
 
-def test_unmodelled_loss_is_named_and_other_intervals_widen(fmu, rig, lossy, tmp_path):
-    found = studies.fit(lossy, SCENE, FREE, output=tmp_path, fmu=fmu)
-    mass = found["imbalance_mass"]
+def test_unmodelled_loss_is_named_and_other_intervals_widen(fmu, rig, lossy_data, tmp_path):
+    fit = studies.fit(lossy_data, SCENE, FREE, output=tmp_path, fmu=fmu)
+    mass = fit["imbalance_mass"]
     assert mass.interval_if_exact[0] > 1.15
     assert mass.interval[0] < 1.13 < mass.interval[1]
-    assert "mechanism.output_friction" in [one.name for one in found.causes]
-    known = {"mesh_efficiency": "0.97 +- 0.01", "link2_friction": "0.02 +- 0.02"}
-    free = {**FREE, "output_friction": (0.0, 0.2), **known}
-    freed = studies.fit(lossy, SCENE, free, output=tmp_path, fmu=fmu)
+    assert "mechanism.output_friction" in [one.name for one in fit.causes]
+    priors = {"mesh_efficiency": "0.97 +- 0.01", "link2_friction": "0.02 +- 0.02"}
+    free = {**FREE, "output_friction": (0.0, 0.2), **priors}
+    free_fit = studies.fit(lossy_data, SCENE, free, output=tmp_path, fmu=fmu)
     for name, true in {"imbalance_mass": 1.13, "link2_inertia": 0.0062, "output_friction": 0.05}.items():
-        low, high = freed[name].interval
+        low, high = free_fit[name].interval
         assert low <= true <= high
     # The data determine the mesh efficiency less accurately than its prior.
-    low, high = freed["mesh_efficiency"].interval_if_exact
+    low, high = free_fit["mesh_efficiency"].interval_if_exact
     assert 0.02 < high - low < 0.045
-    assert freed.causes == []
+    assert free_fit.causes == []
 
 
-def test_prior_of_an_unidentifiable_key_is_unchanged(fmu, known, tmp_path):
+def test_prior_of_an_unidentifiable_key_is_unchanged(fmu, true_scene, tmp_path):
     free = {"imbalance_mass": None, "output_inertia": "0.5 +- 0.001"}
-    fit = studies.fit(MEASURED, known, free, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, true_scene, free, output=tmp_path, fmu=fmu)
     inertia = fit["output_inertia"]
     assert inertia.value == pytest.approx(0.5, abs=1e-3)
     assert inertia.error == pytest.approx(0.001, rel=0.1)
 
 
-def test_prior_is_not_reported_as_a_cause_or_bound(fmu, known, tmp_path):
+def test_prior_is_not_reported_as_a_cause_or_bound(fmu, true_scene, tmp_path):
     so = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
-    fit = studies.fit(MEASURED, known, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
+    fit = studies.fit(MEASURED, true_scene, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
     assert [one.name for one in fit.parameters] == ["mechanism.imbalance_mass"]
     names = {one.name for one in fit.candidates}
     assert not names & {"mechanism.output_inertia", "load.torque", "offset.omega2"}
@@ -345,7 +346,7 @@ def test_prior_is_not_reported_as_a_cause_or_bound(fmu, known, tmp_path):
     with pytest.raises(
         InertiaModuleError, match="at least one key must be free; a deviation of 0 fixes a key"
     ):
-        studies.fit(MEASURED, known, so, output=tmp_path, fmu=fmu)
+        studies.fit(MEASURED, true_scene, so, output=tmp_path, fmu=fmu)
 
 
 def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
@@ -369,7 +370,7 @@ def test_fits_are_correct_or_report_doubts(fmu, tmp_path, number):
     assert sum(one.is_correct for one in verdicts) >= 19
 
 
-def seen(fmu, scene, names, times, late=()):
+def delayed_columns(fmu, scene, names, times, late=()):
     """Return columns of a scene at times, shape (times, names); `late` is the delay of each sensor, s."""
     table = Result.from_columns({"time": times} | dict.fromkeys(names, 0.0 * times))
     with Rig(scene, measurement(table, scene), fmu) as rig:
@@ -379,9 +380,9 @@ def seen(fmu, scene, names, times, late=()):
 def test_shifted_column_of_any_kind_is_read_earlier(fmu):
     names = ["omega2", "output_torque_mean", "satellite_force_peak"]
     scene, times, late = load_scene(SCENE), 0.02 * np.arange(1.0, 12.0), [0.0, 3e-3, 7e-3]
-    together = seen(fmu, scene, names, times, late)
+    together = delayed_columns(fmu, scene, names, times, late)
     for n, name in enumerate(names):
-        (alone,) = seen(fmu, scene, [name], times - late[n]).T
+        (alone,) = delayed_columns(fmu, scene, [name], times - late[n]).T
         # Peaks depend on the steps.
         assert together[:, n] == pytest.approx(alone, rel=1e-2 if name.endswith("_peak") else 1e-6)
 
@@ -394,21 +395,21 @@ def test_times_within_steps_agree_with_short_steps(fmu):
     scene = load_scene(SCENE).replaced(run={"outputs": names}, accuracy={"tolerance": 1e-10})
     fine = run_scene(scene.replaced(run={"communication_step": 1e-4, "stop_time": 0.1}), fmu).record
     rows = np.array([7, 50, 61, 100, 333, 340, 987])
-    found = dict(zip(names, seen(fmu, scene, names, fine.time[rows]).T, strict=True))
+    values = dict(zip(names, delayed_columns(fmu, scene, names, fine.time[rows]).T, strict=True))
     for name in names[:3]:
-        assert found[name] == pytest.approx(fine[name][rows], rel=1e-6, abs=1e-6)
+        assert values[name] == pytest.approx(fine[name][rows], rel=1e-6, abs=1e-6)
     between = list(zip([0, *rows[:-1]], rows, strict=True))
     means = [fine["output_torque_mean"][a + 1 : b + 1].mean() for a, b in between]
-    assert found["output_torque_mean"] == pytest.approx(means, rel=1e-6, abs=1e-6)
+    assert values["output_torque_mean"] == pytest.approx(means, rel=1e-6, abs=1e-6)
     peaks = [fine["satellite_force_peak"][a + 1 : b + 1].max() for a, b in between]
-    assert found["satellite_force_peak"] == pytest.approx(peaks, rel=1e-2)
+    assert values["satellite_force_peak"] == pytest.approx(peaks, rel=1e-2)
 
 
 def test_signals_of_the_loop_are_linear_between_its_steps(fmu):
     scene = load_scene(EXAMPLES / "engine_launch.toml")
     step = scene.run.communication_step
-    (points,) = seen(fmu, scene, ["vehicle_speed"], step * np.array([60.0, 61.0])).T
-    (between,) = seen(fmu, scene, ["vehicle_speed"], step * np.array([60.25])).T
+    (points,) = delayed_columns(fmu, scene, ["vehicle_speed"], step * np.array([60.0, 61.0])).T
+    (between,) = delayed_columns(fmu, scene, ["vehicle_speed"], step * np.array([60.25])).T
     assert between == pytest.approx(0.75 * points[0] + 0.25 * points[1], rel=1e-9)
 
 
@@ -438,10 +439,10 @@ def test_invalid_fit_is_an_error_in_a_sentence(fmu, tmp_path):
 def test_command_writes_scene_residuals_summary_and_plot(fmu, tmp_path):
     words = ["fit", MEASURED, SCENE, "--fmu", fmu, "-o", tmp_path]
     free = ["--free", "imbalance_mass=0.5:2", "--starts", "1", "--column", "omega_out"]
-    told = json.loads(left(*words, *free, "--json"))
-    assert list(told["noise"]) == ["omega_out"]
-    assert json.loads((tmp_path / "fit.json").read_text())["parameters"] == told["parameters"]
+    summary = json.loads(left(*words, *free, "--json"))
+    assert list(summary["noise"]) == ["omega_out"]
+    assert json.loads((tmp_path / "fit.json").read_text())["parameters"] == summary["parameters"]
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
-    mass = told["parameters"]["mechanism.imbalance_mass"]
+    mass = summary["parameters"]["mechanism.imbalance_mass"]
     assert mass["value"] == load_scene(tmp_path / "fitted.toml").parameters()["imbalance_mass"]
     is_one_line(command(*words), "error: at least one key must be free")

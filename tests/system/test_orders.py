@@ -44,8 +44,8 @@ def imbalance_lines(scene, turns):
     d = module.derived
     q = np.linspace(0.0, math.tau * turns, 1000 * turns, endpoint=False)
     torque = [0.5 * d.k * reduced_inertia(d, float(angle))[1] * OMEGA1**2 for angle in q]
-    found = 2.0 * np.abs(np.fft.rfft(torque)) / q.size
-    return d.k, {place / turns: height for place, height in enumerate(found) if height > 1e-6}
+    result = 2.0 * np.abs(np.fft.rfft(torque)) / q.size
+    return d.k, {place / turns: height for place, height in enumerate(result) if height > 1e-6}
 
 
 def by_order(lines):
@@ -56,7 +56,7 @@ def by_order(lines):
 
 
 @functools.cache
-def known(highest=None, turns=None, names=("x",)):
+def run_up(highest=None, turns=None, names=("x",)):
     """Return a run-up from 20 to 200 rad/s with two lines, a mean and a trend."""
     time = np.arange(0.0, 10.0, 2e-4)
     speed = 20.0 + 18.0 * time
@@ -68,61 +68,61 @@ def known(highest=None, turns=None, names=("x",)):
 
 @pytest.mark.parametrize("turns", [None, 8.0])
 def test_lines_of_a_synthetic_run_up_have_their_orders_and_amplitudes(turns):
-    found = known(turns=turns)
-    first, second = found.largest(2)["x"]
+    result = run_up(turns=turns)
+    first, second = result.largest(2)["x"]
     assert (first.order, second.order) == pytest.approx((2.5, 7.0), rel=1e-12)
     assert (first.amplitude, second.amplitude) == pytest.approx((3.0, 0.5), rel=2e-3)
     # The side lobes of a large line are not listed.
-    assert all(abs(line.order - 2.5) > 4.0 / found.turns for line in found.largest()["x"][1:])
-    edges = 0.5 * found.turns * np.arange(found.time.size + 2)
+    assert all(abs(line.order - 2.5) > 4.0 / result.turns for line in result.largest()["x"][1:])
+    edges = 0.5 * result.turns * np.arange(result.time.size + 2)
     speed = np.sqrt(20.0**2 + 36.0 * math.tau * edges)
-    assert found.speed == pytest.approx(0.5 * (speed[:-2] + speed[2:]), rel=1e-3)
+    assert result.speed == pytest.approx(0.5 * (speed[:-2] + speed[2:]), rel=1e-3)
     # At every speed the lines are a cosine and a sine of the angle.
     for line, expected in ((first, 3.0), (second, -0.5j)):
-        at = int(np.argmin(np.abs(found.order - line.order)))
-        assert np.abs(found.spectrum["x"][:, at] - expected).max() < 0.015
-        assert found.waterfall["x"][:, at] == pytest.approx(abs(expected), rel=5e-3)
+        at = int(np.argmin(np.abs(result.order - line.order)))
+        assert np.abs(result.spectrum["x"][:, at] - expected).max() < 0.015
+        assert result.waterfall["x"][:, at] == pytest.approx(abs(expected), rel=5e-3)
         assert line.phase == pytest.approx(np.angle(expected), abs=5e-3)
         assert line.frequency == pytest.approx(line.order * line.speed / math.tau, rel=1e-3)
 
 
 def test_waterfall_has_the_speed_of_each_window(tmp_path):
-    found = known(highest=8.0, names=("x", "input_speed"))
-    rows, units = read_columns(found.write(tmp_path)["waterfall"])
-    assert sorted(set(rows["speed"])) == found.speed.tolist()
+    result = run_up(highest=8.0, names=("x", "input_speed"))
+    rows, units = read_columns(result.write(tmp_path)["waterfall"])
+    assert sorted(set(rows["speed"])) == result.speed.tolist()
     assert max(rows["input_speed"]) < 20.0  # The column contains an amplitude.
-    told = {"speed": "rad/s", "x": "N.m", "time": "s", "rpm": "rpm", "frequency": "Hz", "x_phase": "rad"}
-    assert units == told | {"input_speed_phase": "rad"}
+    expected = {"speed": "rad/s", "x": "N.m", "time": "s", "rpm": "rpm", "frequency": "Hz", "x_phase": "rad"}
+    assert units == expected | {"input_speed_phase": "rad"}
     speed, order, x = (np.array(rows[name]) for name in ("speed", "order", "x"))
     assert rows["rpm"] == pytest.approx(speed * 30.0 / math.pi, rel=1e-12)
     assert rows["frequency"] == pytest.approx(order * speed / math.tau, rel=1e-3)
     complex_rows = x * np.exp(1j * np.array(rows["x_phase"]))
     assert complex_rows.reshape(speed.size // len(set(order)), -1) == pytest.approx(
-        found.spectrum["x"][:, ::4]
+        result.spectrum["x"][:, ::4]
     )
 
 
 def test_complex_amplitudes_are_written_for_matlab(tmp_path):
-    found = known(highest=8.0, names=("x", "input_speed"))
-    read = loadmat(found.write_mat(tmp_path / "x.mat"), simplify_cells=True)["orders"]
-    assert read["x"].tolist() == found.spectrum["x"].tolist()
-    assert read["frequency"].tolist() == found.frequency.tolist()
-    assert read["rpm"].tolist() == found.rpm.tolist()
+    result = run_up(highest=8.0, names=("x", "input_speed"))
+    read = loadmat(result.write_mat(tmp_path / "x.mat"), simplify_cells=True)["orders"]
+    assert read["x"].tolist() == result.spectrum["x"].tolist()
+    assert read["frequency"].tolist() == result.frequency.tolist()
+    assert read["rpm"].tolist() == result.rpm.tolist()
     assert [read["units"][name] for name in ("order", "rpm", "frequency", "x")] == ["1", "rpm", "Hz", "N.m"]
 
 
 def test_spectrum_contains_the_total_oscillation():
-    found = known()
-    assert found.rms("x") == pytest.approx(math.sqrt(0.5 * (3.0**2 + 0.5**2)), rel=2e-3)
-    low = known(highest=5.0)
+    result = run_up()
+    assert result.rms("x") == pytest.approx(math.sqrt(0.5 * (3.0**2 + 0.5**2)), rel=2e-3)
+    low = run_up(highest=5.0)
     assert low.rms("x") == pytest.approx(3.0 / math.sqrt(2.0), rel=2e-3)
 
 
 def test_orders_above_the_maximum_do_not_alias():
     turned = np.arange(0.0, 100.0, 1.0 / 200.0)
     columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": np.cos(math.tau * 30.5 * turned)}
-    found = spectra(Result.from_columns(columns), turned, ["x"], highest=8.0)
-    assert found.amplitude["x"].max() < 2e-3
+    result = spectra(Result.from_columns(columns), turned, ["x"], highest=8.0)
+    assert result.amplitude["x"].max() < 2e-3
 
 
 @pytest.mark.parametrize("turning", [0.0, 1.0])
@@ -157,8 +157,8 @@ def test_side_lobes_are_no_orders_but_small_lines_outside_them_are(growth):
 def test_a_trend_is_no_order():
     turned = np.arange(0.0, 320.0, 0.01)
     columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": (turned / 320.0) ** 2}
-    found = spectra(Result.from_columns(columns), turned, ["x"], highest=3.0, turns=32.0)
-    assert found.largest()["x"] == []
+    result = spectra(Result.from_columns(columns), turned, ["x"], highest=3.0, turns=32.0)
+    assert result.largest()["x"] == []
 
 
 def test_the_maximum_order_itself_is_listed_and_a_line_above_it_is_not():
@@ -166,18 +166,18 @@ def test_the_maximum_order_itself_is_listed_and_a_line_above_it_is_not():
     swing = np.cos(math.tau * 4.0 * turned) + np.cos(math.tau * 5.0 * turned)
     columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": swing}
     for highest, orders in ((4.0, [4.0]), (4.95, [4.0]), (5.0, [4.0, 5.0])):
-        found = spectra(Result.from_columns(columns), turned, ["x"], highest=highest, turns=32.0)
-        assert sorted(line.order for line in found.largest()["x"]) == orders
+        result = spectra(Result.from_columns(columns), turned, ["x"], highest=highest, turns=32.0)
+        assert sorted(line.order for line in result.largest()["x"]) == orders
         if highest == 4.95:
-            assert found.rms("x") == pytest.approx(math.sqrt(0.5), rel=1e-3)
-        figure = order_figure(found, "title")
+            assert result.rms("x") == pytest.approx(math.sqrt(0.5), rel=1e-3)
+        figure = order_figure(result, "title")
         assert figure.axes[0].get_xlim() == (0.0, highest)
 
 
 def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
-    found = known(highest=8.0)
-    more = {"x": found.spectrum["x"], "y": -found.spectrum["x"], "z": 2.0 * found.spectrum["x"]}
-    several = replace(found, spectrum=more, units=dict.fromkeys(more, "N"))
+    result = run_up(highest=8.0)
+    more = {"x": result.spectrum["x"], "y": -result.spectrum["x"], "z": 2.0 * result.spectrum["x"]}
+    several = replace(result, spectrum=more, units=dict.fromkeys(more, "N"))
     figure = order_figure(several, "title", speed_unit="rpm")
     labels = [axes.get_title(loc="left") or axes.get_ylabel() for axes in figure.axes]
     assert [label for label in labels if "[N]" in label] == ["x, y [N]", "z [N]"]
@@ -189,9 +189,9 @@ def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
 
 def test_orders_of_r1_held_follow_from_its_teeth(fmu):
     """The reduced inertia consists of functions of 2 q and of s q, with s = z17 / z6."""
-    found = studies.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
+    result = studies.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
     s = 1.7
-    lines = by_order(found.largest(5)["mesh_torque"])
+    lines = by_order(result.largest(5)["mesh_torque"])
     assert set(lines) == {s, 2.0, round(2.0 + s, 6), 2.0 * s, round(2.0 + 2.0 * s, 6)}
     _, expected = imbalance_lines(held(), 10)
     # The other orders also contain a part of the coupling of both links.
@@ -203,8 +203,8 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
     scene = held(**PLANAR)
     k, expected = imbalance_lines(scene, 1)
     (sine,) = expected.values()
-    found = studies.orders(scene, fmu, signals=["output_torque"], turns=30.0, highest=9.0)
-    first, second, fourth = found.largest(3)["output_torque"]
+    result = studies.orders(scene, fmu, signals=["output_torque"], turns=30.0, highest=9.0)
+    first, second, fourth = result.largest(3)["output_torque"]
     for line, times, share in (
         (first, 1, 1.0 / 2.0),
         (second, 2, 2.0 / (3.0 * math.pi)),
@@ -212,14 +212,14 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
     ):
         assert line.order == pytest.approx(times * k, abs=0.5 / 30.0)
         assert line.amplitude == pytest.approx(share * sine, rel=5e-3)
-    assert found.rms("output_torque") == pytest.approx(sine * math.sqrt(0.25 - 1.0 / math.pi**2), rel=0.01)
+    assert result.rms("output_torque") == pytest.approx(sine * math.sqrt(0.25 - 1.0 / math.pi**2), rel=0.01)
 
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
 def test_pulse_of_a_planar_module_is_order_1_of_the_pinion_shaft(fmu, omega1):
     scene = held(1.0, omega1, **PLANAR, output_inertia=3.0)
-    found = studies.orders(scene, fmu, of="drive_angle", signals=["mesh_torque"], turns=8.0, end=0.9)
-    assert found.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
+    result = studies.orders(scene, fmu, of="drive_angle", signals=["mesh_torque"], turns=8.0, end=0.9)
+    assert result.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
     over_turns = studies.orders(scene, fmu, signals=["mesh_torque"], turns=6.0, end=0.9)
     order = over_turns.largest(1)["mesh_torque"][0].order
     # The shaft speeds up. Over turns of link 1 the order therefore moves away from 5/3.
@@ -227,12 +227,12 @@ def test_pulse_of_a_planar_module_is_order_1_of_the_pinion_shaft(fmu, omega1):
 
 
 def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
-    found = studies.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
-    twist = found.largest(1)["shaft_twist"][0]
+    result = studies.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
+    twist = result.largest(1)["shaft_twist"][0]
     assert twist.order == pytest.approx(5.0 / 3.0, rel=0.05)
     # The twist is largest during the run-up, the force at the top speed.
     assert 130.0 < twist.speed < 165.0
-    lines = found.largest(2)["shaking_force_y"]
+    lines = result.largest(2)["shaking_force_y"]
     assert {round(line.order, 1) for line in lines} == {1.0, 2.6}
     assert all(line.speed > 220.0 for line in lines)
 
@@ -246,7 +246,7 @@ def test_pulses_faster_than_the_steps_of_a_scene_are_recorded_in_shorter_ones(fm
     )
     assert coarse.step < 7e-4
     assert coarse.highest == pytest.approx(HARMONICS * 5.0 / 3.0, rel=1e-2)
-    line, reference = (found.largest(1)["output_torque"][0] for found in (coarse, fine))
+    line, reference = (result.largest(1)["output_torque"][0] for result in (coarse, fine))
     assert (line.low, line.high) == pytest.approx((reference.low, reference.high), abs=0.05)
     assert line.high == pytest.approx(5.0 / 3.0, abs=0.1)
     assert line.amplitude == pytest.approx(reference.amplitude, rel=0.05)
@@ -284,9 +284,9 @@ def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
     assert speed_unit(example("engine_launch")) == "rpm"
     assert speed_unit(example("orders")) == "rad/s"
     assert speed_unit(example("orders"), {"drive.final": "2000 rpm"}) == "rpm"
-    found = known(highest=8.0)
-    line = found.largest(1)["x"][0]
-    text = found.lines(1, speed_unit="rpm")["x"]["order 2.5"]
+    result = run_up(highest=8.0)
+    line = result.largest(1)["x"][0]
+    text = result.lines(1, speed_unit="rpm")["x"]["order 2.5"]
     assert text.endswith(f"at {line.speed * 30.0 / math.pi:.4g} rpm")
 
 
@@ -299,10 +299,10 @@ def test_constant_signals_are_omitted_unless_requested(fmu, tmp_path):
     # The heavy output moves a little.
     assert set(studies.orders(scene, fmu).amplitude) == swing | {"omega_out"}
     for in_hz, names in ((True, ["input_torque", "shaking_force_x", "omega1"]), (False, ["omega1"])):
-        found = studies.orders(scene, fmu, signals=names)
-        assert list(found.amplitude) == names
-        assert found.largest()["omega1"] == []
-        figure = order_figure(found, "title", in_hz)
+        result = studies.orders(scene, fmu, signals=names)
+        assert list(result.amplitude) == names
+        assert result.largest()["omega1"] == []
+        figure = order_figure(result, "title", in_hz)
         figure.savefig(tmp_path / "orders.png")
         drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
         # The figure omits the constant signals.
@@ -311,17 +311,17 @@ def test_constant_signals_are_omitted_unless_requested(fmu, tmp_path):
             assert drawn[-1].get_xlabel() == "frequency [Hz]"
         else:
             assert figure.texts[-1].get_text() == "all signals are constant"
-        assert read_columns(found.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * found.order.size
+        assert read_columns(result.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * result.order.size
 
 
 def test_run_up_from_rest_starts_with_the_rotation(fmu):
     ramp = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 100.0, "start": 0.5, "duration": 2.0}
     scene = held(2.5, **PLANAR).replaced(drive=ramp)
-    found = studies.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
+    result = studies.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
     # The middle of the first window is at 2 turns.
-    middle = 0.5 + np.sqrt(2.0 * math.tau * 2.0 * np.arange(1, found.time.size + 1) / 50.0)
-    assert found.time == pytest.approx(middle, abs=0.01)
-    assert found.largest(1)["mesh_torque"][0].order == pytest.approx(5.0 / 3.0, abs=0.1)
+    middle = 0.5 + np.sqrt(2.0 * math.tau * 2.0 * np.arange(1, result.time.size + 1) / 50.0)
+    assert result.time == pytest.approx(middle, abs=0.01)
+    assert result.largest(1)["mesh_torque"][0].order == pytest.approx(5.0 / 3.0, abs=0.1)
     torque = held(1.0, input_inertia=0.1, **PLANAR).replaced(
         drive={
             "kind": "torque_table",
@@ -337,21 +337,21 @@ def test_run_up_from_rest_starts_with_the_rotation(fmu):
 def test_components_of_the_bearing_force_are_two_circles(fmu, omega1):
     """Planar, link 2 at rest: the satellite orbits at omega1 and rotates at (1 + R0 / r) omega1."""
     scene = held(2.0, omega1, **PLANAR)
-    found = studies.orders(
+    result = studies.orders(
         scene, fmu, signals=["satellite_force_x", "satellite_force_y", "satellite_force_z"], turns=15.0
     )
     k, mass = PLANAR["sun_radius"] / PLANAR["satellite_radius"], scene.parameters().get("imbalance_mass", 1.0)
     expected = {1.0: mass * OMEGA1**2 * 0.16, 1.0 + k: mass * ((1.0 + k) * OMEGA1) ** 2 * 0.04}
-    assert found.largest()["satellite_force_x"] == []
+    assert result.largest()["satellite_force_x"] == []
     phases = []
     for axis in "yz":
-        lines = found.largest(2)[f"satellite_force_{axis}"]
+        lines = result.largest(2)[f"satellite_force_{axis}"]
         for line in lines:
             order = min(expected, key=lambda one: abs(one - line.order))
             assert line.order == pytest.approx(order, abs=0.02)
             assert line.amplitude == pytest.approx(expected[order], rel=5e-3)
         phases.append(next(line.phase for line in lines if line.order < 1.5))
-        assert found.units[f"satellite_force_{axis}"] == "N"
+        assert result.units[f"satellite_force_{axis}"] == "N"
     # The force rotates: its components differ by a quarter of a turn.
     assert abs(math.sin(phases[0] - phases[1])) == pytest.approx(1.0, abs=1e-3)
 
@@ -384,20 +384,20 @@ def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
     said = left("orders", scene, *options, "--to", "600 ms")
-    found = studies.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
-    first = found.largest()["input_torque"][0]
+    result = studies.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
+    first = result.largest()["input_torque"][0]
     assert f"order {first.order:.4g}" in said
-    told = json.loads((tmp_path / "summary.json").read_text())
-    assert told == json.loads(json.dumps(found.as_dict()))
-    assert told["signals"]["input_torque"]["largest"][0]["amplitude"] == first.amplitude
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary == json.loads(json.dumps(result.as_dict()))
+    assert summary["signals"]["input_torque"]["largest"][0]["amplitude"] == first.amplitude
     columns, units = read_columns(tmp_path / "orders.csv")
-    assert columns["input_torque"] == found.amplitude["input_torque"].tolist()
+    assert columns["input_torque"] == result.amplitude["input_torque"].tolist()
     assert units["input_torque"] == "N.m"
     rows, _ = read_columns(tmp_path / "waterfall.csv")
-    assert sorted(set(rows["time"])) == found.time.tolist()
+    assert sorted(set(rows["time"])) == result.time.tolist()
     assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
-    told_machines = json.loads(left("orders", scene, *options, "--to", "600 ms", "--json"))
-    assert told_machines["signals"] == told["signals"]
+    printed = json.loads(left("orders", scene, *options, "--to", "600 ms", "--json"))
+    assert printed["signals"] == summary["signals"]
     more = left("orders", scene, *options, "--to", "600 ms", "--mat", "--hz", "--signal", "shaking_force_x")
     assert "0 N, constant" in more
     assert "orders.mat" in more

@@ -57,7 +57,7 @@ def test_clock_runs_only_while_playing(page, opened):
 
 
 def test_slider_changes_the_run_like_simulate(page):
-    before = page.shown("omega_out")
+    before = page.column("omega_out")
     slider = page.page.get_by_role("slider", name="imbalance mass, kg")
     slider.focus()
     for _ in range(20):
@@ -67,7 +67,7 @@ def test_slider_changes_the_run_like_simulate(page):
     page.page.wait_for_function(
         "mass => inertiaModule.state().run.parameters.imbalance_mass === mass", arg=mass
     )
-    page.settled()
+    page.integrated()
     start = page.page.evaluate("inertiaModule.start.scene")
     expected = page.simulate(
         {
@@ -79,30 +79,30 @@ def test_slider_changes_the_run_like_simulate(page):
         }
     )
     for name in ("omega_out", "energy_in"):
-        assert page.shown(name).tolist() == expected[name]
-    assert np.abs(page.shown("omega_out") - before).max() > 0.5
+        assert page.column(name).tolist() == expected[name]
+    assert np.abs(page.column("omega_out") - before).max() > 0.5
 
 
 def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(page):
     """The drawn backlash is the angle that link 2 can turn back until the housing freewheel locks."""
-    assert (page.shown("omega2").min() >= -1e-9, np.abs(page.shown("energy_lost")).max()) == (True, 0.0)
+    assert (page.column("omega2").min() >= -1e-9, np.abs(page.column("energy_lost")).max()) == (True, 0.0)
     page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
     for which in ("housing", "output"):
         page.page.get_by_role("slider", name=f"{which} engagement angle, deg", exact=True).fill("200")
         assert page.page.locator(f"#set-{which}_engagement_angle").input_value() == "1.5"
-    parameters, angle = page.settled().state("run.parameters"), np.radians(1.5)
+    parameters, angle = page.integrated().state("run.parameters"), np.radians(1.5)
     assert parameters["housing_engagement_angle"] == parameters["output_engagement_angle"]
     assert parameters["output_engagement_angle"] == pytest.approx(angle)
-    omega2, lost = page.shown("omega2"), page.shown("energy_lost")
+    omega2, lost = page.column("omega2"), page.column("energy_lost")
     assert omega2.min() < -5.0
-    assert 1.0 - lost[-1] / page.shown("energy_in")[-1] < 0.9
-    assert page.shown("energy_lost_freewheel") == pytest.approx(lost, rel=1e-9)
+    assert 1.0 - lost[-1] / page.column("energy_in")[-1] < 0.9
+    assert page.column("energy_lost_freewheel") == pytest.approx(lost, rel=1e-9)
     # Both wheels of the drive have 20 teeth.
-    link2, holds = page.shown("theta1") - page.shown("q"), np.isin(page.shown("contact_mode"), (0, 3))
+    link2, holds = page.column("theta1") - page.column("q"), np.isin(page.column("contact_mode"), (0, 3))
     engaged = np.flatnonzero(holds[1:] & ~holds[:-1] & (omega2[:-1] < -5.0))[-1] + 1
     rows = slice(engaged - 3, engaged + 1)
     played = []
-    for time in page.shown("time")[rows]:
+    for time in page.column("time")[rows]:
         page.page.evaluate("time => inertiaModule.seek(time)", time)
         played.append(page.drawn().state("play.housing"))
     assert played == pytest.approx((link2[rows] - link2[engaged]) / angle, abs=0.1)
@@ -112,7 +112,7 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
     page.page.get_by_role("combobox", name="Curves", exact=True).first.select_option("losses")
     legend = page.drawn().page.locator(".panel .legend").first.inner_text()
     assert float(re.search(r"freewheel\s+(\S+)\s+W", legend)[1]) > 10.0
-    counts = [f"{page.shown(f'{which}_engagements')[-1]:.1f}" for which in ("housing", "output")]
+    counts = [f"{page.column(f'{which}_engagements')[-1]:.1f}" for which in ("housing", "output")]
     text = page.page.get_by_role("row", name="engagements per second").locator("td").first.inner_text()
     assert text == "/".join(counts)
 
@@ -123,9 +123,9 @@ def test_every_scene_of_the_page_is_accepted(page):
     for name in names:
         page.page.get_by_label("Scene", exact=True).select_option(name)
         page.page.wait_for_function("name => inertiaModule.state().settings.scene === name", arg=name)
-        page.settled()
+        page.integrated()
         assert page.state("error") == ""
-        assert np.isfinite(page.shown("omega_out")).all()
+        assert np.isfinite(page.column("omega_out")).all()
     assert page.errors == []
 
 
@@ -134,11 +134,11 @@ def test_imbalance_is_drawn_at_its_kernel_position(page):
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
     for scene in (askew, "planar", "real-bevel", "elastic"):
         page.at(f"#scene={scene}")
-        time, columns = page.shown("time"), np.array([page.shown(name) for name in POSITIONS])
+        time, columns = page.column("time"), np.array([page.column(name) for name in POSITIONS])
         for row in (1, len(time) // 3, len(time) - 1):
             follow = page.state("settings.shown.follow")
             page.page.keyboard.press("f")  # The frame changes between housing and link 1.
-            assert page.settled().state("settings.shown.follow") != follow
+            assert page.integrated().state("settings.shown.follow") != follow
             page.page.evaluate("time => inertiaModule.seek(time)", time[row])
             position = page.drawn().state("imbalance")
             assert position["drawn"] == pytest.approx(columns[:, row], abs=1e-6)
@@ -148,8 +148,8 @@ def test_imbalance_is_drawn_at_its_kernel_position(page):
 def test_clock_curves_and_switches_agree(page):
     time = scrub(page, "4321").state("time")
     assert time == pytest.approx(0.4321, rel=1e-3)
-    row = np.searchsorted(page.shown("time"), time, side="right") - 1
-    values = [page.shown(name)[row] for name in ("input_speed", "omega2", "omega_out")]
+    row = np.searchsorted(page.column("time"), time, side="right") - 1
+    values = [page.column(name)[row] for name in ("input_speed", "omega2", "omega_out")]
     printed = [float(text.replace("−", "-").split()[0]) for text in page.ask("legend")]
     assert printed == pytest.approx(values, abs=0.01)
     # The cursor of the curves is at this time; a click on the curves moves it.
@@ -161,7 +161,7 @@ def test_clock_curves_and_switches_agree(page):
     assert page.state("time") == pytest.approx(0.75, abs=0.01)
     # Steps go from switch to switch. A pulse can be repeated.
     scrub(page, "0")
-    switches = page.shown("time")[1:][np.diff(page.shown("contact_mode")) != 0]
+    switches = page.column("time")[1:][np.diff(page.column("contact_mode")) != 0]
     for expected in switches[:3]:
         page.press("Next freewheel switching event")
         assert page.state("time") == pytest.approx(expected, abs=1e-9)
@@ -176,30 +176,30 @@ def test_clock_curves_and_switches_agree(page):
 
 def test_link_restores_the_state_and_reports_invalid_values(page):
     set_field(page, "load_torque", "4.5")
-    page.settled()  # Slider positions are fractions of the finished part of the run.
+    page.integrated()  # Slider positions are fractions of the finished part of the run.
     page.page.get_by_label("cut-away").uncheck()
     page.page.get_by_label("Path of the unbalanced mass").select_option("fixed")
     scrub(page, "2500")
     page.page.wait_for_function(
         "location.hash.includes('t=0.25') && location.hash.includes('load_torque=4.5')"
     )
-    link, output = page.page.evaluate("location.hash"), page.shown("omega_out")
+    link, output = page.page.evaluate("location.hash"), page.column("omega_out")
     page.at(link)
     assert page.state("time") == pytest.approx(0.25)
     assert page.page.locator("#set-load_torque").input_value() == "4.5"
     assert not page.page.get_by_label("cut-away").is_checked()
     assert page.page.get_by_label("Path of the unbalanced mass").input_value() == "fixed"
-    assert (page.shown("omega_out") == output).all()
+    assert (page.column("omega_out") == output).all()
     assert page.state("hash") == link
     page.at("#load_torque=much&colour=red&omega1=90")
     assert page.page.locator(MESSAGE).inner_text() == (
         "unknown settings in the link: load_torque=much, colour=red"
     )
-    assert page.shown("input_speed")[-1] == 90.0
+    assert page.column("input_speed")[-1] == 90.0
 
 
 def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
-    good = page.shown("omega_out")
+    good = page.column("omega_out")
     page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
     for name, text, sentence in (
         ("imbalance_mass", "-3", "imbalance_mass must be between 0 and 100000 kg (got -3)"),
@@ -209,7 +209,7 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
         set_field(page, name, text)
         page.page.wait_for_function(f"document.querySelector('{MESSAGE}').textContent !== ''")
         assert page.page.locator(MESSAGE).inner_text() == sentence
-        assert (page.shown("omega_out") == good).all()
+        assert (page.column("omega_out") == good).all()
         page.press("Reset")
         page.page.wait_for_function(f"document.querySelector('{MESSAGE}').textContent === ''")
     assert page.errors == []
@@ -217,7 +217,7 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
 
 def test_keyboard_works(page):
     keys = page.page.keyboard
-    time = page.shown("time")
+    time = page.column("time")
     keys.press("ArrowRight")
     keys.press("ArrowRight")
     assert page.state("time") == time[2]
@@ -251,7 +251,7 @@ def test_keyboard_works(page):
 def test_files_of_the_run_and_the_scene(page):
     set_field(page, "load_torque", "4.5")
     page.page.get_by_label("layout", exact=True).select_option("planar")
-    page.settled()
+    page.integrated()
     with page.page.expect_download() as table:
         page.page.get_by_role("button", name="CSV").click()
     with page.page.expect_download() as scene:
@@ -259,7 +259,7 @@ def test_files_of_the_run_and_the_scene(page):
     heading, *rows = Path(table.value.path()).read_text().splitlines()
     assert heading.startswith("time [s],omega2 [rad/s],omega_out [rad/s]")
     assert len(rows) == 2001
-    assert [float(row.split(",")[2]) for row in rows] == page.shown("omega_out").tolist()
+    assert [float(row.split(",")[2]) for row in rows] == page.column("omega_out").tolist()
     file = Path(scene.value.path())
     read = load_scene(file)
     assert tomllib.loads(file.read_text())["mechanism"] == {"layout": "planar"}
@@ -332,7 +332,7 @@ def test_first_picture_and_frames_are_quick(browser, written):
             metrics = session.send("Performance.getMetrics")["metrics"]
             return next(metric["value"] for metric in metrics if metric["name"] == what)
 
-        opened = Opened(page, written(REFERENCE)).settled()
+        opened = Opened(page, written(REFERENCE)).integrated()
         assert spent("TaskDuration") < 1.5
         page.wait_for_timeout(2000)
         before = spent("ScriptDuration")
@@ -527,7 +527,7 @@ def test_run_too_coarse_for_its_pulses_shows_means_and_dots_instead_of_curves(op
     assert value == now
     assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
     page.page.get_by_label("Scene", exact=True).select_option("reference")
-    page.settled()
+    page.integrated()
     assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
 
 

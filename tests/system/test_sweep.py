@@ -51,7 +51,7 @@ def scene():
     return load_scene(REFERENCE, {"run.communication_step": "5 ms"}).replaced(**SHORT)
 
 
-def told(rows):
+def without_cost(rows):
     """Return the rows without their cost."""
     return [row._replace(cost=0.0) for row in rows]
 
@@ -63,7 +63,7 @@ def evaluated(read, fmu, points):
 
 
 @pytest.fixture(scope="module")
-def found(scene, fmu, cluster, tmp_path_factory):
+def cluster_sweep(scene, fmu, cluster, tmp_path_factory):
     """Return the result of the sweep on the cluster."""
     folder = tmp_path_factory.mktemp("sweep")
     return studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
@@ -87,24 +87,24 @@ def test_sequential_instances_agree_with_run_scene(scene, fmu):
     assert rows[1].metrics == rows[-1].metrics
 
 
-def test_manually_started_cluster_gives_the_same_table_with_rejections(scene, found, fmu):
-    assert len(found.rows) == 32 == found.new
-    assert told(found.rows) == told(evaluated(scene, fmu, grid(axes_of(VARY, scene))))
-    assert len(found.refused) == 8
-    for row in found.refused:
+def test_manually_started_cluster_gives_the_same_table_with_rejections(scene, cluster_sweep, fmu):
+    assert len(cluster_sweep.rows) == 32 == cluster_sweep.new
+    assert without_cost(cluster_sweep.rows) == without_cost(evaluated(scene, fmu, grid(axes_of(VARY, scene))))
+    assert len(cluster_sweep.refused) == 8
+    for row in cluster_sweep.refused:
         assert "housing_freewheel" in row.refused
         assert row.metrics == {}
         assert row.point["mechanism.housing_freewheel"] == "false"
         assert row.point["mechanism.fidelity"] == "averaged"
-    assert all(row.metrics["energy_in"] > 0.0 for row in found.rows if not row.refused)
+    assert all(row.metrics["energy_in"] > 0.0 for row in cluster_sweep.rows if not row.refused)
 
 
-def test_completed_points_are_not_repeated(scene, fmu, found):
-    folder = found.files["csv"].parent
+def test_completed_points_are_not_repeated(scene, fmu, cluster_sweep):
+    folder = cluster_sweep.files["csv"].parent
     # The address has no scheduler: the sweep needs no worker.
     again = studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
-    assert again.rows == found.rows
+    assert again.rows == cluster_sweep.rows
     other = scene.replaced(run={"stop_time": 0.2})
     with pytest.raises(InertiaModuleError, match="another scene"):
         studies.sweep(other, VARY, output=folder, fmu=fmu)
@@ -185,10 +185,10 @@ def test_killed_client_loses_no_results(slow_scene, fmu, cluster, tmp_path):
     client.wait()
     done = sum(len(json.loads(line)["rows"]) for line in journal.read_text().split("\n")[1:-1])
     assert 0 < done < 60
-    found = studies.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
-    assert found.new == 60 - done
-    assert len(found.rows) == 60
-    assert not found.refused
+    result = studies.sweep(slow_scene, SLOW, output=tmp_path / "out", fmu=fmu, scheduler=cluster.address)
+    assert result.new == 60 - done
+    assert len(result.rows) == 60
+    assert not result.refused
 
 
 def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
@@ -200,14 +200,14 @@ def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
         if victims:
             os.kill(victims.pop().pid, signal.SIGKILL)
 
-    found = studies.sweep(
+    result = studies.sweep(
         slow_scene, SLOW, output=tmp_path, fmu=fmu, scheduler=cluster.address, progress=kill_worker
     )
     assert not victims
-    assert len(found.rows) == 60 == found.new
-    assert not found.refused
-    some = found.rows[::20]
-    assert told(some) == told(evaluated(slow_scene, fmu, [row.point for row in some]))
+    assert len(result.rows) == 60 == result.new
+    assert not result.refused
+    some = result.rows[::20]
+    assert without_cost(some) == without_cost(evaluated(slow_scene, fmu, [row.point for row in some]))
 
 
 # --- clusters with errors, scripts, Ctrl-C ---
@@ -359,19 +359,20 @@ def test_front_contains_all_best_designs_within_the_limits(designs):
 
 def test_designs_of_a_seed_do_not_depend_on_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
     two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
-    assert told(two.rows) == told(designs.rows)
-    assert told(one.checked for one in two.finalists) == told(one.checked for one in designs.finalists)
+    assert without_cost(two.rows) == without_cost(designs.rows)
+    checked, expected = ([finalist.checked for finalist in result.finalists] for result in (two, designs))
+    assert without_cost(checked) == without_cost(expected)
 
 
 def test_design_is_written_as_a_scene_that_reproduces_its_values(designs, fmu):
-    for number, one in enumerate(designs.finalists, 1):
-        read, text = load_scene(one.file), one.file.read_text()
-        assert read.tables == one.scene.tables
+    for number, finalist in enumerate(designs.finalists, 1):
+        read, text = load_scene(finalist.file), finalist.file.read_text()
+        assert read.tables == finalist.scene.tables
         assert read.mechanism.fidelity == 2.0
-        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.metrics["omega_out_final"]
+        assert run_scene(read, fmu).summary["omega_out_final"] == finalist.checked.metrics["omega_out_final"]
         assert 'layout = "planar"' in text
         assert f'title = "A light module: design {number}"' in text
-        point = one.searched.point
+        point = finalist.searched.point
         assert f'eccentricity = "{point["mechanism.eccentricity"]!r} m"' in text
         assert f"satellites = {int(point['mechanism.satellites'])}\n" in text
         assert 'stop_time = "0.5 s"' in text
@@ -404,16 +405,16 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
 def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cluster, tmp_path):
     """With each seed, the first generation meets no limits, although valid designs exist."""
     # The limit is far from the first generation, but within the ranges.
-    far = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
+    distant_limit = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
-        keys = [*far, f"search.seed={seed}"]
-        found = studies.design(
+        keys = [*distant_limit, f"search.seed={seed}"]
+        result = studies.design(
             read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
         )
-        assert found.chosen, seed
-        assert len(found.rows) > 12
-        assert not found.cut
-    short = read_spec(spec, keys_of_texts([*far, "search.seed=1", "search.longest=0.001 ms"]))
+        assert result.chosen, seed
+        assert len(result.rows) > 12
+        assert not result.cut
+    short = read_spec(spec, keys_of_texts([*distant_limit, "search.seed=1", "search.longest=0.001 ms"]))
     cut = studies.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
@@ -423,19 +424,19 @@ def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cl
 def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_path):
     """The second search in a folder reads the results of the first."""
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
-    given = [[], [*short, "search.seed=7"]]
+    searches = [[], [*short, "search.seed=7"]]
     long, brief = (
         studies.design(
             read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
         )
-        for keys in given
+        for keys in searches
     )
-    told = "dominated by another search"
-    assert not any(told in one.doubts for one in long.finalists)
-    worse = [one for one in brief.finalists if told in one.doubts]
+    doubt = "dominated by another search"
+    assert not any(doubt in one.doubts for one in long.finalists)
+    worse = [one for one in brief.finalists if doubt in one.doubts]
     assert worse
-    assert worse[0].doubts[told].startswith("a better design has ")
-    assert f"caveat: {told}" in brief.lines(worse[0])
+    assert worse[0].doubts[doubt].startswith("a better design has ")
+    assert f"caveat: {doubt}" in brief.lines(worse[0])
 
 
 def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
@@ -443,10 +444,10 @@ def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
     lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
-        found = studies.design(
+        result = studies.design(
             read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
         )
-        assert bool(found.chosen) == (starts == 50)
+        assert bool(result.chosen) == (starts == 50)
 
 
 def test_unknown_figure_is_rejected(spec, fmu, cluster, tmp_path):

@@ -20,7 +20,7 @@ SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS | PLAY).item
 SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1, "windage": 1e-4}
 
 
-def told():
+def documented():
     """Return the table: the statement about each parameter, by name of the level."""
     lines = PAGE.read_text().partition("| parameter | ")[2].partition("\n\n")[0].splitlines()
     levels = [head.strip() for head in lines[0].strip("| ").split(" | ")]
@@ -41,7 +41,7 @@ def ends(level, by_torque, **losses):
     return [module[name] for name in ("energy_in", "energy_lost", "input_torque_mean", "omega_out")]
 
 
-def found(level, name, by_torque=False):
+def effect(level, name, by_torque=False):
     """Return the effect of a parameter at a level: yes, no or rejected."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
@@ -51,18 +51,18 @@ def found(level, name, by_torque=False):
 
 
 def test_every_parameter_is_documented_at_every_level():
-    table = told()
+    table = documented()
     assert table.keys() == SIZES.keys()
     assert all([*cells] == [level.name for level in LEVELS] for cells in table.values())
 
 
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
 def test_levels_have_the_losses_of_the_page(level):
-    for name, cells in told().items():
+    for name, cells in documented().items():
         cell = cells[level.name]
-        assert found(level, name) == cell, name
+        assert effect(level, name) == cell, name
         if level.fidelity != KINEMATIC:
-            assert found(level, name, by_torque=True) == cell, name
+            assert effect(level, name, by_torque=True) == cell, name
 
 
 # --- effects of gravity and satellite inertia: page, table and module agree ---
@@ -93,5 +93,5 @@ def test_table_agrees_with_the_module(study):
     ideal = study.measured(50.0, 0.2, **mechanism)
     for cause, added in ((study.GRAVITY, {"gravity": 9.81}), (study.INERTIA, body)):
         _, ratio, _, omega1, *changes = next(line for line in lines if line[:3] == ["planar", "0.2", cause])
-        found = study.measured(float(omega1), float(ratio), **mechanism, **added) / ideal - 1.0
-        assert found == pytest.approx(np.array(changes, dtype=float), abs=2e-4)
+        effect = study.measured(float(omega1), float(ratio), **mechanism, **added) / ideal - 1.0
+        assert effect == pytest.approx(np.array(changes, dtype=float), abs=2e-4)

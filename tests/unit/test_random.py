@@ -29,7 +29,7 @@ def motions(level, count, losses=False):
     return list(itertools.islice((motion for motion in drawn if motion.level == level), count))
 
 
-def found():
+def campaign_motions():
     """Return motions from campaigns, with most switches, by kind of failure, or by seed and number."""
     place = Path(__file__).with_name("found.csv")
     with place.open(encoding="utf-8", newline="") as file:
@@ -48,7 +48,7 @@ def found():
             yield pytest.param(motion, 1000, id=f"{more}-{seed}-{number}")
 
 
-@pytest.mark.parametrize("motion, switches", list(found()))
+@pytest.mark.parametrize("motion, switches", list(campaign_motions()))
 def test_fixed_failures_stay_fixed(compiled, motion, switches):
     finding = examine(motion, lambda: Module(compiled))
     assert not finding.failed, finding.metrics

@@ -66,8 +66,8 @@ def test_at_most_three_figures_have_a_goal(read):
 
 def row(torque, speed, mass):
     metrics = {"stall_torque": torque, "omega_out_final": speed, "total_imbalance_mass": mass}
-    known = {name: value for name, value in metrics.items() if value is not None}
-    return Row({"mass": mass}, known, 0.0)
+    metrics_of_row = {name: value for name, value in metrics.items() if value is not None}
+    return Row({"mass": mass}, metrics_of_row, 0.0)
 
 
 def test_designs_are_judged_in_the_units_of_their_figures(read):
@@ -247,10 +247,10 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     assert "no improvement in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "search.longest = 600 s ended the search" in verdict([short], [], True, {}).verdict()
     # A rejected design is never the nearest design, even if all others are far from the limits.
-    far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
+    distant, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
-    assert judge.beyond(far) > judge.beyond(refused)
-    none = DesignResult(judge, [refused, far], [], [], 2, {}, Searched([], [], False)).verdict()
+    assert judge.beyond(distant) > judge.beyond(refused)
+    none = DesignResult(judge, [refused, distant], [], [], 2, {}, Searched([], [], False)).verdict()
     assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
 
 
