@@ -357,6 +357,7 @@ def test_front_contains_all_best_designs_within_the_limits(designs):
     assert "; tightest in design 1: " in verdict
 
 
+@pytest.mark.slow
 def test_designs_of_a_seed_do_not_depend_on_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
     two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert told(two.rows) == told(designs.rows)
@@ -401,6 +402,7 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
     assert "(limit: at least 2000 N.m)" in stopped.verdict()
 
 
+@pytest.mark.slow
 def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cluster, tmp_path):
     """Whatever the seed: after one generation no design meets all limits, and there are some."""
     # far from what the first generation has, within what the ranges allow
@@ -420,6 +422,7 @@ def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cl
     assert "search.longest = 1e-06 s ended the search" in cut.verdict()
 
 
+@pytest.mark.slow
 def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_path):
     """The second of two searches in a folder knows what the first found."""
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
@@ -438,6 +441,7 @@ def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_
     assert f"caveat: {told}" in brief.lines(worse[0])
 
 
+@pytest.mark.slow
 def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
     """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
     lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
