@@ -609,6 +609,7 @@ def test_entities_in_experiments_are_a_problem(fmu, case):
     ]
 
 
+@pytest.mark.slow
 def test_invalid_fmu_is_an_error_in_a_line(tmp_path, cache):
     pipe, text, empty, plain = (tmp_path / name for name in ("pipe", "text", "empty.fmu", "plain.fmu"))
     os.mkfifo(pipe)

@@ -147,7 +147,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
     done = succeeded("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
     found = json.loads(done.stdout)
     assert found["recommendation"]["chosen"]["error"] <= 0.01
-    assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
+    assert found["recommendation"]["request"] == {"error": 0.01, "outputs": ["omega_out"]}
     settings = {(row["fidelity"], row["method"], row["setting"]) for row in found["rows"]}
     assert {("averaged", "", "map"), ("rigid", "", "tolerance 1e-05")} <= settings
     rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()

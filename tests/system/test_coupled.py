@@ -1,4 +1,4 @@
-"""Test an engine coupled to the FMU by speed and by torque: stability, order, energy, reference."""
+"""An engine in front of the FMU, by speed and by torque: limits, orders, energy, an independent reference."""
 
 import csv
 import math
@@ -20,29 +20,30 @@ from tests.system.programs import DOCS
 
 TABLE = DOCS / "verification" / "coupling_map.csv"
 SAMPLE = 5e-3
-# kg.m2. Nearly all of the inertia belongs to link 1 and does not change with the angle.
+# kg.m2, nearly all of it on link 1, so that it does not change with the angle
 INTERFACE = 0.1
 PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
 SPEED, TORQUE_STEP = 100.0, 1.0
 
 
-one_piece = study.one_piece
+monolithic = study.monolithic
 
 
 @cache
 def reference(name, ratio):
-    """Return the monolithic solution of a case, which takes seconds."""
-    return one_piece(study.CASES[name](ratio))
+    """Course of a case in one piece, which takes seconds."""
+    return monolithic(study.CASES[name](ratio))
 
 
-# --- stability limit of the added mass, on a module that is almost only an inertia ---
+# --- the added-mass limit, on a module that is an inertia and little else ---
 
 
 def characteristic(scheme, r, rho):
-    """Return the polynomial of the growth per step, highest power first; momentum is conserved.
+    """Return the polynomial of the growth per step of any length, highest power first.
 
-    u and m are changes of speed of engine and module, with (1 + rho) u = (rho - r) m and r = Phi/J_E. The
-    engine assumes the inertia rho J_E. m is u of the previous step, or 2 u - u along a ramp.
+    u and m are the speed changes of engine and module: (1 + rho) u = (rho - r) m, with r = Phi/J_E and rho
+    the inertia of the scheme over J_E. m is u of the previous step, or 2 u minus u of the step before along a
+    ramp.
     """
     return {
         Scheme.JACOBI: (1.0, 0.0, r),
@@ -53,7 +54,7 @@ def characteristic(scheme, r, rho):
 
 
 def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
-    """Return the changes of the engine speed in each step after a torque step; stop at divergence."""
+    """Changes of the engine's speed, step by step, after a step of torque; cut off where they are absurd."""
     inertia = INTERFACE / ratio
     still = driveline.Governor(0.0, 0.0, 1e9)
     engine = Engine(inertia, driveline.EngineMap((0.0,), (1e6,), (1e6,)), still, SPEED, SPEED, TORQUE_STEP)
@@ -70,7 +71,7 @@ def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
 @pytest.mark.parametrize(
     "scheme, share, ratio, step, stable",
     [
-        # Assumed inertia relative to the interface inertia. The limit does not depend on the step.
+        # inertia of the scheme over the interface inertia; shorter steps do not change the limit
         *(
             (scheme, share, ratio, step, ratio < 1.0)
             for scheme, share in (
@@ -81,7 +82,7 @@ def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
             for ratio in (0.3, 0.95, 1.05, 3.0)
             for step in (1e-5, 5e-3)
         ),
-        # These schemes have no limit.
+        # there is none
         *(
             (Scheme.INERTIA, share, ratio, 1e-3, True)
             for share in (0.75, 1.0)
@@ -95,7 +96,7 @@ def test_changes_of_speed_follow_the_characteristic_polynomial_to_either_side_of
 ):
     polynomial = np.array(characteristic(scheme, ratio, share * ratio))
     changes = np.array(speed_changes(scheme, ratio, step, fmu, share, 12)[:12])
-    # An error of the module torque affects a small engine more.
+    # an error of the module's torque moves a small engine the more
     unrest, rounding = np.diff(changes), 1e-5 * np.abs(changes).min() * max(1.0, 0.01 * ratio)
     for n in range(4, unrest.size - polynomial.size):
         window = unrest[n : n + polynomial.size][::-1]
@@ -112,11 +113,11 @@ def test_speed_changes_approach_the_response_of_the_total_inertia(fmu, scheme):
 
 
 def test_interface_inertia_equals_a_rolling_satellite():
-    """With a fixed wheel, the imbalance rotates about the contact point at (1 + k) omega1."""
+    """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
-    found = driveline.interface_inertia(study.URBAN_MODULE)
-    assert found.minimum == pytest.approx(turned * 0.02**2, rel=1e-12)
-    assert found.maximum == pytest.approx(turned * 0.10**2, rel=1e-12)
+    interface = driveline.interface_inertia(study.URBAN_MODULE)
+    assert interface.minimum == pytest.approx(turned * 0.02**2, rel=1e-12)
+    assert interface.maximum == pytest.approx(turned * 0.10**2, rel=1e-12)
 
 
 # --- accuracy ---
@@ -125,19 +126,19 @@ def test_interface_inertia_equals_a_rolling_satellite():
 @pytest.mark.parametrize("name, ratio, close", [("planar", 0.5, 1.9e-5), ("bevel", 5.0, 1e-4)])
 def test_coupling_converges_to_the_monolithic_reference(fmu, name, ratio, close):
     case, expected = study.CASES[name](ratio), reference(name, ratio)
-    # The torque-driven steps end at the samples.
+    # by torque in steps that meet the samples
     by_torque = [(None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)]
     for scheme, step, bound in [(Scheme.IMPLICIT, 1e-4, close), *by_torque]:
-        found = course(case, scheme, step, fmu, 1e-10)
-        assert np.abs(found.omega1 - expected.omega1).max() < bound * case.speed
-        assert np.abs(found.omega_out - expected.omega_out).max() < bound * expected.omega_out.max()
-        assert found.work == pytest.approx(expected.work, rel=bound)
-        assert abs(found.ledger.defect) < bound * expected.work
+        actual = course(case, scheme, step, fmu, 1e-10)
+        assert np.abs(actual.omega1 - expected.omega1).max() < bound * case.speed
+        assert np.abs(actual.omega_out - expected.omega_out).max() < bound * expected.omega_out.max()
+        assert actual.work == pytest.approx(expected.work, rel=bound)
+        assert abs(actual.ledger.defect) < bound * expected.work
 
 
 def test_torque_driven_steps_between_samples_delay_the_speed(fmu):
     steps, expected = (2e-3, 1e-2, 2e-2), reference("planar", 0.5)
-    errors = [trial(planar(0.5), TORQUE, step, expected, fmu).worst for step in steps]
+    errors = [trial(planar(0.5), TORQUE, step, expected, fmu).max_error for step in steps]
     assert 1e-4 < errors[0] < errors[1] < errors[2]
 
 
@@ -154,14 +155,14 @@ def test_engine_work_equals_the_sum_of_all_energies(fmu, scheme, step, loss):
         for _ in range(round(0.6 / step)):
             coupled.advance(step)
         names = ("energy_out", "energy_lost", "energy_in", "energy_residual", "engine_work_in", "bond_defect")
-        out, lost, given, residual, worked, defect = coupled.read(names)
-        left = worked - out - lost - (coupled.energy_stored - before)
-        assert left == pytest.approx(defect, abs=1e-5 * worked)
-        assert abs(residual) < 1e-7 * worked
-        assert abs(defect) < loss * worked
-        if scheme is None:  # The torque-driven coupling has no rotor.
-            assert worked == pytest.approx(given, rel=1e-12)
-            assert abs(left) < 1e-7 * worked
+        out, lost, energy_in, residual, work, defect = coupled.read(names)
+        difference = work - out - lost - (coupled.energy_stored - before)
+        assert difference == pytest.approx(defect, abs=1e-5 * work)
+        assert abs(residual) < 1e-7 * work
+        assert abs(defect) < loss * work
+        if scheme is None:  # by torque no rotor is in between
+            assert work == pytest.approx(energy_in, rel=1e-12)
+            assert abs(difference) < 1e-7 * work
 
 
 def test_torque_driven_engine_has_the_speed_of_link_1_and_respects_its_map(fmu):
@@ -174,14 +175,14 @@ def test_torque_driven_engine_has_the_speed_of_link_1_and_respects_its_map(fmu):
                 coupled.advance(SAMPLE)
                 torques.append(coupled.read(("engine_torque", "drive_torque")))
         names = ("engine_speed", "input_speed", "engine_angle", "input_angle", "input_turns", "engine_energy")
-        speed, given, angle, rest, turns, energy = coupled.read(names)
-        assert speed == given
+        speed, torque_now, angle, rest, turns, energy = coupled.read(names)
+        assert speed == torque_now
         assert angle == pytest.approx(rest + 2.0 * math.pi * turns, rel=1e-12)
         assert energy == pytest.approx(0.5 * case.engine().inertia * speed**2, rel=1e-12)
         assert coupled.ledger.cost == 200
-    found = np.array(torques)
-    assert found[:, 1] == pytest.approx(found[:, 0], rel=1e-12)
-    assert (found[:, 0].max(), found[:, 0].min()) == (200.0, -20.0)
+    torque_values = np.array(torques)
+    assert torque_values[:, 1] == pytest.approx(torque_values[:, 0], rel=1e-12)
+    assert (torque_values[:, 0].max(), torque_values[:, 0].min()) == (200.0, -20.0)
 
 
 def test_a_plant_in_substeps_is_a_plant_in_steps(fmu):
@@ -202,21 +203,23 @@ def test_a_plant_in_substeps_is_a_plant_in_steps(fmu):
 def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheapest(
     fmu, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(study, "one_piece", lambda case: reference(case.name, case.ratio))
+    monkeypatch.setattr(study, "monolithic", lambda case: reference(case.name, case.ratio))
     rows = study.coupling_map(fmu, quick=True)
-    told = {tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)}
+    table = {
+        tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)
+    }
     for row in (row for row in rows if row.step == 1e-3):
-        of_page = told[row.case, f"{row.ratio:g}", row.scheme, f"{row.step:g}"]
+        of_page = table[row.case, f"{row.ratio:g}", row.scheme, f"{row.step:g}"]
         assert of_page["stable"] == str(row.stable)
         for column in ("speed_error", "output_error", "energy_error", "cost") if row.stable else ():
             assert float(of_page[column]) == pytest.approx(getattr(row, column), rel=0.02, abs=1e-6)
-    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.worst)
+    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.max_error)
     assert [row.scheme for row in fine] == [TORQUE, *reversed(SCHEMES)]
-    found = {(row.scheme, row.step): row for row in rows}
-    by_torque, implicit = found[TORQUE, SAMPLE], found["implicit ramp", 1e-3]
-    assert max(row.worst for (scheme, _), row in found.items() if scheme == TORQUE) < 1e-7
+    by_scheme = {(row.scheme, row.step): row for row in rows}
+    by_torque, implicit = by_scheme[TORQUE, SAMPLE], by_scheme["implicit ramp", 1e-3]
+    assert max(row.max_error for (scheme, _), row in by_scheme.items() if scheme == TORQUE) < 1e-7
     assert implicit.cost >= 20 * by_torque.cost
-    assert implicit.worst > 1e3 * by_torque.worst
+    assert implicit.max_error > 1e3 * by_torque.max_error
     written = study.write_part(tmp_path, "map", rows)
     assert all(Path(file).stat().st_size > 500 for file in written.values())
     again = read_rows(tmp_path / "coupling_map.csv")
@@ -227,13 +230,13 @@ def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheape
 
 
 def read_rows(path):
-    """Return the rows by heading without the unit."""
+    """Rows by heading, without its unit."""
     with path.open(newline="") as file:
         headings, *rows = csv.reader(file)
     return [dict(zip((heading.split(" [")[0] for heading in headings), row, strict=True)) for row in rows]
 
 
-# Pulse durations of the cases of the map, s.
+# a pulse, s, of the cases of the map
 PULSES = {"planar": 0.019, "bevel": 0.037}
 
 
@@ -251,7 +254,7 @@ def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_p
         row
         for row in read_rows(TABLE)
         if row["scheme"] == scheme and float(row["ratio"]) <= ratio
-        # Use the nearest step of the map.
+        # to the step of the map next to it
         if float(row["step"]) <= 1.1 * share * PULSES[row["case"]]
     ]
     assert {row["case"] for row in rows} == set(PULSES)
@@ -262,8 +265,8 @@ def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_p
 
 @pytest.mark.parametrize("name, order", [*zip(SCHEMES, (1.0, 1.0, 2.0, 2.0), strict=True)])
 def test_error_falls_with_the_order_of_the_scheme_in_the_rows_of_the_page(name, order):
-    wanted = {"case": "planar", "ratio": "0.3", "scheme": name}
-    rows = [row for row in read_rows(TABLE) if wanted.items() <= row.items()]
+    key = {"case": "planar", "ratio": "0.3", "scheme": name}
+    rows = [row for row in read_rows(TABLE) if key.items() <= row.items()]
     errors = {float(row["step"]): float(row["output_error"]) for row in rows}
     assert math.log(errors[1e-3] / errors[2e-4]) / math.log(5.0) > 0.85 * order
 
@@ -273,20 +276,20 @@ def test_error_falls_with_the_order_of_the_scheme_in_the_rows_of_the_page(name, 
 
 def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu):
     scene = study.urban_scene()
-    found = study.urban_run(scene, fmu, TORQUE, 2, stop_time=20.0)
-    assert abs(found.residual) < 1e-6
-    assert found.outside == 0.0
-    assert found.cost == pytest.approx(200.0)
+    run = study.urban_run(scene, fmu, TORQUE, 2, stop_time=20.0)
+    assert abs(run.residual) < 1e-6
+    assert run.outside == 0.0
+    assert run.cost == pytest.approx(200.0)
     assert abs(study.urban_run(scene, fmu, "implicit ramp", 5, stop_time=20.0).residual) < 1e-3
     assert abs(study.urban_run(scene, fmu, "mean module first held", 1, stop_time=20.0).residual) > 0.05
 
 
-# --- errors ---
+# --- rejections ---
 
 
 def test_parameters_add_the_rotor_to_link_1():
-    found = driveline.torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
-    assert found == {"z2": 30.0, "input_inertia": pytest.approx(0.15), "drive": 1.0}
+    parameters = driveline.torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
+    assert parameters == {"z2": 30.0, "input_inertia": pytest.approx(0.15), "drive": 1.0}
 
 
 @pytest.mark.parametrize("name", study.COUPLINGS)

@@ -357,6 +357,7 @@ def test_front_contains_all_best_designs_within_the_limits(designs):
     assert "; tightest in design 1: " in verdict
 
 
+@pytest.mark.slow
 def test_designs_of_a_seed_do_not_depend_on_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
     two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert without_cost(two.rows) == without_cost(designs.rows)
@@ -402,6 +403,7 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
     assert "(limit: at least 2000 N.m)" in stopped.verdict()
 
 
+@pytest.mark.slow
 def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cluster, tmp_path):
     """With each seed, the first generation meets no limits, although valid designs exist."""
     # The limit is far from the first generation, but within the ranges.
@@ -421,6 +423,7 @@ def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cl
     assert "search.longest = 1e-06 s ended the search" in cut.verdict()
 
 
+@pytest.mark.slow
 def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_path):
     """The second search in a folder reads the results of the first."""
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
@@ -439,6 +442,7 @@ def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_
     assert f"caveat: {doubt}" in brief.lines(worse[0])
 
 
+@pytest.mark.slow
 def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
     """A start with few light designs may stall; another start then reaches a valid design."""
     lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
