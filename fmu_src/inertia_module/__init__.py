@@ -30,7 +30,7 @@ PUBLIC = {
     "load_scene": "scene",
     "orders": "studies.order_analysis",
     "run_scene": "scene",
-    "scene_figure": "figures.scenes",
+    "scene_figure": "plots.scenes",
     "sweep": "studies.parameter_sweep",
     "torque_converter_chart": "analysis.converter_chart",
 }

@@ -31,7 +31,7 @@ ENDS = {
     "by an error": ("1 / 0", 1),
     "by sys.exit": ("import sys; sys.exit(3)", 3),
     "by os._exit": ("import os; os._exit(4)", 4),
-    "as the command does": ("import inertia_module.cli as cli; cli.app = lambda: None; cli.main()", 0),
+    "as the command does": ("import inertia_module.cli.program as p; p.app = lambda: None; p.main()", 0),
     "with a process forked from it": (FORK.format("fmus[0].advance, args=(0.01,)") + "child.join()", 0),
     "a forked one": (FORK.format("Fmu, args=(other,)") + "child.join()", 0),
     "with a pool of forked ones": (POOL.format("fork"), 0),
@@ -39,7 +39,7 @@ ENDS = {
 }
 # it waits until a signal ends it
 WAITS = (
-    "import sys, time, inertia_module.cli as cli;"
+    "import sys, time, inertia_module.cli.program as cli;"
     "cli.app = lambda: (print('ready', flush=True), time.sleep(60)); cli.main()"
 )
 

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,8 +15,8 @@ from refused import REFUSED
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from inertia_module import __version__
-from inertia_module.cli import app, show
+from inertia_module import PUBLIC, __version__
+from inertia_module.cli import app, options, show, studies
 from inertia_module.common.errors import Refused
 from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
@@ -25,6 +26,9 @@ from inertia_module.fmi.results import Result
 from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
+from inertia_module.interface.variables import ENUMERATIONS
+from inertia_module.scene.keys import AUTO
+from inertia_module.studies.order_analysis import BASES
 from tests.packed import with_words
 from tests.system.programs import command, is_one_line, process, succeeded
 
@@ -66,6 +70,15 @@ def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
     assert told["summary"]["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
     assert told["summary"]["rhs_evaluations"] > 0
     assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")
+    title, speed = done.stdout.splitlines()[:2]
+    assert re.fullmatch(r"R1: a bevel inertia module starts a flywheel +0\.1 s, rigid", title)
+    assert speed.startswith("  Speed       input 100 rad/s   output at the end 3.45 rad/s")
+
+
+def test_run_prints_every_metric_with_all(workshop, tmp_path):
+    done = succeeded("run", *SHORT, "--all", "-o", tmp_path / "out", folder=workshop)
+    metrics = json.loads((tmp_path / "out" / "summary.json").read_text())["summary"]
+    assert len(re.findall("^│", done.stdout, re.MULTILINE)) == len(metrics)
     assert "final output speed" in done.stdout
 
 
@@ -73,7 +86,8 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
     auto = ("--fidelity", "auto", "--error", "5 %")
     done = succeeded("run", *SHORT, *auto, "-o", tmp_path / "out", folder=workshop)
     for words in ("chosen: ", "requested 0.05", "next level: "):
-        assert words in done.stdout
+        assert words in " ".join(done.stdout.split())
+    assert max(map(len, done.stdout.splitlines()[:-2])) <= 80
     choice = json.loads((tmp_path / "out" / "summary.json").read_text())["fidelity_choice"]
     assert choice["chosen"]["error"] <= 0.05
     # every output of the module is wanted: only a level with pulses has them
@@ -83,14 +97,18 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
 def test_run_warns_of_a_mechanism_that_cannot_be_built_and_runs_it(workshop, tmp_path):
     scene = (*SHORT, "--set", "satellites=6", "--set", "a=1.5", "--set", "method=timestepping")
     done = succeeded("run", *scene, "-o", tmp_path / "out", folder=workshop)
-    assert [line[:9] for line in done.stderr.splitlines()] == ["warning: "] * 3
-    assert "the 6 satellites of a module overlap" in done.stderr
-    assert "a must be at most 1 and at most b = 1 (got 1.5)" in done.stderr
-    assert "method = timestepping is no longer available" in done.stderr
+    marks = [line.startswith("  ! ") for line in done.stdout.splitlines()]
+    assert (marks[1], sum(marks), done.stderr) == (True, 3, "")
+    text = " ".join(done.stdout.split())
+    assert "the 6 satellites of a module overlap" in text
+    assert "a must be at most 1 and at most b = 1 (got 1.5)" in text
+    assert "method = timestepping is no longer available" in text
     printed = json.loads(command("run", *scene, "-o", tmp_path / "out", "--json", folder=workshop).stdout)
     assert printed["summary"]["simulated_time"] == 0.1
     assert Path(printed["files"]["table"]).is_file()
-    assert [f"warning: {warning}" for warning in printed["warnings"]] == done.stderr.splitlines()
+    assert len(printed["warnings"]) == 3
+    every = succeeded("run", *scene, "--all", "-o", tmp_path / "out", folder=workshop)
+    assert [f"warning: {warning}" for warning in printed["warnings"]] == every.stderr.splitlines()
 
 
 def test_tradeoff_of_a_scene_for_machines(tmp_path):
@@ -141,6 +159,32 @@ OPTIONS = {
         {"of": "drive_angle", "signals": ["omega2"], "highest": 5.0, "turns": 6.0, "begin": 1.0, "end": None},
     ),
 }
+
+
+@pytest.mark.parametrize(
+    "arguments, code, message",
+    [
+        (("run", "nothing.toml"), 1, "cannot read nothing.toml: no such file or directory"),
+        (("run", REFERENCE, "--fidelity", "rigd"), 1, "unknown fidelity 'rigd'; did you mean 'rigid'?"),
+        (("run", REFERENCE, "--fidelty", "rigid"), 2, "No such option: --fidelty"),
+        (("rn", REFERENCE), 2, "No such command 'rn'."),
+        (("run",), 2, "Missing argument"),
+    ],
+)
+def test_json_of_an_error_is_one_object_with_the_message(tmp_path, arguments, code, message):
+    done = command(*arguments, "--json", folder=tmp_path)
+    printed = json.loads(done.stdout)
+    assert (done.exit_code, list(printed)) == (code, ["error"])
+    assert printed["error"].startswith(message)
+    assert command(*arguments, folder=tmp_path).stdout == ""
+
+
+@pytest.mark.parametrize("name, kind", [("FIDELITIES", "fidelity"), ("ANGLES", "reference angle")])
+def test_choices_of_an_option_are_the_names_of_the_package(name, kind):
+    names = {"fidelity": [*(item for item, *_ in ENUMERATIONS["Fidelity"]), AUTO], "reference angle": BASES}
+    assert getattr(options if name == "FIDELITIES" else studies, name) == tuple(names[kind])
+
+
 CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]
 
 
@@ -152,7 +196,8 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
         told.update(options)
         raise RuntimeError("the work\nis not done")
 
-    monkeypatch.setattr(importlib.import_module(f"inertia_module.studies.{name}"), name, stand_in)
+    module = importlib.import_module(f"inertia_module.{PUBLIC[name]}")
+    monkeypatch.setattr(module, name, stand_in)
     arguments, expected = OPTIONS[name]
     if name in ("sweep", "design"):
         arguments = [*arguments, *CLUSTER]
@@ -370,15 +415,34 @@ def test_help_lists_the_commands_in_the_order_of_work_without_cutting_their_desc
     assert [line.split()[0] for line in listed.splitlines() if line.strip()] == order.split()
 
 
-@pytest.mark.parametrize("name", get_command(app).commands)
-def test_help_of_a_command_has_an_example_whose_options_exist(name):
-    command = get_command(app).commands[name]
+def example_of(name):
+    """Return the arguments of the example in the help of a command."""
     shown = CliRunner().invoke(app, [name, "-h"], terminal_width=80).stdout
-    (example,) = re.findall(r"^  Example:\n    inertia-module (.+)$", shown, re.MULTILINE)
-    given, *arguments = shlex.split(example)
-    assert given == name
-    # raises UsageError for an unknown option, a missing argument or a value of another type
-    context = command.make_context(name, arguments)
     assert all(len(line) <= 80 for line in shown.splitlines())
-    for file in (context.params.get(key) for key in ("scene", "spec", "measured")):
-        assert file is None or any(file.name == path.name for path in EXAMPLES.iterdir())
+    (example,) = re.findall(r"^  Example:\n    inertia-module (.+)$", shown, re.MULTILINE)
+    first, *arguments = shlex.split(example)
+    assert first == name
+    return arguments
+
+
+# more arguments that shorten the work of an example
+SHORTER = {"design": [f"--set=search.{key}" for key in ("population=8", "generations=1", "starts=1")]}
+SLOW = ("build", "design", "export", "fit", "orders", "sweep")
+NAMES = [
+    pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in get_command(app).commands
+]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_example_in_the_help_of_a_command_runs(name, built, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    for path in [*EXAMPLES.glob("*.toml"), *EXAMPLES.glob("*.csv")] if name != "new" else []:
+        shutil.copy(path, tmp_path)
+    shutil.copytree(built, tmp_path / "build")
+    before = set(tmp_path.rglob("*"))
+    arguments = example_of(name)
+    done = succeeded(name, *arguments, *SHORTER.get(name, ()), folder=tmp_path)
+    assert done.stdout
+    assert (set(tmp_path.rglob("*")) > before) == (name not in ("check", "build"))
+    assert len(opened) == ("--open" in arguments)

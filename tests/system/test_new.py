@@ -1,6 +1,7 @@
 """Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
 
 import json
+import re
 import runpy
 import shutil
 import subprocess
@@ -63,9 +64,23 @@ def test_new_overwrites_nothing_and_tells_machines_what_it_has_left(folder):
     assert told == {"files": ["other.toml"]}
 
 
+def test_new_without_a_name_lists_all_examples_by_title():
+    lines = left("new").splitlines()
+    assert all(len(line) <= 80 for line in lines)
+    titles = json.loads(left("new", "--json"))["examples"]
+    assert titles["reference"] == "R1: a bevel inertia module starts a flywheel"
+    assert titles["tutorial"].startswith("Tutorial: ")
+    assert list(titles) == list(examples())
+    names = [line.split()[0] for line in lines if re.match("  \\w", line)]
+    assert sorted(names) == sorted(titles)
+    words = " ".join(" ".join(lines).split())
+    assert all(title and title in words for title in titles.values())
+
+
 def test_all_scenes_programs_and_the_notebook_are_examples():
     files = [path for kind in ("toml", "ipynb", "py") for path in ROOT.glob(f"examples/**/*.{kind}")]
     parts = {"speed_control_margins.py", "speed_control_report.py", "fit_rig_data.py"}
+    parts |= {path.name for path in ROOT.glob("examples/coupling/*.py")}
     assert sorted(path for path in files if path.name not in parts) == sorted(examples().values())
     assert example("planar.py").suffix == ".py"
     assert_refused(r"^unknown example 'plenary'; did you mean 'planar'\?$", example, "plenary")
@@ -191,7 +206,7 @@ def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_co
     (clone / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
     assert forced(clone) == {"inertia_module/examples"}
     assert forced(clone, "editable") == set()
-    page = sdist / "fmu_src" / "inertia_module" / "page"
+    page = sdist / "fmu_src" / "inertia_module" / "viewer"
     page.mkdir(parents=True)
     (sdist / "PKG-INFO").touch()
     with pytest.raises(

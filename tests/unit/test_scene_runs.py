@@ -182,7 +182,7 @@ def test_duty_is_what_the_module_counts_and_limits_that_are_passed_warn(fmu):
     expected = {f"{name}_engagement_frequency_maximum": limit for name, limit in of_limits.items()}
     assert result.as_dict()["limits"] == result.limits == {**expected, "output_torque_peak": 80.0}
     assert result.as_dict()["warnings"] == [
-        f"{name} exceeds its limit of {limit}: {numbers[name.replace(' ', '_')]:.6g}"
+        f"{name} exceeds its limit of {limit}: {numbers[name.replace(' ', '_')]:.6g} {limit.split()[1]}"
         for name, limit in (
             ("output engagement frequency maximum", "20 Hz"),
             ("output torque peak", "80 N.m"),

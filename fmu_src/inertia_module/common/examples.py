@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -41,6 +42,20 @@ def example(name: str) -> Path:
     if path is None:
         raise Refused(unknown("example", name, examples()))
     return path
+
+
+def title_of(path: Path) -> str:
+    """Return the title of an example: of a scene, of a notebook, or the first line of a program.
+
+    Args:
+        path: path of the example.
+    """
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".toml":
+        return str(tomllib.loads(text)["title"])
+    pattern = r'"# (.+?)(?:\\n)?"' if path.suffix == ".ipynb" else r'"""(.+?)(?:"""|\n)'
+    match = re.search(pattern, text)
+    return match[1] if match else ""
 
 
 def belonging(source: Path) -> list[Path]:

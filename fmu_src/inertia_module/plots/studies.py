@@ -254,6 +254,8 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
     if (values < 0.0).any():
         set_scale("symlog")
         return
+    if not (values > 0.0).any():  # no design has the metric
+        return
     set_scale("log")
     axis.set_major_formatter("{x:g}")
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))

@@ -418,7 +418,8 @@ def _message(scene: type[BaseModel], error: Any) -> str:
         kinds = ", ".join(repr(_kind(model)) for model in models)
         return f"missing key '{key}.kind'. It must be one of {kinds}."
     if kind == "union_tag_invalid":
-        return must_be(f"{key}.kind", f"one of {context['expected_tags']}", repr(context["tag"]))
+        message = must_be(f"{key}.kind", f"one of {context['expected_tags']}", repr(context["tag"]))
+        return f"{message}{hint(context['tag'], map(_kind, models))}"
     if kind == "value_error":
         reason = context["error"]
         if _is_combination(error):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 from ..common.errors import Refused, cannot_read
 from ..common.extras import library
 from ..common.files import read_text
+from ..common.units import factor_between, split_quantity
 from .keys import SLASHES, Keys, Model, SceneError, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
@@ -85,6 +87,48 @@ def speed_unit(path: Path | str, keys: Keys = None) -> str:
     """
     values = [*_strings(_tables(Path(path).read_text(encoding="utf-8"))), *map(str, keys_of(keys).values())]
     return "rpm" if any(re.search(r"[\d\s](rpm|1/min)$", value.strip()) for value in values) else "rad/s"
+
+
+# tables of a scene whose units the summary uses, and the quantities
+_OPERATION = ("drive", "load", "controller", "freewheels")
+_QUANTITIES = ("rad/s", "N.m", "km/h")
+
+
+def display_units(path: Path | str, keys: Keys = None) -> dict[str, str]:
+    """Return the most frequent unit of rotational speeds, torques and speeds in the operation of a scene.
+
+    Args:
+        path: Path of a scene file that load_scene accepts.
+        keys: Values that replace values of the file, as in load_scene.
+
+    Returns:
+        Units by SI unit (speeds of vehicles: by km/h), without quantities that have no unit in the scene.
+    """
+    tables = _tables(Path(path).read_text(encoding="utf-8"))
+    for name, value in keys_of(keys).items():
+        tables = changed(tables, name.split("."), value)
+    units = Counter[tuple[str, str]]()
+    for text in _strings([tables.get(name) for name in _OPERATION]):
+        unit = _unit_of(text)
+        units.update((quantity, unit) for quantity in _QUANTITIES if unit and _is_convertible(unit, quantity))
+    return {quantity: unit for (quantity, unit), _ in reversed(units.most_common())}
+
+
+def _unit_of(text: str) -> str:
+    """Return the unit of a quantity; "" for another text."""
+    try:
+        return split_quantity(text)[1]
+    except ValueError:
+        return ""
+
+
+def _is_convertible(unit: str, target: str) -> bool:
+    """Return True if a unit has the dimension of another unit."""
+    try:
+        factor_between(unit, target)
+    except ValueError:
+        return False
+    return True
 
 
 def _strings(tables: Any) -> Iterator[str]:

@@ -238,7 +238,7 @@ def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
             )
         elif (torque := duty[f"{name}_impact_torque"].value) > limit:
             texts.append(
-                f"{name} impact torque is above the limit of the freewheel, {limit:.6g} N.m: {torque:.6g}"
+                f"{name} impact torque is above the limit of the freewheel, {limit:.6g} N.m: {torque:.6g} N.m"
                 f" (estimate with {stiffness[name]:.6g} N.m/rad)"
             )
     return texts
@@ -746,9 +746,10 @@ def _run_on(
         duty, notes, limits = duty | numbers, notes | slipping, limits | {TRACTIVE_FORCE: scene.load.grip}
     quantities = summarise(record, scene.cycle, wall_time, times | duty)
     exceeded = [
-        f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {duty[name].unit}: {duty[name].value:.6g}"
+        f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {unit}: {duty[name].value:.6g} {unit}"
         for name, limit in limits.items()
         if duty[name].value > limit
+        for unit in [duty[name].unit]
     ]
     return SceneResult(
         scene=scene,
