@@ -10,9 +10,10 @@ import typer
 
 import inertia_module
 
-from ..common.files import OUTPUT_FOLDER, writable_folder, write_figure
+from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
 from .answer import Answer, Shown, command
+from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import (
     FmuToRun,
     Keys,
@@ -61,6 +62,8 @@ def orders(
     ] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Run an order analysis of a scene.
 
@@ -74,6 +77,7 @@ def orders(
 
     check_choice("reference angle", of, ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
+    path = figure_path(folder, "orders", file_format)
     if uff:
         library("pyuff", "studies")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
@@ -93,7 +97,7 @@ def orders(
     unit, files = speed_unit(scene, keys), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
     files |= {"uff": result.write_uff(folder / "orders.uff")} if uff else {}
-    files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
+    files["picture"] = write_picture(path, order_figure(result, read.title, hz, unit), panel)
 
     parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
     if result.step < read.run.communication_step * (1.0 - 1e-9):
@@ -124,6 +128,8 @@ def sweep(
     seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
     fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -136,6 +142,7 @@ def sweep(
     from ..plots.studies import sweep_figure
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
+    path = figure_path(folder, "plot", file_format)
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
             inertia_module.load_scene(scene, keys),
@@ -149,7 +156,7 @@ def sweep(
             workers=workers,
             progress=progress,
         )
-    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, figure or ()))}
+    files = {**result.files, "plot": write_picture(path, sweep_figure(result, figure or ()), panel)}
     numbers = {"rows": len(result.rows), "new": result.new, "refused": len(result.refused)}
 
     runs = len(result.rows)
@@ -168,6 +175,8 @@ def design(
     ],
     output: OutputFolder = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
     fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -180,6 +189,7 @@ def design(
     from ..studies.design_search import read_spec
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
+    path = figure_path(folder, "plot", file_format)
     with progress_bar(f"design of {spec.name}") as progress:
         result = inertia_module.design(
             read_spec(spec, keys),
@@ -189,7 +199,7 @@ def design(
             workers=workers,
             progress=progress,
         )
-    files = {**result.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(result))}
+    files = {**result.files, "plot": write_picture(path, inertia_module.design_figure(result), panel)}
     files |= {finalist.file.stem.replace("_", " "): finalist.file for finalist in result.finalists}
 
     parts: list[Shown] = [
@@ -237,6 +247,8 @@ def fit(
     output: OutputFolder = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Fit scene parameters to measured data.
 
@@ -257,6 +269,7 @@ def fit(
     Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
+    path = figure_path(folder, "fit", file_format)
     with progress_bar(f"fit to {measured.name}") as progress:
         result = inertia_module.fit(
             measured,
@@ -269,7 +282,7 @@ def fit(
             fmu=fmu,
             progress=progress,
         )
-    files = {**result.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(result))}
+    files = {**result.files, "picture": write_picture(path, inertia_module.fit_figure(result), panel)}
 
     parts: list[Shown] = [
         (f"{result.scene.title}: fitted values with 95 % intervals", result.lines()),
@@ -287,6 +300,8 @@ def tradeoff(
         Text, option("Recommend the cheapest level that meets this error, e.g. 1%.", "ERROR")
     ] = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Compare accuracy and run time of all fidelity levels.
 
@@ -297,6 +312,7 @@ def tradeoff(
 
     with progress_bar("comparing the fidelity levels") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
+        path = figure_path(folder, "tradeoff", file_format)
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
         read = inertia_module.load_scene(scene, keys)
         title, names = read.title, read.run.outputs
@@ -305,7 +321,7 @@ def tradeoff(
         choice = trials.recommend(rows, allowed, names) if allowed else None
         files = {"rows": trials.write_rows(folder / "tradeoff.csv", rows)}
         figure = trials.work_precision(rows, names, title)
-        files["picture"] = write_figure(folder / "tradeoff.png", figure)
+        files["picture"] = write_picture(path, figure, panel)
 
     step = (rows[0] if choice is None else choice.row).communication_step
     step_rows = [row for row in rows if row.communication_step == step]

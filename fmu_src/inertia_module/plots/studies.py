@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ..analysis.converter_chart import TorqueConverterChart
+from ..analysis.converter_chart import NOMINAL_SPEED, TorqueConverterChart
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, styled
 from ..common.units import factor_between, printed_unit
 from ..studies.axes import Axis
@@ -32,8 +32,6 @@ COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
 # efficiencies of the contour lines
 EFFICIENCY_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
-# input speed of the torques without a speed of the user: 1000 rpm, in rad/s
-REFERENCE_SPEED = 1000.0 * math.tau / 60.0
 # title and label of the panels of a chart; the last two panels require engagements
 PANELS = (
     ("torque ratio", "output torque / input torque"),
@@ -60,14 +58,14 @@ def chart_figure(
         maps: Results of steady_map by name, for efficiency maps.
         speed_unit: Unit of the input speed.
         allowed: Maximum engagements of a freewheel per revolution of the input, by chart.
-        omega1: Input speed of torques and frequencies, rad/s; None for 1000 rpm.
+        omega1: Input speed of torques and frequencies, rad/s; None for NOMINAL_SPEED.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, half as high again for engagements and for maps.
     """
     has_engagements = any(chart.output_engagements is not None for chart in charts.values())
-    speed, unit = (REFERENCE_SPEED, "rpm") if omega1 is None else (omega1, speed_unit)
-    at = f"{speed * factor_between('rad/s', unit):.5g} {unit}"
+    speed = NOMINAL_SPEED if omega1 is None else omega1
+    at = f"{speed * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
     rows, maps = 2 + has_engagements, maps or {}
     map_rows = -(-len(maps) // 2)
     figure = sheet(f"Torque converter chart at {at}", 0.5 * (rows + map_rows) * SIZE[1])
@@ -76,7 +74,8 @@ def chart_figure(
     for axes, (title, label) in zip(chart_panels, PANELS, strict=False):
         axes.set_title(title)
         axes.set_ylabel(label)
-        axes.sharex(chart_panels[0]) if axes is not chart_panels[0] else None
+    for axes in chart_panels[1:]:
+        axes.sharex(chart_panels[0])
     _draw_charts(chart_panels, charts, speed, allowed)
     for axes, (name, steady_map) in zip(map_panels, maps.items(), strict=False):
         axes.set_title(f"efficiency of {name}")
