@@ -152,7 +152,7 @@ def report_file(
     answer = {
         "checks": _checks(result, writer, chosen),
         "numbers": _main_numbers(result, writer),
-        "picture": _picture(scene_figure(result, rows=2), height=3.6),
+        "picture": _picture(_scene_figure(result, rows=2), height=3.6),
         "inputs": asked[:MAX_INPUTS],
         "more": max(len(asked) - MAX_INPUTS, 0),
     }
@@ -170,16 +170,31 @@ def report_file(
     return filled_xml(TEMPLATE, page)
 
 
-def _picture(figure: Figure, height: float | None = None) -> str:
+def _scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
+    """Return the figure of a scene with short titles, because other parts of the report have the numbers.
+
+    Args:
+        result: Result of the run.
+        rows: Maximum number of rows of panels; None for all.
+    """
+    figure = scene_figure(result, rows)
+    for axes in figure.axes:
+        title = axes.get_title(loc="left").partition(": output")[0].partition(" (")[0]
+        axes.set_title(title, loc="left", pad=22)
+    return figure
+
+
+def _picture(figure: Figure, height: float | None = None, row_height: float = ROW_HEIGHT) -> str:
     """Return a figure without its title as a data URI, because the section has a heading.
 
     Args:
         figure: The figure.
         height: Height, inches; None for the height of its rows of panels.
+        row_height: Height of a row of panels, inches.
     """
     figure.suptitle("")
     rows = max(axes.get_gridspec().nrows for axes in figure.axes if axes.get_gridspec() is not None)
-    figure.set_size_inches(WIDTH_ON_PAPER, height or ROW_HEIGHT * rows)
+    figure.set_size_inches(WIDTH_ON_PAPER, height or row_height * rows)
     figure.set_dpi(DPI)
     return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
 
@@ -338,7 +353,7 @@ def _curves(result: SceneResult) -> Part:
     caption = (
         "Results over time. A band is the range of a signal that oscillates faster than the picture resolves."
     )
-    return Part(picture=_picture(scene_figure(result)), caption=caption)
+    return Part(picture=_picture(_scene_figure(result), row_height=1.65), caption=caption)
 
 
 def _chart(result: SceneResult) -> Part:
@@ -420,9 +435,9 @@ def _duty(result: SceneResult) -> Part:
 PARTS: dict[str, Callable[[SceneResult], Part]] = {
     "Mechanism": _mechanism,
     "Results": _summary,
+    "Energy and losses": _energy,
+    "Freewheel duty": _duty,
     "Curves": _curves,
     "Torque converter chart": _chart,
     "Orders": _orders,
-    "Energy and losses": _energy,
-    "Freewheel duty": _duty,
 }
