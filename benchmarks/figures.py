@@ -1,11 +1,11 @@
-"""Tools that the benchmarks share: runs in turns, the scene, and a table of measured figures, docs/performance.csv."""
+"""Tools that the benchmarks share: runs in turns, the scene, and a table of measured figures, docs/verification/performance.csv."""
 
 import csv
 from pathlib import Path
 
 from inertia_module.fmi.results import write_rows
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[1] / "docs" / "verification"
 TABLE = DOCS / "performance.csv"
 HEADINGS = ("part", "case", "quantity", "value", "unit")
 R1 = {"omega1": 100.0, "load_torque": 10.0}

@@ -18,7 +18,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from benchmarks import fit_rig_data as data
 from inertia_module import example, studies
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import write_columns
 from inertia_module.fmu.builder import current_fmu
 from inertia_module.scene import load_scene
@@ -26,7 +26,7 @@ from verification.reference.cases import OMEGA2, OMEGA3
 from verification.reference.motion import Reference
 
 SETS = 100
-FREE = ("imbalance_mass", "link2_inertia")
+FREE = {"imbalance_mass": None, "link2_inertia": None}
 COLUMNS = [f"{name} [rpm]" for name in data.NOISE]
 TIME = "time [ms]"
 # losses, least and greatest
@@ -185,7 +185,7 @@ def verdict(kind, true, seed, folder, fmu):
         result = studies.fit(
             write_columns(folder / "measured.csv", one.columns), scene, one.free, output=folder, fmu=fmu
         )
-    except Refused:
+    except InertiaModuleError:
         return Verdict(False, False, False, False, False)
 
     def contains(which):

@@ -1,4 +1,4 @@
-"""Scene R1 by the kernel in the page and by the compiled kernel, in turns, written into docs/performance.csv.
+"""Scene R1 by the kernel in the page and by the compiled kernel, in turns, written into docs/verification/performance.csv.
 
 The page runs in headless Chromium; its time holds all that its simulate does. The compiled kernel is timed
 without the Python around its calls. Each round takes the median of many runs.

@@ -1,4 +1,4 @@
-"""Speed of the module in all its forms and of C written by hand (by_hand.c), written into docs/performance.csv.
+"""Speed of the module in all its forms and of C written by hand (by_hand.c), written into docs/verification/performance.csv.
 
 The C computes the motion of scene R1 and nothing else, with another method of lower order: a yardstick, not a twin. It is
 compiled with -O3 for the processors that the native FMU is made for, and compared with the kernel before it is timed.

@@ -27,7 +27,7 @@ RUNS, LAUNCHES, ALONE = 10_000, 40, 5
 
 def task_and_points(scene, runs):
     """The task of a scene and its points: imbalances of 0.5 to 2 kg."""
-    points = grid(axes_of([f"imbalance_mass=0.5:2:{runs}"], scene))
+    points = grid(axes_of({"imbalance_mass": f"0.5:2:{runs}"}, scene))
     return Task(current_fmu().read_bytes(), scene.tables, summaries), points
 
 

@@ -1,4 +1,4 @@
-"""The trade of speed for accuracy, written into docs/tradeoff_*.csv and a plot.
+"""The trade of speed for accuracy, written into docs/verification/tradeoff_*.csv and a plot.
 
 `inertia-module tradeoff SCENE` measures a scene alike.
 """

@@ -95,7 +95,7 @@ def by_kernel(case: Case, settings: Mapping[str, float], step: float, timed: boo
         timed: whether it is repeated for its time.
 
     Raises:
-        Refused: the module refuses the settings or a step.
+        ParameterError: the module refuses the settings or a step.
         ValueError: the stop time is no whole number of steps.
     """
     number = whole_steps(case.stop_time, step)

@@ -1,9 +1,9 @@
-"""Table of docs/coupling.md, from the committed coupling_urban.csv; the other text is written by hand."""
+"""Write the table of docs/verification/coupling.md from coupling_urban.csv."""
 
 import csv
 from pathlib import Path
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "verification"
 BEGIN, END = "<!-- table: coupling_urban.csv -->\n", "<!-- end of table -->\n"
 HEADINGS = (
     *("scheme", "step, ms", "engine, kJ", "load, kJ", "interface loss, %", "gross loss, %"),

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
 from inertia_module.model import Module
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "explanation"
 PICTURE, TABLE = HERE / "freewheels.png", HERE / "freewheels.csv"
 DEGREES = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 RATIOS = (0.2, 0.5, 0.8)
@@ -33,7 +33,7 @@ STYLES = {"R1": "-", "planar": "--", "R1, springs": ":"}
 # rad/s; without springs torques and losses scale with its square
 SPEED = 100.0
 # revolutions of link 1 to settle and to evaluate
-SETTLED, TURNS = 100, 600
+SETTLING_TURNS, TURNS = 100, 600
 # largest indexing frequencies of sprag clutches, Hz: tension springs, meander springs
 LIMITS = {"tension springs": 10.0, "meander springs": 60.0}
 COLUMNS = (
@@ -49,7 +49,7 @@ def measured(ratio, **parameters):
         omega1=SPEED, load_torque=0.0, omega_out_start=ratio * SPEED, output_inertia=HELD, **parameters
     )
     turn = 2.0 * math.pi / SPEED
-    module.advance(SETTLED * turn)
+    module.advance(SETTLING_TURNS * turn)
     counts = ("energy_lost", "housing_engagements", "output_engagements")
     before = np.array(module.read(counts))
     torque = 0.0
@@ -74,12 +74,12 @@ def rows():
 
 def read():
     """Read the committed table: {(mechanism, ratio): columns from the angle on, shape (n, 6)}."""
-    found = {}
+    table = {}
     with TABLE.open(encoding="utf-8", newline="") as file:
         _, *lines = csv.reader(file)
     for name, ratio, *cells in lines:
-        found.setdefault((name, float(ratio)), []).append([float(cell or "nan") for cell in cells])
-    return {key: np.array(part) for key, part in found.items()}
+        table.setdefault((name, float(ratio)), []).append([float(cell or "nan") for cell in cells])
+    return {key: np.array(part) for key, part in table.items()}
 
 
 def draw(table):

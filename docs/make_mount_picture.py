@@ -1,4 +1,4 @@
-"""Draws docs/mount.png: where modules stand about the axis, and the force of one of them on the mount."""
+"""Draw docs/explanation/mount.png: modules about the axis, and the force of one module on the mounting."""
 
 import math
 from pathlib import Path
@@ -9,22 +9,22 @@ from matplotlib.figure import Figure
 from inertia_module.kernel import layout
 from inertia_module.model import Module
 
-TARGET = Path(__file__).parent / "mount.png"
+TARGET = Path(__file__).parent / "explanation" / "mount.png"
 BLUE, ORANGE, RED, GREY = "#4878a8", "#d08c3c", "#802020", "#888888"
 MODULES = 3
 TURN = 2.0 * math.pi
 SAMPLES = 4000
-# drive angle that is drawn, rad, and length of the arrow of the largest force, m
-SHOWN, ARROW = 1.0, 0.12
+# pinion-shaft angle in the drawing, rad, and length of the arrow of the maximum force, m
+ANGLE, ARROW_LENGTH = 1.0, 0.12
 
 
 def draw_modules(axes):
-    """Modules of scene R1, Ox towards the reader, with the paths and forces of their imbalances."""
+    """Draw modules of scene R1, Ox towards the reader, with paths and forces of the unbalanced masses."""
     module = Module("plain").start(omega1=100.0)
     d, k = module.derived, module.derived.k
     motion = (100.0, 0.0, 0.5 * k * 100.0, 0.0, 0.0)
     path = np.linspace(0.0, TURN, SAMPLES)
-    largest = max(math.hypot(*layout.imbalance_motion(d, q, 0.0, *motion)[7:]) for q in path)
+    max_acceleration = max(math.hypot(*layout.imbalance_motion(d, q, 0.0, *motion)[7:]) for q in path)
     for n in range(MODULES):
         turned = TURN * n / MODULES
         along = np.array([-math.sin(turned), math.cos(turned)])
@@ -33,8 +33,8 @@ def draw_modules(axes):
             [layout.to_fixed_frame(turned, *layout.imbalance_position(d, q, 0.0)[:3]) for q in path]
         )
         axes.plot(places[:, 1], places[:, 2], color=ORANGE, linewidth=0.7)
-        here = layout.imbalance_motion(d, SHOWN, turned, *motion)
-        force = -np.array(here[7:]) * ARROW / largest
+        here = layout.imbalance_motion(d, ANGLE, turned, *motion)
+        force = -np.array(here[7:]) * ARROW_LENGTH / max_acceleration
         axes.plot(here[1], here[2], "o", color=RED, markersize=7)
         axes.arrow(*here[1:3], *force, color=RED, width=1e-3, head_width=8e-3, length_includes_head=True)
         axes.text(*(2.7 * d.axial * along), f"module {n}", ha="center", va="center", color=BLUE)
@@ -57,13 +57,13 @@ def draw_forces(axes):
     """The force that one module leaves, turning with link 1, by its number of satellites."""
     for satellites, colour in ((3, ORANGE), (1, BLUE), (2, RED)):
         module = Module("plain").start(satellites=satellites, omega1=100.0, fidelity=0, kinematic_ratio=0.5)
-        found = []
+        points = []
         for _ in range(SAMPLES):
             module.advance(TURN / 50.0 / SAMPLES)
             _, y, z = (module[f"shaking_force_{axis}"] for axis in "xyz")
-            found.append((y / 1e3, z / 1e3))
+            points.append((y / 1e3, z / 1e3))
         label = f"{satellites} satellite" + "s" * (satellites > 1)
-        axes.plot(*np.transpose(found), color=colour, linewidth=0.8, label=label)
+        axes.plot(*np.transpose(points), color=colour, linewidth=0.8, label=label)
     axes.set_title("one module: its force on the mount, ω2 = ω1/2,\ntwo turns of link 1", size=10)
     axes.set_xlabel("Fy [kN]")
     axes.set_ylabel("Fz [kN]")

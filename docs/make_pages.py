@@ -8,6 +8,8 @@ from pathlib import Path
 import coupling_page
 import performance_page
 import stability_page
+from commands_page import commands_page
+from outside import DRAWING
 
 from inertia_module.fmu.documentation import guide, variables_page
 from papers.page import papers_page
@@ -16,7 +18,13 @@ HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
 # link of the README to a file outside this folder
 OUTSIDE = re.compile(r"(?<!!)\[([^]]+)\]\((?!docs/|https?:|#)[^)]+\)")
-# page that only the site contains (hooks.py)
+# pages and pictures that only the site contains (hooks.py), by their file outside this folder
+SITE_PAGES = {
+    DRAWING: Path(DRAWING).name,
+    "examples/tutorial.ipynb": "tutorial/index.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "CHANGELOG.md": "changelog.md",
+}
 MACHINE = "\n**[Interactive machine](machine.html)**: turn it and change its parameters in your browser.\n"
 # placeholder for a section of a guide, which the documentation in the FMU contains too
 SECTION = re.compile(r"(<!-- (\w+): (.*?) -->\n).*?(<!-- end -->)", re.S)
@@ -25,7 +33,10 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 def start_page():
     """Return the README with links relative to this folder; links to other files become plain text."""
-    text = OUTSIDE.sub(r"\1", README.read_text())
+    text = README.read_text()
+    for outside, page in SITE_PAGES.items():
+        text = text.replace(f"]({outside})", f"](docs/{page})")
+    text = OUTSIDE.sub(r"\1", text)
     text = text.replace("\n## How it works", f"{MACHINE}\n## How it works", 1)
     return text.replace("](docs/", "](").replace('src="docs/', 'src="')
 
@@ -42,22 +53,27 @@ def with_sections(name):
 
 
 PAGES = {
-    "variables.md": variables_page,
-    "papers.md": papers_page,
-    "stability.md": lambda: filled("stability.md", stability_page.values()),
-    "performance.md": lambda: filled("performance.md", performance_page.values()),
-    "coupling.md": coupling_page.page,
     "index.md": start_page,
-    "fmu.md": lambda: with_sections("fmu.md"),
+    "how_to/tools.md": lambda: with_sections("how_to/tools.md"),
+    "reference/commands.md": commands_page,
+    "reference/fmu.md": lambda: with_sections("reference/fmu.md"),
+    "reference/variables.md": variables_page,
+    "verification/coupling.md": coupling_page.page,
+    "verification/performance.md": lambda: filled("performance.md", performance_page.values()),
+    "verification/stability.md": lambda: filled("stability.md", stability_page.values()),
+    "papers/index.md": papers_page,
 }
+# pages whose numbers depend on the last digits of this machine
+COMPUTED = ("papers/index.md",)
 
 
-def is_current(path, text):
+def is_current(name, text):
     """Return True if a page equals the new text; numbers of the papers may differ in the last digit."""
+    path = HERE / name
     if not path.exists():
         return False
     old = path.read_text()
-    return same_figures(old, text) if path.name == "papers.md" else old == text
+    return same_figures(old, text) if name in COMPUTED else old == text
 
 
 def same_figures(old, new):
@@ -71,12 +87,11 @@ def same_figures(old, new):
 def main():
     stale = []
     for name, page in PAGES.items():
-        path = HERE / name
         text = page()
-        if not is_current(path, text):
+        if not is_current(name, text):
             stale.append(name)
         if "--check" not in sys.argv:
-            path.write_text(text)
+            (HERE / name).write_text(text)
     if stale and "--check" in sys.argv:
         sys.exit(f"docs/{', docs/'.join(stale)} are out of date: run python docs/make_pages.py")
 

@@ -1,4 +1,4 @@
-"""Draws report.png: some pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
+"""Draw how_to/report.png: some pages of a printed report. Needs Chromium and pdftoppm (poppler-utils)."""
 
 import shutil
 import subprocess
@@ -10,8 +10,8 @@ from playwright.sync_api import sync_playwright
 
 HERE = Path(__file__).parent
 SCENE = HERE.parent / "examples" / "real_machine.toml"
-# pages that are shown, dots per inch, and between pages
-SHOWN, DPI, GAP = (1, 4, 5, 9), 54, 8
+# pages in the picture, dots per inch, pixels between pages
+PAGES, DPI, GAP = (1, 4, 5, 9), 54, 8
 
 
 def main():
@@ -24,13 +24,13 @@ def main():
             page.goto(page_file.as_uri())
             page.pdf(path=printed, prefer_css_page_size=True)
         subprocess.run(["pdftoppm", "-r", str(DPI), "-png", printed, Path(folder) / "page"], check=True)
-        found = sorted(Path(folder).glob("page-*.png"))
-        pages = [Image.open(found[number - 1]) for number in SHOWN]
+        files = sorted(Path(folder).glob("page-*.png"))
+        pages = [Image.open(files[number - 1]) for number in PAGES]
         width, height = pages[0].size
         picture = Image.new("RGB", (len(pages) * (width + GAP) + GAP, height + 2 * GAP), "#b0b0b0")
-        for n, one in enumerate(pages):
-            picture.paste(one, (GAP + n * (width + GAP), GAP))
-        picture.quantize(128).save(HERE / "report.png", optimize=True)
+        for n, page_image in enumerate(pages):
+            picture.paste(page_image, (GAP + n * (width + GAP), GAP))
+        picture.quantize(128).save(HERE / "how_to" / "report.png", optimize=True)
 
 
 if __name__ == "__main__":

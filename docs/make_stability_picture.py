@@ -1,4 +1,4 @@
-"""Draws docs/stability.png: the verdicts on extremes and random machines by fidelity level."""
+"""Draw docs/verification/stability.png: the verdicts on extremes and random machines by fidelity level."""
 
 from collections import Counter
 from pathlib import Path
@@ -11,7 +11,7 @@ from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION
 from verification.stability.motion import LEVELS
 from verification.stability.verdicts import BROKEN, DEGRADED, EXACT, REJECTED, SENSITIVE
 
-PICTURE = Path(__file__).with_name("stability.png")
+PICTURE = Path(__file__).parent / "verification" / "stability.png"
 COLOURS = {EXACT: GREEN, SENSITIVE: BLUE, DEGRADED: ORANGE, REJECTED: "#BBBBBB", BROKEN: VERMILION}
 NAMES = [level.name for level in LEVELS]
 

@@ -1,4 +1,4 @@
-"""Draws docs/wiring.png: which signals go between the models of a host and the flanges of the FMU."""
+"""Draw docs/how_to/wiring.png: signals between the models of a host and the flanges of the FMU."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from matplotlib.patches import Rectangle
 
 from inertia_module.common.colours import BLACK
 
-TARGET = Path(__file__).parent / "wiring.png"
+TARGET = Path(__file__).parent / "how_to" / "wiring.png"
 # of a row: title, what is in front, signals to the FMU and from it, what is in it, the same behind
 ROWS = (
     (

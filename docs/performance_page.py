@@ -1,4 +1,4 @@
-"""Values for docs/performance.md, from the committed tables that `make bench` writes."""
+"""Values for docs/verification/performance.md, from the committed tables that `make bench` writes."""
 
 import csv
 from pathlib import Path
@@ -6,8 +6,8 @@ from pathlib import Path
 from inertia_module.fidelity.trials import PEER, read_rows, recommend
 from inertia_module.scene import load_scene
 
-HERE = Path(__file__).parent
-URBAN = HERE.parent / "examples" / "urban.toml"
+HERE = Path(__file__).parent / "verification"
+URBAN = HERE.parents[1] / "examples" / "urban.toml"
 R1 = "scene R1 at an error of 1e-6"
 MAX_ERROR = 1e-6
 ERROR = "omega_out_final"

@@ -1,4 +1,4 @@
-"""Values for docs/stability.md: counts of the committed tables, and the bounds in the code."""
+"""Values for docs/verification/stability.md: counts of the committed tables, and the bounds in the code."""
 
 import statistics
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 from verification.stability import extremes, random_motions, verdicts
 from verification.stability.verdicts import BROKEN, EXACT, REJECTED, SENSITIVE, VERDICTS
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "verification"
 
 
 def extreme_rows():

@@ -1,6 +1,6 @@
 """Simulate a planar module with three satellites; inputs from a table, the whole run in one call."""
 
-from inertia_module import current_fmu, drive
+from inertia_module import current_fmu, simulate
 
 MECHANISM = {
     "layout": "planar",
@@ -13,7 +13,7 @@ MECHANISM = {
     "output_inertia": "0.4 kg.m2",
 }
 
-table = drive(
+table = simulate(
     current_fmu(),
     inputs={"omega1": "120 rad/s", "load_torque": "8 N.m"},
     stop_time=1.0,  # s

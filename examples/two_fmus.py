@@ -8,8 +8,8 @@ mass. Speed and torque are exchanged:
 
 Most hosts step both in parallel (Jacobi scheme); the error is proportional to the step. With the
 instantaneous torque, the module stepped first and the derivatives of both, the error is proportional to the
-square of the step: see docs/coupling.md. Run `inertia-module build` first. The last line is the monolithic
-elastic module.
+square of the step: see docs/how_to/coupling.md. Run `inertia-module build` first. The last line is the
+monolithic elastic module.
 """
 
 from pathlib import Path

@@ -29,7 +29,7 @@ surroundings = driveline.connect(
             feedforward=13.8,  # rad/m
             measured="vehicle_speed",
         ),
-        driveline.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
+        driveline.driver_brake(STEP, gain=8000.0, maximum=6000.0, margin=0.14),
         car.system,
     ]
 )

@@ -8,7 +8,6 @@ link 1, as the paper has it.
 from __future__ import annotations
 
 import math
-import textwrap
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -84,9 +83,9 @@ def two_forms(ordinate: str, right: Any, page: Any, title: str = "") -> Panel:
 
 
 def sheet(width: float, height: float, caption: str) -> Figure:
-    """Return an empty figure of this size, inches, with a caption below; needs no window."""
+    """Return an empty figure of this size, inches; its label, the caption, is the description in files."""
     figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
-    figure.supxlabel(textwrap.fill(caption, round(16 * width)), fontsize=8)
+    figure.set_label(caption)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""Generate docs/papers.md: every equation and claim of the papers with its verdict and computed values."""
+"""Generate docs/papers/index.md: the equations and claims of the papers with verdicts and computed values."""
 
 from __future__ import annotations
 

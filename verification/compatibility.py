@@ -29,7 +29,7 @@ def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]
         Its files, and problems that FMPy finds in it.
 
     Raises:
-        CompilationUnavailable, RuntimeError: an FMU cannot be built for all platforms.
+        CompilationError, RuntimeError: an FMU cannot be built for all platforms.
     """
     written, problems = list[Path](), list[str]()
     for fmu in FMUS:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import odeint, solve_ivp
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.extras import library
 from inertia_module.compiling.c_compiler import link
 from inertia_module.compiling.targets import here
@@ -28,7 +28,7 @@ from inertia_module.fidelity.trials import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.model import Module
 from verification.reference.cases import HOUSING, OUTPUT, Machine
-from verification.reference.geometry import Array, Unavailable
+from verification.reference.geometry import Array, UnavailableError
 
 from ..trade_off import Case, Trajectory
 
@@ -59,7 +59,7 @@ def equations() -> tuple[Any, Any]:
         guard: (t, y, numbers, series, which), positive while the freewheel stays as it is.
 
     Raises:
-        CompilationUnavailable: no C compiler is installed.
+        CompilationError: no C compiler is installed.
     """
     source = Path(__file__).with_name("equations.c").read_bytes()
     with tempfile.TemporaryDirectory() as folder:
@@ -99,24 +99,24 @@ class Problem:
         events: whether it goes from event to event.
 
     Raises:
-        Unavailable: the module refuses the parameters, or the case is not of the rigid module without losses;
+        UnavailableError: the module refuses the parameters, or the case is not of the rigid module without losses;
             or clutches are to stand for freewheels and one is left out.
     """
 
     def __init__(self, case: Case, stiffness: float | None = None) -> None:
         p = case.all_parameters
         if p["fidelity"] != RIGID:
-            raise Unavailable("the peers know the rigid module only: fidelity = 2")
+            raise UnavailableError("the peers know the rigid module only: fidelity = 2")
         try:
             Module("plain").check(**case.parameters)
-        except Refused as error:
-            raise Unavailable(str(error)) from None
+        except InertiaModuleError as error:
+            raise UnavailableError(str(error)) from None
         there = [bool(p["housing_freewheel"]), bool(p["output_freewheel"])]
         if not (stiffness is None or all(there)):
-            raise Unavailable("viscous clutches stand for both freewheels: the case leaves one out")
+            raise UnavailableError("viscous clutches stand for both freewheels: the case leaves one out")
         self.machine, self.case, self.events = Machine(p), case, stiffness is None
         if self.machine.rubs or any(p[name] for name in LOSSES):
-            raise Unavailable(f"the peers know no losses: {', '.join(LOSSES)} and friction must be 0")
+            raise UnavailableError(f"the peers know no losses: {', '.join(LOSSES)} and friction must be 0")
         inertias = p["link2_inertia"], p["output_inertia"]
         given = case.omega1, case.load_torque, self.machine.k, *inertias, stiffness or 0.0
         # of the torque on q: by alpha2, omega1^2, omega1 q', q'^2
@@ -299,7 +299,7 @@ def simulate(case: Case, tolerance: float, method: str, stiffness: float | None 
         method: "Adams" or "BDF" of CVODE, as solve_ivp names it, or, with clutches, "odeint".
 
     Raises:
-        Unavailable: the case is not for it. NotInstalled: a library is not.
+        UnavailableError: the case is not for it. MissingDependencyError: a library is not.
         RuntimeError: the integrator gives up.
     """
     problem = Problem(case, stiffness)

@@ -141,7 +141,7 @@ def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
         integrator: "Euler" or "RK4".
 
     Raises:
-        Unavailable: the case is not for it. NotInstalled: mujoco is not.
+        UnavailableError: the case is not for it. MissingDependencyError: mujoco is not.
         RuntimeError: MuJoCo gives up and starts anew.
     """
     Problem(case)

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
 
+from inertia_module.common.errors import FmuError
 from inertia_module.driveline import EngineMap, Governor
-from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.fmi.instance import Fmu
 from inertia_module.model import Plant
 
 # of a sample time: the end of a step this close to a sample is at the sample

@@ -29,8 +29,9 @@ from examples.coupling.engine import (
     TorqueDrivenEngine,
 )
 from inertia_module import driveline
+from inertia_module.common.errors import FmuError
 from inertia_module.common.examples import example
-from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.fmi.instance import Fmu
 from inertia_module.fmi.results import heading, write_figure, write_rows
 from inertia_module.fmi.simulate import Progress
 from inertia_module.scene import Scene, load_scene
@@ -108,7 +109,7 @@ class CoupledCase:
 
     def engine(self) -> Engine:
         """Make the engine at the start of the case."""
-        inertia = self.interface.greatest / self.ratio
+        inertia = self.interface.maximum / self.ratio
         return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from launch import MECHANISM, stall_torque
 
-from inertia_module import Result, drive
+from inertia_module import Result, current_fmu, simulate
 from inertia_module.fmi.results import write_figure
 
 LIFT = 0.01  # m a radian of the shaft: a drum of 0.2 m behind a gear of 20
@@ -32,7 +32,9 @@ def run(weight_torque, housing_freewheel=True, fmu=None, stop=TIMES[-1]):
     parameters = {**MECHANISM, "output_inertia": INERTIA, "housing_freewheel": housing_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), weight_torque)}
-    table = drive(fmu, inputs, stop_time=stop, step=STEP, outputs=OUTPUTS, parameters=parameters)
+    table = simulate(
+        fmu or current_fmu(), inputs, stop_time=stop, step=STEP, outputs=OUTPUTS, parameters=parameters
+    )
     # the work done on the load is its weight times the height
     height = table["energy_out"] * LIFT / weight_torque
     columns = {name: table[name] for name in table.names} | {"height": height}

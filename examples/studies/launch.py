@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia_module import Result, drive
+from inertia_module import Result, current_fmu, simulate
 from inertia_module.fmi.results import write_figure
 
 MECHANISM = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
@@ -28,7 +28,7 @@ def stall_torque(omega1, fmu=None):
     """Mean torque on a shaft that stands, N.m: of a second, for it has some hundred pulses."""
     held = {**MECHANISM, "output_inertia": 1e5}
     inputs = {"omega1": omega1, "load_torque": 0.0}
-    table = drive(fmu, inputs, stop_time=1.0, step=1.0, outputs=OUTPUTS, parameters=held)
+    table = simulate(fmu or current_fmu(), inputs, stop_time=1.0, step=1.0, outputs=OUTPUTS, parameters=held)
     return table["output_torque_mean"][-1]
 
 
@@ -36,7 +36,9 @@ def launch(omega1, fidelity, fmu=None):
     """The launch as a table over time."""
     parameters = {**MECHANISM, "output_inertia": FLYWHEEL, "fidelity": fidelity}
     inputs = {"omega1": omega1, "load_torque": LOAD}
-    return drive(fmu, inputs, stop_time=STOP, step=STEP, outputs=OUTPUTS, parameters=parameters)
+    return simulate(
+        fmu or current_fmu(), inputs, stop_time=STOP, step=STEP, outputs=OUTPUTS, parameters=parameters
+    )
 
 
 def time_to(table, speed):

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from launch import MECHANISM
 
-from inertia_module import Result, drive, torque_converter_chart
+from inertia_module import Result, current_fmu, simulate, torque_converter_chart
 from inertia_module.fmi.results import write_figure
 from inertia_module.plots.panels import smooth
 
@@ -49,7 +49,14 @@ def run(loads, fmu=None):
     time = np.sort(np.concatenate([edges[:-1], edges[1:] - STEP]))
     inputs = {"time": time, "omega1": np.full(time.size, OMEGA1), "load_torque": np.repeat(loads, 2)}
     parameters = {**MECHANISM, "output_inertia": INERTIA}
-    return drive(fmu, inputs, stop_time=float(edges[-1]), step=STEP, outputs=OUTPUTS, parameters=parameters)
+    return simulate(
+        fmu or current_fmu(),
+        inputs,
+        stop_time=float(edges[-1]),
+        step=STEP,
+        outputs=OUTPUTS,
+        parameters=parameters,
+    )
 
 
 def study(fmu=None):

@@ -68,8 +68,7 @@ def run(sensor, gust, fmu=None):
         name="wind",
     )
     labels = ["car_torque" if label == "load_torque" else label for label in car.system.output_labels]
-    vehicle = car.system.to_control()
-    vehicle.set_outputs(labels)
+    car.system.set_outputs(labels)
     controller = driveline.pi_speed_controller(
         STEP,
         proportional_gain=500.0,
@@ -83,8 +82,8 @@ def run(sensor, gust, fmu=None):
             driveline.source("reference", driveline.Table(CYCLE.time, CYCLE.speed), STEP),
             measured,
             controller,
-            driveline.driver_brake(STEP, gain=8000.0, greatest=6000.0, margin=0.14),
-            vehicle,
+            driveline.driver_brake(STEP, gain=8000.0, maximum=6000.0, margin=0.14),
+            car.system,
             torque,
         ]
     )

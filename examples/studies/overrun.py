@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from launch import MECHANISM
 
-from inertia_module import Result, drive
+from inertia_module import Result, current_fmu, simulate
 from inertia_module.fmi.results import write_figure
 
 INERTIA = 2.0  # kg.m2
@@ -30,7 +30,9 @@ def run(output_freewheel=True, fmu=None):
     parameters = {**MECHANISM, "output_inertia": INERTIA, "output_freewheel": output_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), LOAD)}
-    return drive(fmu, inputs, stop_time=TIMES[-1], step=STEP, outputs=OUTPUTS, parameters=parameters)
+    return simulate(
+        fmu or current_fmu(), inputs, stop_time=TIMES[-1], step=STEP, outputs=OUTPUTS, parameters=parameters
+    )
 
 
 def phases(table):

@@ -8,15 +8,21 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from .common.errors import Refused, must_be, unknown
-from .compiling import CompilationUnavailable
+from .common.errors import ParameterError, must_be, unknown
+from .compiling import CompilationError
 from .compiling import load as compiled
 from .interface.models import DRIVEN_SHAFT, INERTIA_MODULE, RECORD_OF, Model
 from .interface.records import record_type
 from .interface.variables import INPUT, MAP_KEY, OUTPUT, PARAMETER, Variable
 from .kernel import codes
+
+if TYPE_CHECKING:  # the Python FMU runs without NumPy
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 NO_STATE = "the state must be saved by this build (it is damaged or from another build)"
 # maximum number of stored maps of fidelity averaged: equal instances share the map of the first one
@@ -47,18 +53,18 @@ def choose_kernel(kernel: str, model: Model = INERTIA_MODULE) -> tuple[ctypes.CD
         Library of the compiled kernel, or None for plain Python; and a text with the reason.
 
     Raises:
-        CompilationUnavailable: kernel is "compiled", and no compiled kernel is available.
-        Refused: kernel has another value.
+        CompilationError: kernel is "compiled", and no compiled kernel is available.
+        ParameterError: kernel has another value.
     """
     if kernel == "auto":
         kernel = os.environ.get("INERTIA_MODULE_KERNEL", "auto")
     if kernel not in ("auto", "compiled", "plain"):
-        raise Refused(must_be("kernel", "auto, compiled or plain", repr(kernel)))
+        raise ParameterError(must_be("kernel", "auto, compiled or plain", repr(kernel)))
     if kernel == "plain":
         return None, "plain Python, as requested"
     try:
         return compiled.load(model), "compiled"
-    except CompilationUnavailable as error:
+    except CompilationError as error:
         if kernel == "compiled":
             raise
         warnings.warn(
@@ -102,7 +108,7 @@ class Run(ctypes.Structure):
         *(("rates", ctypes.c_void_p), ("rate_count", ctypes.c_size_t)),
     )
 
-    def __init__(self, lengths: Any, inputs: int, input_rows: Any, outputs: int, rows: Any) -> None:
+    def __init__(self, lengths: Array, inputs: int, input_rows: Array, outputs: int, rows: Array) -> None:
         super().__init__(0.0, len(lengths), lengths.ctypes.data)
         self.input_count, self.inputs, self.set = input_rows.shape[1], inputs, input_rows.ctypes.data
         self.output_count, self.outputs, self.read = rows.shape[1], outputs, rows.ctypes.data
@@ -137,7 +143,7 @@ class Plant(ABC):
         """
 
     def take_steps(
-        self, lengths: Any, inputs: Sequence[str], input_rows: Any, outputs: Sequence[str], rows: Any
+        self, lengths: Array, inputs: Sequence[str], input_rows: Array, outputs: Sequence[str], rows: Array
     ) -> None:
         """Take many steps.
 
@@ -152,8 +158,8 @@ class Plant(ABC):
             rows: array for the outputs at the start and after each step, shape (steps + 1, outputs).
 
         Raises:
-            Refused: a name is unknown, or a value or a step is invalid; the plant keeps the state before
-                this step.
+            ParameterError: a name is unknown, or a value or a step is invalid; the plant keeps the state
+                before this step.
         """
         rows[0] = self.read(outputs)
         for row, length, values in zip(rows[1:], lengths.tolist(), input_rows.tolist(), strict=True):
@@ -178,9 +184,9 @@ class ModelInstance(Plant):
         outputs: record y.
 
     Raises:
-        Refused: raised by the methods, which then change nothing. A name is unknown; a value is out of range,
-            alone or in combination; a fixed parameter is set after the start; a call requires the start; a
-            step is invalid.
+        ParameterError: raised by the methods, which then change nothing. A name is unknown; a value is out
+            of range, alone or in combination; a fixed parameter is set after the start; a call requires the
+            start; a step is invalid.
     """
 
     model: ClassVar[Model]
@@ -193,6 +199,9 @@ class ModelInstance(Plant):
         self.parameters, self.derived, self.inputs, self.state, self.outputs, _ = self._records
         self._addresses = tuple(ctypes.addressof(record) for record in self._records)
         self.started = False
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({'started' if self.started else 'not started'})"
 
     def load_kernel(self) -> None:
         """Load the kernel now instead of at the start; compile it if the cache does not contain it."""
@@ -218,12 +227,12 @@ class ModelInstance(Plant):
             name: name of the variable.
 
         Raises:
-            Refused: there is no such parameter or input.
+            ParameterError: there is no such parameter or input.
         """
         variable = cls.model.by_name.get(name)
         if variable is None or variable.causality not in (INPUT, PARAMETER):
             names = (other.name for other in cls.model.with_causality(INPUT, PARAMETER))
-            raise Refused(unknown("parameter or input", name, names))
+            raise ParameterError(unknown("parameter or input", name, names))
         return variable
 
     def set(self, **values: float | str) -> None:
@@ -236,7 +245,7 @@ class ModelInstance(Plant):
         for name, value in values.items():
             variable = self.settable(name)
             if variable.causality == PARAMETER and self.started and not variable.is_tunable:
-                raise Refused(f"{name} is not tunable and must be set before start() (got {value})")
+                raise ParameterError(f"{name} is not tunable and must be set before start() (got {value})")
             numbers[name] = variable.number(value)
         self.assign(numbers)
 
@@ -247,7 +256,7 @@ class ModelInstance(Plant):
             numbers: numbers in the units of the variables, by name.
 
         Raises:
-            Refused: a tuned parameter is out of range, alone or in combination; nothing changes.
+            ParameterError: a tuned parameter is out of range, alone or in combination; nothing changes.
         """
         changed = [name for name, number in numbers.items() if self.started and number != self[name]]
         tuned = [name for name in changed if self.record(name) is self.parameters]
@@ -260,19 +269,20 @@ class ModelInstance(Plant):
             reason = self.explain(status, 0.0)
             self._write(before)
             self.call(codes.CHECK, 0.0)
-            raise Refused(reason)
+            raise ParameterError(reason)
 
     def _write(self, numbers: Mapping[str, float]) -> None:
         for name, number in numbers.items():
             setattr(self.record(name), name, number)
 
-    def record(self, name: str) -> Any:
+    def record(self, name: str) -> ctypes.Union:
         """Return the record of a variable.
 
         Args:
             name: name of the variable.
         """
-        return self._records[RECORD_OF[self.model.by_name[name].causality]]
+        record: ctypes.Union = self._records[RECORD_OF[self.model.by_name[name].causality]]
+        return record
 
     def set_rates(self, **rates: float) -> None:
         """Set constant rates of inputs for the next step, which starts at their present values.
@@ -283,7 +293,7 @@ class ModelInstance(Plant):
         inputs = [variable.name for variable in self.model.with_causality(INPUT)]
         for name in rates:
             if name not in inputs:
-                raise Refused(unknown("input", name, inputs))
+                raise ParameterError(unknown("input", name, inputs))
         for name, rate in rates.items():
             setattr(self.inputs, f"{name}_rate", rate)
             setattr(self.inputs, f"{name}_rate_given", 1.0)
@@ -294,7 +304,7 @@ class ModelInstance(Plant):
         The inputs continue as in the last step.
         """
         if not self.started:
-            raise Refused("call start() before rates()")
+            raise ParameterError("call start() before rates()")
         copy = type(self)("plain" if self._compiled is None else "compiled")
         copy.restore(self.save())
         self._check(copy.call(codes.OUTPUT_DERIVATIVES, 0.0), 0.0)
@@ -321,7 +331,7 @@ class ModelInstance(Plant):
         self.set(**values)
         problems = self.model.range_errors(self.parameters)
         if problems:
-            raise Refused("; ".join(problems))
+            raise ParameterError("; ".join(problems))
         self.load_kernel()
 
     def advance(self, step_size: float) -> None:
@@ -331,14 +341,14 @@ class ModelInstance(Plant):
             step_size: length of the step, s.
         """
         if not self.started:
-            raise Refused("call start() before advance()")
+            raise ParameterError("call start() before advance()")
         self._check(self.call(codes.STEP, step_size), step_size)
         # the record of the inputs contains their values, then the rates and the flags "rate is given"
         rates = len(self.inputs.numbers) // 3
         self.inputs.numbers[rates:] = (0.0,) * (2 * rates)
 
     def take_steps(
-        self, lengths: Any, inputs: Sequence[str], input_rows: Any, outputs: Sequence[str], rows: Any
+        self, lengths: Array, inputs: Sequence[str], input_rows: Array, outputs: Sequence[str], rows: Array
     ) -> None:
         """Take many steps; a compiled kernel takes them in one call.
 
@@ -365,7 +375,7 @@ class ModelInstance(Plant):
         request.rates, request.rate_count = self._addresses[2] + 8 * number, 2 * number
         status = self._compiled.inertia_module_kernel_run(ctypes.addressof(request))
         if status != codes.OK:
-            raise Refused(self.explain(status, float(lengths[request.steps])))
+            raise ParameterError(self.explain(status, float(lengths[request.steps])))
 
     def _address(self, name: str) -> int:
         record = RECORD_OF[self.model.by_name[name].causality]
@@ -373,7 +383,7 @@ class ModelInstance(Plant):
 
     def _check(self, status: int, step_size: float) -> None:
         if status != codes.OK:
-            raise Refused(self.explain(status, step_size))
+            raise ParameterError(self.explain(status, step_size))
 
     def warnings(self) -> list[str]:
         """Return a sentence for each warning about accepted parameters."""
@@ -428,27 +438,27 @@ class ModelInstance(Plant):
             must_be_started: True to reject a state that was saved before the start.
 
         Raises:
-            Refused: the state is not from this build, is damaged, or was saved before the start.
+            ParameterError: the state is not from this build, is damaged, or was saved before the start.
         """
         start = len(self._head(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
-            raise Refused(
+            raise ParameterError(
                 f"the state must be saved by this build, with {size} bytes (got {len(saved)} bytes)"
             )
         started = saved.startswith(self._head(True))
         if not started and not saved.startswith(self._head(False)):
-            raise Refused(NO_STATE)
+            raise ParameterError(NO_STATE)
         parts = {}
         for name, record in zip("pduxy", self._records, strict=False):
             parts[name] = type(record).from_buffer_copy(saved, start)
             start += ctypes.sizeof(record)
         if must_be_started and not started:
-            raise Refused("the state must be saved after the start")
+            raise ParameterError("the state must be saved after the start")
         # an index or a choice out of its range would crash the kernel
         is_valid = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
         if not is_valid or (started and self.model.range_errors(parts["p"])):
-            raise Refused(NO_STATE)
+            raise ParameterError(NO_STATE)
         self.load_kernel()
         if started:
             parts["d"] = self._recalculated(parts["p"], parts["d"])
@@ -466,10 +476,10 @@ class ModelInstance(Plant):
         _copy(trial.parameters, parameters)
         _copy(trial.derived, derived)
         if trial.call(codes.CHECK, 0.0) != codes.OK:
-            raise Refused(NO_STATE)
+            raise ParameterError(NO_STATE)
         return trial.derived
 
-    def snapshot(self) -> dict[str, Any]:
+    def snapshot(self) -> dict[str, float]:
         """Return the values of all variables by name."""
         return {name: self[name] for name in self.model.by_name}
 
@@ -490,7 +500,7 @@ class Module(ModelInstance):
             values: parameters and inputs by name: numbers, strings with a unit, names of items.
 
         Raises:
-            Refused: a name is unknown, or a value is out of range, alone or in combination.
+            ParameterError: a name is unknown, or a value is out of range, alone or in combination.
         """
         self._prepare(values)
         self._check(self.call(codes.CHECK, 0.0), 0.0)
@@ -515,7 +525,7 @@ class Module(ModelInstance):
             values: as of start.
 
         Raises:
-            Refused: the parameters cannot be, or there is no periodic orbit.
+            ParameterError: the parameters cannot be, or there is no periodic orbit.
         """
         self._prepare(values)
         self._check(self.call(codes.STEADY, period), period)

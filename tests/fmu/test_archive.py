@@ -16,7 +16,7 @@ from lxml import etree
 from PIL import Image
 
 from inertia_module.common.files import PACKAGE_FOLDER, cache_folder
-from inertia_module.compiling import CompilationUnavailable, targets
+from inertia_module.compiling import CompilationError, targets
 from inertia_module.compiling.load import SHIPPED
 from inertia_module.compiling.targets import LINUX_ARM, TARGETS
 from inertia_module.fmi.instance import Fmu
@@ -262,7 +262,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
 def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_others(tmp_path, monkeypatch):
     def fails(fmu, guid, target, progress):
         if target is LINUX_ARM:
-            raise CompilationUnavailable("no such processor")
+            raise CompilationError("no such processor")
         return real(fmu, guid, target, progress)
 
     real = native_fmu.library

@@ -12,8 +12,9 @@ from unittest.mock import Mock
 
 import pytest
 
+from inertia_module.common.errors import FmuError
 from inertia_module.fmi import copies
-from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.fmi.instance import Fmu
 from tests.packed import files_of, with_content
 from tests.system.programs import process
 

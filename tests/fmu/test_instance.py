@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from refused import REFUSED, assert_refused, refusal
 
-from inertia_module.fmi.simulate import Fmu, FmuError, drive
+from inertia_module.common.errors import FmuError
+from inertia_module.fmi.simulate import Fmu, simulate_fmu
 
 from .conftest import R1
 
@@ -107,7 +108,7 @@ def test_one_bad_value_keeps_all_others_out(fmu, bad):
 
 def test_one_name_may_stand_for_names(fmu, fmu_path):
     assert fmu.read("omega_out") == fmu.read(("omega_out",))
-    table = drive(fmu_path, R1, 0.02, 0.01, outputs="omega_out")
+    table = simulate_fmu(fmu_path, R1, 0.02, 0.01, outputs="omega_out")
     assert table.names == ["time", "omega1", "load_torque", "omega_out"]
 
 
@@ -126,16 +127,16 @@ def test_a_text_or_an_array_is_no_number_and_is_named(fmu, changes, words):
 
 @pytest.mark.parametrize("stop_time", [1e-3, 1e-29])
 def test_stop_time_far_below_the_step_is_one_step(fmu_path, stop_time):
-    assert drive(fmu_path, R1, stop_time, 1e7).time.tolist() == [0.0, stop_time]
+    assert simulate_fmu(fmu_path, R1, stop_time, 1e7).time.tolist() == [0.0, stop_time]
 
 
 def test_run_of_too_many_steps_is_refused_before_it_takes_the_memory(fmu_path):
     words = r"step must be at least 1 s, for at most 100,000,000 steps \(got 1e-12\)$"
-    assert_refused(words, drive, fmu_path, R1, 1e8, 1e-12)
+    assert_refused(words, simulate_fmu, fmu_path, R1, 1e8, 1e-12)
 
 
 def run(fmu_path, inputs, **more):
-    return drive(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
+    return simulate_fmu(fmu_path, inputs, 0.05, 0.01, parameters={"output_inertia": 0.1}, **more)
 
 
 def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
@@ -219,7 +220,7 @@ def test_two_rows_of_the_same_time_are_a_step(fmu_path, tmp_path):
 def test_a_run_of_no_length_is_refused(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
     assert_refused(
-        rf"{name} must be a positive number of seconds \(got {value}\)", drive, fmu_path, R1, **times
+        rf"{name} must be a positive number of seconds \(got {value}\)", simulate_fmu, fmu_path, R1, **times
     )
 
 
@@ -232,7 +233,7 @@ def test_rates_of_inputs_are_refused_where_fmi_has_none(fmu_path):
 
 def test_column_of_a_table_tunes_parameters(fmu_path):
     table = {"time": [0.0, 0.049, 0.05, 0.1], **R1}
-    tuned = drive(fmu_path, {**table, "output_friction": [0.0, 0.0, 0.5, 0.5]}, 0.1, 0.01)["omega_out"]
-    plain = drive(fmu_path, table, 0.1, 0.01)["omega_out"]
+    tuned = simulate_fmu(fmu_path, {**table, "output_friction": [0.0, 0.0, 0.5, 0.5]}, 0.1, 0.01)["omega_out"]
+    plain = simulate_fmu(fmu_path, table, 0.1, 0.01)["omega_out"]
     assert tuned[:6].tolist() == plain[:6].tolist()
     assert all(tuned[6:] < plain[6:])

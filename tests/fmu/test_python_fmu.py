@@ -27,7 +27,8 @@ DRIVE = """
 import os, sys
 for name in {blocked!r}:
     sys.modules[name] = None
-from inertia_module.fmi.instance import FmuError, Fmu
+from inertia_module.common.errors import FmuError
+from inertia_module.fmi.instance import Fmu
 try:
     fmu = Fmu({path!r}, inputs={{"omega1": 100.0, "load_torque": 10.0}}, tolerance=1e-9)
     fmu.advance(0.1)

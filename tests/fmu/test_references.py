@@ -14,14 +14,15 @@ from fmpy.cross_check.validate_vendor_repo import validate_repo
 from fmpy.fmi1 import FMICallException
 from lxml import etree
 
+from inertia_module.common.errors import SimulationTerminated
 from inertia_module.fmi import loading
 from inertia_module.fmi.examination import examine
 from inertia_module.fmi.experiments import experiments, read_table
-from inertia_module.fmi.instance import Ended, Fmu, read_description
+from inertia_module.fmi.instance import Fmu, read_description
 from inertia_module.fmi.replay import deviations
 from inertia_module.fmi.report import Journal
 from inertia_module.fmi.results import Result
-from inertia_module.fmi.simulate import drive
+from inertia_module.fmi.simulate import simulate_fmu
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.interface.models import MODELS
 from verification import compatibility
@@ -109,11 +110,11 @@ def test_an_fmu_that_ends_the_simulation_is_held_to_its_references_up_to_there(b
         assert report.facts[name] == "0.3 s; the FMU ends the simulation"
     assert len(report.references) == 6
     assert max(one.time for one in report.references) <= 0.3
-    table = drive(path, {"hub_speed": 1.0}, 1.0, 0.1, "omega_out")
+    table = simulate_fmu(path, {"hub_speed": 1.0}, 1.0, 0.1, "omega_out")
     assert table.time.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.3])
     with Fmu(path) as fmu:
         fmu.advance(0.4)
-        with pytest.raises(Ended, match=rf"{path.name} ends the simulation at 0.4 s"):
+        with pytest.raises(SimulationTerminated, match=rf"{path.name} ends the simulation at 0.4 s"):
             fmu.advance(0.1)
 
 

@@ -10,7 +10,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
 from refused import REFUSED, assert_refused, sentence
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.instance import Fmu
 from inertia_module.fmi.loading import Log, callbacks_of
 from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -150,7 +150,7 @@ def test_all_that_cannot_be_at_the_start_is_named_at_once(fmu_path, given, said)
 
 def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_model(instance):
     for parameters, _ in REFUSED["combinations"]:
-        with pytest.raises(Refused) as caught:
+        with pytest.raises(InertiaModuleError) as caught:
             Module("plain").start(**parameters)
         said = instance.refusal(lambda values=parameters: instance.start(**values))
         assert said == str(caught.value)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from inertia_module.common.files import PACKAGE_FOLDER
-from inertia_module.compiling import CompilationUnavailable
+from inertia_module.compiling import CompilationError
 from inertia_module.compiling.c_compiler import WARNINGS, object_file
 from inertia_module.compiling.targets import LINUX64
 from inertia_module.compiling.tools import ZIG, run_tool
@@ -129,7 +129,7 @@ def workshops(tmp_path_factory):
         if identifier not in made:
             try:
                 made[identifier] = Workshop(FMUS[identifier], tmp_path_factory.mktemp(identifier))
-            except CompilationUnavailable as reason:
+            except CompilationError as reason:
                 pytest.skip(str(reason))
         return made[identifier]
 

@@ -57,9 +57,9 @@ def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
 
 
 def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
-    """The Python FMU runs where both libraries of C are at least as new as docs/fmu.md says."""
+    """The Python FMU runs where both libraries of C are at least as new as docs/reference/fmu.md says."""
     needed = glibc_versions(read(binary_folder / LINUX64.folder / "pythonfmu-export.so"))
-    text = (SOURCES.parents[1] / "docs" / "fmu.md").read_text()
+    text = (SOURCES.parents[1] / "docs" / "reference" / "fmu.md").read_text()
     for family in ("GLIBC_", "GLIBCXX_"):
         numbers = [name.removeprefix(family) for name in needed if name.startswith(family)]
         newest = max(numbers, key=lambda number: tuple(map(int, number.split("."))))

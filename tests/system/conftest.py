@@ -69,7 +69,7 @@ def page(still):
 
 
 class Cluster:
-    """A scheduler and workers as processes of their own, started as docs/sweep.md says."""
+    """A scheduler and workers as processes of their own, started as sweep.md says."""
 
     def __init__(self, folder):
         self.file = folder / "scheduler.json"

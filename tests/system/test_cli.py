@@ -1,6 +1,7 @@
 """The command as a user types it: its files, its errors before the work, its output and help."""
 
 import importlib
+import io
 import json
 import os
 import re
@@ -12,12 +13,13 @@ from pathlib import Path
 
 import pytest
 from refused import REFUSED
+from rich.console import Console
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import PUBLIC, __version__
-from inertia_module.cli import app, options, show, studies
-from inertia_module.common.errors import Refused
+from inertia_module.cli import app, options, scene_runs, show, studies
+from inertia_module.common.examples import examples
 from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
 from inertia_module.fidelity.trials import Row as Measured
@@ -27,7 +29,9 @@ from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
 from inertia_module.fmu.builder import FMUS, PYTHON_FMU
 from inertia_module.interface.variables import ENUMERATIONS
+from inertia_module.scene import load_any_scene, summary_text
 from inertia_module.scene.keys import AUTO
+from inertia_module.scene.summary_text import Summary
 from inertia_module.studies.order_analysis import BASES
 from tests.packed import with_words
 from tests.system.programs import command, is_one_line, process, succeeded
@@ -73,6 +77,32 @@ def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
     title, speed = done.stdout.splitlines()[:2]
     assert re.fullmatch(r"R1: a bevel inertia module starts a flywheel +0\.1 s, rigid", title)
     assert speed.startswith("  Speed       input 100 rad/s   output at the end 3.45 rad/s")
+
+
+SCENES = [path for path in examples().values() if path.suffix == ".toml" and path.stem != "design_car"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
+def test_summary_of_each_example_fits_a_terminal_of_80_columns(workshop, scene):
+    done = succeeded("run", scene, folder=workshop)
+    lines = done.stdout.splitlines()
+    assert (done.stderr, max(map(len, lines)) <= 80, len(lines) <= 17) == ("", True, True), done.stdout
+    assert lines[0].startswith(load_any_scene(scene).title[:40])
+    assert lines[-1] == f"  out/{scene.stem}: table.csv  summary.json  plot.png"
+    assert not re.search(r"(?<![\d.])0 (J|N|N·m|rpm|rad/s)", done.stdout)
+
+
+@pytest.mark.parametrize("no_color, code", [("", "\x1b[31m"), ("1", "")])
+def test_warnings_are_red_on_a_terminal_unless_the_user_wants_no_colour(monkeypatch, no_color, code):
+    out = io.StringIO()
+    monkeypatch.setenv("NO_COLOR", no_color)
+    monkeypatch.setattr(scene_runs, "terminal", lambda: Console(file=out, force_terminal=True, width=80))
+    summary = Summary(["title"], ["  ! a warning"], ["  Speed"])
+    monkeypatch.setattr(summary_text, "summary", lambda *_: summary)
+    scene_runs._print_summary(None, {})
+    assert out.getvalue().splitlines()[1].startswith(f"{code}  ! a warning")
+    assert out.getvalue().splitlines()[2] == "  Speed"
 
 
 def test_run_prints_every_metric_with_all(workshop, tmp_path):
@@ -246,7 +276,7 @@ COMMANDS = {
     "run": (["run", REFERENCE], "scene.run_scene"),
     "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
     "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
-    "chart": (["chart", REFERENCE], "analysis.converter_chart.torque_converter_chart"),
+    "chart": (["chart", REFERENCE], "scene.chart.compute_chart"),
     "export": (["export", REFERENCE], "export.systems.export"),
 }
 
@@ -353,7 +383,7 @@ def test_other_files_that_are_devices_or_pipes_are_one_line(tmp_path, device):
     ]
     for arguments in commands:
         is_one_line(command(*arguments, folder=tmp_path), device, words)
-    with pytest.raises(Refused, match=re.escape(words)):
+    with pytest.raises(InertiaModuleError, match=re.escape(words)):
         Result.from_csv(Path(place, device))
 
 
@@ -361,7 +391,7 @@ def test_file_that_is_too_large_is_refused(tmp_path):
     path = tmp_path / "table.csv"
     path.touch()
     os.truncate(path, MAX_TEXT_SIZE + 1)
-    with pytest.raises(Refused, match=r"^cannot read .*table.csv: larger than 100 MB$"):
+    with pytest.raises(InertiaModuleError, match=r"^cannot read .*table.csv: larger than 100 MB$"):
         Result.from_csv(path)
 
 
@@ -403,7 +433,8 @@ def test_brackets_and_colons_are_printed_as_they_are(name, capsys, monkeypatch):
 def test_help_of_a_command_has_every_letter(name):
     command = get_command(app).commands[name]
     shown = " ".join(CliRunner().invoke(app, [name, "-h"], terminal_width=1000).stdout.split())
-    for text in (command.help, *(parameter.help for parameter in command.params if parameter.help)):
+    shown_options = [parameter for parameter in command.params if not getattr(parameter, "hidden", False)]
+    for text in (command.help, *(parameter.help for parameter in shown_options if parameter.help)):
         assert " ".join(text.split()) in shown
 
 

@@ -16,6 +16,7 @@ from fmpy.validation import validate_fmu
 from scenes import ELASTIC, MECHANISMS
 from scenes import REFERENCE as INPUTS
 
+from inertia_module.common.errors import SceneError
 from inertia_module.export import systems
 from inertia_module.export.systems import Plan, container, export, make_plan
 from inertia_module.fmi.instance import Fmu
@@ -23,7 +24,6 @@ from inertia_module.fmu.builder import FMUS
 from inertia_module.fmu.native_fmu import Build
 from inertia_module.interface.variables import REAL
 from inertia_module.scene import load_scene
-from inertia_module.scene.keys import SceneError
 from inertia_module.scene.run import scene_plan
 from tests.packed import files_of
 from tests.ready import HERE
@@ -37,7 +37,7 @@ SYSTEMS = {
     "driven by torque": (ELASTIC | BY_TORQUE, INPUTS | {"drive_torque": 25.0, "load_torque": 7.0}),
     "turning at the start": (ELASTIC | {"omega_out_start": 20.0}, INPUTS),
 }
-STEP, STOP = 1e-3, 1.0  # those of the programs in docs/systems.md
+STEP, STOP = 1e-3, 1.0  # those of the programs in export.md
 RUN = {"stop_time": STOP, "output_interval": STEP}
 # module that a reader of SSP is imported by, and the tolerance it gives to FMUs
 READERS = {"OMSimulator": 1e-4, "libcosimpy": None, "ecospy": None, "fmpy": None}
@@ -90,7 +90,7 @@ def looped(plan, folder, tolerance=None):
 
 def program(reader):
     """The program for a reader, as the documentation has it."""
-    return next(block for block in programs("systems.md") if block.startswith(f"from {reader}"))
+    return next(block for block in programs("how_to/export.md") if block.startswith(f"from {reader}"))
 
 
 @pytest.mark.parametrize("reader", READERS)

@@ -22,7 +22,7 @@ COMMANDS = [
     ["new", "planar"],
     ["run", "planar.toml"],
     ["chart", "planar.toml", "--map"],
-    ["orders", ROOT / "examples" / "orders.toml", "--mat", "--uff"],
+    ["orders", ROOT / "examples" / "orders.toml", "--mat"],
     ["sweep", "planar.toml", "--vary", "imbalance_mass=1:2", "--sensitivity", "4", *SHORT],
     ["fit", *RIG, "--free", "imbalance_mass=0.5:2", "--starts", "2"],
     ["design", LIGHT, "--workers", "1"],

@@ -16,7 +16,7 @@ from refused import assert_refused
 from inertia_module import __version__
 from inertia_module.common.examples import example, examples
 from inertia_module.common.files import cache_folder
-from inertia_module.compiling import CompilationUnavailable, load
+from inertia_module.compiling import CompilationError, load
 from inertia_module.fmu import builder
 from inertia_module.interface.models import MODELS
 from inertia_module.model import Module, choose_kernel
@@ -79,9 +79,10 @@ def test_new_without_a_name_lists_all_examples_by_title():
 
 def test_all_scenes_programs_and_the_notebook_are_examples():
     files = [path for kind in ("toml", "ipynb", "py") for path in ROOT.glob(f"examples/**/*.{kind}")]
-    parts = {"speed_control_margins.py", "speed_control_report.py", "fit_rig_data.py"}
-    parts |= {path.name for path in ROOT.glob("examples/coupling/*.py")}
-    assert sorted(path for path in files if path.name not in parts) == sorted(examples().values())
+    parts = {"averaged_module.py", "frequency_response.py", "speed_control_margins.py"}
+    parts |= {"speed_control_report.py", "fit_rig_data.py"}
+    copied = [path for path in files if path.name not in parts and path.parent.name != "coupling"]
+    assert sorted(copied) == sorted(examples().values())
     assert example("planar.py").suffix == ".py"
     assert_refused(r"^unknown example 'plenary'; did you mean 'planar'\?$", example, "plenary")
 
@@ -108,13 +109,14 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
     assert summary["omega1_maximum"] == 60.0
 
 
-def test_scene_without_a_loop_runs_without_python_control(fmu):
+@pytest.mark.parametrize("name", ["planar", "reference"])
+def test_scene_without_a_loop_runs_without_python_control(fmu, name):
     code = (
         "import sys; from inertia_module import load_scene, run_scene, scene_figure;"
         "scene_figure(run_scene(load_scene(sys.argv[1], {'run.stop_time': '10 ms'}), sys.argv[2]));"
         "print(sorted({'control', 'scipy'} & set(sys.modules)))"
     )
-    assert process("-c", code, example("planar"), fmu).stdout == "[]\n"
+    assert process("-c", code, example(name), fmu).stdout == "[]\n"
 
 
 def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
@@ -166,7 +168,7 @@ def test_processes_that_link_at_once_leave_one_whole_library(tmp_path, monkeypat
 def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
     monkeypatch.setattr(builder, "ready_made", lambda file: built / file)
     monkeypatch.setattr(builder.NativeFmu, "content", lambda *_: pytest.fail("compiled"))
-    assert builder.current_fmu(builder.MODULE_FMU, tmp_path) == built / "InertiaModule.fmu"
+    assert builder.current_fmu(folder=tmp_path) == built / "InertiaModule.fmu"
     done = builder.build(tmp_path)
     assert not done.skipped
     assert all(path.read_bytes() == (built / path.name).read_bytes() for path in done.paths)
@@ -175,7 +177,7 @@ def test_wheel_builds_nothing(built, tmp_path, monkeypatch):
 
 def test_plain_python_is_not_taken_silently(monkeypatch):
     monkeypatch.delenv("INERTIA_MODULE_KERNEL", raising=False)
-    monkeypatch.setattr(load, "load", Mock(side_effect=CompilationUnavailable("there is no compiler")))
+    monkeypatch.setattr(load, "load", Mock(side_effect=CompilationError("there is no compiler")))
     with pytest.warns(
         RuntimeWarning, match=r"slower\. No compiled kernel is available: there is no compiler$"
     ):
@@ -186,7 +188,7 @@ def test_fmu_that_cannot_be_built_is_an_error(tmp_path, monkeypatch):
     nothing = builder.Build(skipped={"InertiaModule.fmu": "there is no compiler"})
     monkeypatch.setattr(builder, "build", lambda *_: nothing)
     with pytest.raises(RuntimeError, match=r"cannot build InertiaModule.fmu: there is no compiler"):
-        builder.current_fmu(builder.MODULE_FMU, tmp_path)
+        builder.current_fmu(folder=tmp_path)
 
 
 def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_complete_wheel_or_none(
@@ -206,15 +208,15 @@ def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_co
     (clone / "build" / "InertiaModule.fmu").write_bytes(b"of an older source")
     assert forced(clone) == {"inertia_module/examples"}
     assert forced(clone, "editable") == set()
-    page = sdist / "fmu_src" / "inertia_module" / "viewer"
-    page.mkdir(parents=True)
+    viewer = sdist / "fmu_src" / "inertia_module" / "viewer"
+    viewer.mkdir(parents=True)
     (sdist / "PKG-INFO").touch()
     with pytest.raises(
         FileNotFoundError, match=r"missing files of the wheel: build/InertiaModule.fmu, .* Run make dist\.$"
     ):
         forced(sdist)
     (sdist / "build").symlink_to(built)
-    (page / "template.html").touch()
+    (viewer / "template.html").touch()
     ready = {f"inertia_module/ready/{path.name}" for path in built.iterdir() if path.is_file()}
     assert forced(sdist) == ready | {"inertia_module/examples"}
 

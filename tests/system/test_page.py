@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia_module.fmi.instance import Fmu, FmuError
+from inertia_module.common.errors import FmuError
+from inertia_module.fmi.instance import Fmu
 from inertia_module.fmi.results import Result
 from inertia_module.interface.variables import LOCAL, OUTPUT, with_causality
 from inertia_module.scene import load_scene

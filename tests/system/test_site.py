@@ -19,7 +19,12 @@ WIDTHS = {"desktop": 1440, "phone": 360}
 LOOKS = Path(__file__).with_name("site.js").read_text()
 # of the first results of a search
 FOUND = "links => links.map(link => new URL(link.href).pathname.slice(1)).filter(page => page)"
-TABLES = {"variables.html", "api.html", "papers.html", "performance.html", "stability.html"}
+TABLES = {
+    *("reference/variables.html", "reference/api.html", "reference/commands.html", "papers/index.html"),
+    *("verification/performance.html", "verification/stability.html", "changelog.html"),
+}
+# pages that are no text of the site
+NO_TEXT = {"404.html", "machine.html"}
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
@@ -64,22 +69,23 @@ def test_every_page_is_whole_at_this_width_in_any_font_and_asks_the_network_for_
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("request", lambda request: request.url.startswith(address) or asked.append(request.url))
     formulas = 0
-    for path in sorted(folder.glob("*.html")):
-        if path.name in ("404.html", "machine.html"):
+    for path in sorted(folder.rglob("*.html")):
+        name = path.relative_to(folder).as_posix()
+        if name in NO_TEXT:
             continue
-        page.goto(address + path.name, wait_until="load")
+        page.goto(address + name, wait_until="load")
         if width == "desktop":
-            assert page.locator("nav.md-nav--primary a[href='machine.html']").is_visible(), path.name
+            assert page.locator("nav.md-nav--primary a[href$='machine.html']").is_visible(), name
         for look in ("rawFormulas", "unseenFormulas", "unloaded"):
-            assert page.evaluate(f"{LOOKS}.{look}") == [], (path.name, look)
+            assert page.evaluate(f"{LOOKS}.{look}") == [], (name, look)
         for font in FONTS:
             set_font(page, font)
             for look in ("hangingOver", "broken", *(["scrolling"] if width == "desktop" else [])):
-                assert page.evaluate(f"{LOOKS}.{look}") == [], (path.name, font, look)
-            assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], (path.name, font)
+                assert page.evaluate(f"{LOOKS}.{look}") == [], (name, font, look)
+            assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], (name, font)
         formulas += page.locator("math").count()
         if "INERTIA_MODULE_PICTURES" in os.environ:  # half a minute, for people to look at
-            page.screenshot(path=PICTURES / f"{path.stem}_{width}.png", full_page=True)
+            page.screenshot(path=PICTURES / f"{name.replace('/', '_')}_{width}.png", full_page=True)
     assert (wrong, asked) == ([], [])
     assert formulas > 200
 
@@ -91,7 +97,7 @@ def test_machine_opens_from_the_first_page(visit):
 
 
 def test_a_long_page_has_a_way_to_the_top_wherever_one_reads(visit):
-    page = visit("mechanics.html", "phone")
+    page = visit("explanation/mechanics.html", "phone")
     top = page.get_by_role("link", name="↑ top")
     for share in (0.3, 0.95):
         page.evaluate(f"scrollTo(0, {share} * document.documentElement.scrollHeight)")
@@ -106,3 +112,38 @@ def test_search_finds_guides_before_tables(visit):
         page.wait_for_selector("a.md-search-result__link", state="attached")
         first, *_ = page.eval_on_selector_all("a.md-search-result__link", FOUND)
         assert first not in TABLES, words
+
+
+def test_search_works_from_a_folder_and_asks_the_network_for_nothing(site, browser):
+    _, folder = site
+    page = browser.new_page()
+    asked = []
+    page.on("request", lambda request: request.url.startswith("file:") or asked.append(request.url))
+    page.goto(f"{(folder / 'how_to' / 'run.html').as_uri()}?q=freewheel")
+    page.wait_for_selector("a.md-search-result__link", state="attached")
+    assert asked == []
+    page.close()
+
+
+def test_every_figure_links_to_its_file_and_a_caption_of_the_papers_is_text(visit):
+    page = visit("papers/index.html")
+    figures = page.locator("article figure")
+    assert figures.count() > 20
+    assert figures.locator("a[href$='.svg']").count() == figures.count()
+    assert all("=" in caption for caption in figures.locator("figcaption").all_text_contents())
+
+
+def test_site_is_dark_if_the_reader_prefers_it_and_links_are_underlined(site, browser):
+    address, _ = site
+    page = browser.new_page(color_scheme="dark")
+    page.goto(address + "index.html")
+    lightness = "getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)"
+    assert max(page.evaluate(lightness)) < 80
+    line = page.locator("article p a").first.evaluate("link => getComputedStyle(link).textDecorationLine")
+    assert line == "underline"
+    page.close()
+
+
+def test_site_has_no_byte_code(site):
+    _, folder = site
+    assert not [path for path in folder.rglob("*") if path.suffix == ".pyc" or path.name == "__pycache__"]

@@ -15,12 +15,13 @@ import pytest
 from refused import assert_refused
 
 from inertia_module import studies
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.plots.studies import design_figure
-from inertia_module.scene import SceneError, load_scene, run_scene
+from inertia_module.scene import load_scene, run_scene
+from inertia_module.scene.keys import keys_of_texts
 from inertia_module.scene.run import Quantity, SceneRunner
 from inertia_module.studies.axes import axes_of, grid
-from inertia_module.studies.design_search import read_spec
+from inertia_module.studies.design_specification import read_spec
 from inertia_module.studies.evaluation import Task, evaluate, summaries
 from inertia_module.studies.workers import evaluations, pool
 from tests.system.conftest import Cluster
@@ -35,14 +36,14 @@ workers = pytest.importorskip("inertia_module.studies.workers")
 REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 SHORT = {"load": {"kind": "shaft", "torque": None, "inertia": 0.5}, "run": {"stop_time": 0.1}}
 # runs of some hundredths of a second
-SLOW = ["imbalance_mass=0.5:2:60"]
+SLOW = {"imbalance_mass": "0.5:2:60"}
 LONG = {"accuracy.tolerance": "1e-6", "run.stop_time": "20 s", "run.communication_step": "1 s"}
-VARY = [
-    "imbalance_mass=0.5:2:4",
-    "layout=bevel,planar",
-    "fidelity=averaged,rigid",
-    "housing_freewheel=false,true",
-]
+VARY = {
+    "imbalance_mass": "0.5:2:4",
+    "layout": "bevel,planar",
+    "fidelity": "averaged,rigid",
+    "housing_freewheel": "false,true",
+}
 
 
 @pytest.fixture(scope="module")
@@ -81,9 +82,9 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
     assert "z17 must be a whole number between" in rows.pop(3).refused
     for row in rows:
         summary = run_scene(scene.with_keys(row.point), fmu).summary
-        assert row.figures == {name: value for name, value in summary.items() if name in row.figures}
-        assert set(summary) - set(row.figures) == {"wall_time", "real_time_factor"}
-    assert rows[1].figures == rows[-1].figures
+        assert row.metrics == {name: value for name, value in summary.items() if name in row.metrics}
+        assert set(summary) - set(row.metrics) == {"wall_time", "real_time_factor"}
+    assert rows[1].metrics == rows[-1].metrics
 
 
 def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_sentence(scene, found, fmu):
@@ -92,10 +93,10 @@ def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_se
     assert len(found.refused) == 8
     for row in found.refused:
         assert "housing_freewheel" in row.refused
-        assert row.figures == {}
+        assert row.metrics == {}
         assert row.point["mechanism.housing_freewheel"] == "false"
         assert row.point["mechanism.fidelity"] == "averaged"
-    assert all(row.figures["energy_in"] > 0.0 for row in found.rows if not row.refused)
+    assert all(row.metrics["energy_in"] > 0.0 for row in found.rows if not row.refused)
 
 
 def test_what_is_done_is_not_done_again(scene, fmu, found):
@@ -105,7 +106,7 @@ def test_what_is_done_is_not_done_again(scene, fmu, found):
     assert again.new == 0
     assert again.rows == found.rows
     other = scene.replaced(run={"stop_time": 0.2})
-    with pytest.raises(Refused, match="another scene"):
+    with pytest.raises(InertiaModuleError, match="another scene"):
         studies.sweep(other, VARY, output=folder, fmu=fmu)
 
 
@@ -141,7 +142,7 @@ def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can
     assert sorted(row.point["number"] for row in rows) == [point["number"] for point in points]
     refused = [row for row in rows if row.refused]
     assert [(row.point["number"], row.refused) for row in refused] == [(200.0, "its worker ended 2 times")]
-    assert all(row.figures["double"] == 2.0 * row.point["number"] for row in rows if not row.refused)
+    assert all(row.metrics["double"] == 2.0 * row.point["number"] for row in rows if not row.refused)
     assert len(addresses) > 2
     assert {address.ip for address in addresses} == {"127.0.0.1"}
 
@@ -164,7 +165,15 @@ def slow_scene():
 
 
 def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
-    command = [sys.executable, "-m", "inertia_module", "sweep", str(REFERENCE), "--vary", SLOW[0]]
+    command = [
+        sys.executable,
+        "-m",
+        "inertia_module",
+        "sweep",
+        str(REFERENCE),
+        "--vary",
+        "imbalance_mass=0.5:2:60",
+    ]
     options = [*(f"--set={key}={value}" for key, value in LONG.items())]
     options += ["-o", str(tmp_path / "out"), "--fmu", str(fmu), "--scheduler", cluster.address]
     client = subprocess.Popen([*command, *options], stderr=subprocess.DEVNULL)
@@ -215,7 +224,15 @@ def empty_cluster(tmp_path):
 def sweep_command(fmu, folder, *options):
     """A command that sweeps 60 points of some hundredths of a second."""
     keys = [f"--set={key}={value}" for key, value in LONG.items()]
-    command = [sys.executable, "-m", "inertia_module", "sweep", str(REFERENCE), "--vary", SLOW[0]]
+    command = [
+        sys.executable,
+        "-m",
+        "inertia_module",
+        "sweep",
+        str(REFERENCE),
+        "--vary",
+        "imbalance_mass=0.5:2:60",
+    ]
     return [*command, *keys, "-o", str(folder), "--fmu", str(fmu), *options]
 
 
@@ -281,7 +298,7 @@ def test_scheduler_without_workers_is_a_notice_and_workers_that_come_do_the_work
 
 SCRIPT = """
 from inertia_module import sweep
-print(len(sweep({scene!r}, ["imbalance_mass=1:2:4"], output="out", fmu={fmu!r}, workers=1).rows))
+print(len(sweep({scene!r}, {{"imbalance_mass": "1:2:4"}}, output="out", fmu={fmu!r}, workers=1).rows))
 """
 
 
@@ -332,11 +349,11 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
     assert len(designs.chosen) == 3
     for row in designs.front:
         assert designs.judge.meets(row)
-        mass, ripple = row.figures["total_imbalance_mass"], row.figures["torque_ripple"]
+        mass, ripple = row.metrics["total_imbalance_mass"], row.metrics["torque_ripple"]
         for other in designs.rows:
             if designs.judge.meets(other, 0.05):
-                lighter = other.figures["total_imbalance_mass"] <= mass
-                assert not (lighter and other.figures["torque_ripple"] < ripple)
+                lighter = other.metrics["total_imbalance_mass"] <= mass
+                assert not (lighter and other.metrics["torque_ripple"] < ripple)
     verdict = designs.verdict()
     assert verdict.startswith("3 of 3 verified designs satisfy all limits; converged; best of 3 starts: ")
     assert "; tightest in design 1: " in verdict
@@ -353,7 +370,7 @@ def test_a_chosen_design_is_a_scene_with_units_that_runs_and_gives_its_figures(d
         read, text = load_scene(one.file), one.file.read_text()
         assert read.tables == one.scene.tables
         assert read.mechanism.fidelity == 2.0
-        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.figures["omega_out_final"]
+        assert run_scene(read, fmu).summary["omega_out_final"] == one.checked.metrics["omega_out_final"]
         assert 'layout = "planar"' in text
         assert f'title = "A light module: design {number}"' in text
         point = one.searched.point
@@ -380,7 +397,7 @@ def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
 
 
 def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
-    harder = read_spec(spec, ["figures.stall_torque.minimum=2 kN.m"])
+    harder = read_spec(spec, {"metrics.stall_torque.minimum": "2 kN.m"})
     folder = designs.files["checked csv"].parent
     stopped = studies.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
     assert 0 < stopped.new < len(stopped.rows)
@@ -394,14 +411,16 @@ def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu
 def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec, fmu, cluster, tmp_path):
     """Whatever the seed: after one generation no design meets all limits, and there are some."""
     # far from what the first generation has, within what the ranges allow
-    far = ["figures.stall_torque.minimum=300 N.m", "search.generations=1"]
+    far = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
         keys = [*far, f"search.seed={seed}"]
-        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        found = studies.design(
+            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
         assert found.chosen, seed
         assert len(found.rows) > 12
         assert not found.cut
-    short = read_spec(spec, [*far, "search.seed=1", "search.longest=0.001 ms"])
+    short = read_spec(spec, keys_of_texts([*far, "search.seed=1", "search.longest=0.001 ms"]))
     cut = studies.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
@@ -413,7 +432,9 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
     given = [[], [*short, "search.seed=7"]]
     long, brief = (
-        studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        studies.design(
+            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
         for keys in given
     )
     told = "dominated by another search"
@@ -426,10 +447,12 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
 
 def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
     """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
-    lone = ["figures.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
+    lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
-        found = studies.design(read_spec(spec, keys), output=tmp_path, fmu=fmu, scheduler=cluster.address)
+        found = studies.design(
+            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+        )
         assert bool(found.chosen) == (starts == 50)
 
 
@@ -437,6 +460,6 @@ def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
     with pytest.raises(
-        SceneError, match=r"figures: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
+        SceneError, match=r"metrics: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
     ):
         studies.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)

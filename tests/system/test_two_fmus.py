@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from inertia_module.fmi.instance import Fmu
-from inertia_module.fmi.simulate import drive
+from inertia_module.fmi.simulate import simulate_fmu
 
 EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "two_fmus.py"))
 SHAFT, JACOBI, WITH_DERIVATIVES = (EXAMPLE[name] for name in ("SHAFT", "advance", "advance_with_derivatives"))
@@ -26,7 +26,7 @@ def gauss_seidel(module, shaft, step):
 
 def test_a_run_from_a_table_gives_each_step_the_inputs_of_its_beginning(built):
     path, ends = built / "InertiaModule.fmu", {"omega1": [100.0, 120.0], "load_torque": 4.0}
-    table = drive(path, {"time": [0.0, 0.05], **ends}, 0.05, 0.01)
+    table = simulate_fmu(path, {"time": [0.0, 0.05], **ends}, 0.05, 0.01)
     assert table["omega1"] == pytest.approx([100.0, 104.0, 108.0, 112.0, 116.0, 120.0])
     with Fmu(path, inputs={"omega1": 100.0, "load_torque": 4.0}) as fmu:
         for speed, expected in zip(table["omega1"], table["omega_out"][1:], strict=False):

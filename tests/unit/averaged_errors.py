@@ -1,6 +1,6 @@
 """Fidelity averaged with losses against steady pulses of the rigid module.
 
-Run: python tests/unit/averaged_errors.py, for the table in docs/mechanics.md.
+Run: python tests/unit/averaged_errors.py, for the table in accuracy.md.
 """
 
 from scenes import MECHANISMS, PARTS

@@ -4,7 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.model import ModelInstance
 
 # by what is refused, rows of what is given and words of the sentence
@@ -29,7 +29,7 @@ def refusal(action, *arguments, **values):
     said, before = "", records(action)
     try:
         action(*arguments, **values)
-    except Refused as error:
+    except InertiaModuleError as error:
         said = str(error)
         assert records(action) == before, f"{said}: something has changed"
     assert "\n" not in said

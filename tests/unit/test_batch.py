@@ -5,7 +5,7 @@ import pytest
 from refused import assert_refused
 
 from inertia_module import Module, batch
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 
 MASSES, LOADS = [[0.5], [1.0], [-1.0]], ["8 N.m", "0.012 kN.m"]
 OUTPUTS = ("omega_out", "output_torque_mean", "contact_mode")
@@ -27,7 +27,7 @@ def test_rows_are_those_of_modules_by_themselves(compiled, step):
 
 def test_numbers_alone_are_one_run(compiled):
     assert batch({"omega1": 50.0}, 0.01)["omega_out"].shape == ()
-    with pytest.raises(Refused, match="unknown batch output '"):
+    with pytest.raises(InertiaModuleError, match="unknown batch output '"):
         batch({}, 0.01)["omega2"]
 
 

@@ -12,17 +12,17 @@ from refused import assert_refused
 from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
+from inertia_module.analysis import converter_chart as charts
 from inertia_module.analysis.converter_chart import (
     MAPPED,
     NOMINAL_SPEED,
     UNITS,
     SteadyMachine,
+    compute_chart,
     converter_table,
-    torque_converter_chart,
 )
-from inertia_module.fmi import chart as charts
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import read_columns
-from inertia_module.model import Refused
 from inertia_module.plots.studies import chart_figure
 from tests.system.programs import left, succeeded
 
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.usefixtures("compiled")
 def test_chart_tells_the_torque_of_the_averaged_module_and_loses_no_power(compiled, mechanism, backward):
     settings = MECHANISMS[mechanism]
     omega1 = -50.0 if backward else 50.0
-    chart = torque_converter_chart(settings, omega1)
+    chart = compute_chart(settings, omega1)
     for n in (0, 30, 77, 150):
         speed = 50.0 * chart.speed_ratio[n]
         module = started(compiled, settings, fidelity=1, omega1=omega1, omega_out_start=speed)
@@ -57,7 +57,7 @@ def test_chart_tells_the_torque_of_the_averaged_module_and_loses_no_power(compil
 
 
 def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(tmp_path):
-    chart = torque_converter_chart({})
+    chart = compute_chart({})
     columns, units = read_columns(chart.save(tmp_path / "chart.csv"))
     assert columns == {name: values.tolist() for name, values in vars(chart).items() if values is not None}
     assert not [name for name in columns if "engagements" in name]
@@ -72,7 +72,7 @@ def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(tmp_path):
 
 @pytest.mark.parametrize("losses", [{}, {"input_friction": 0.01}], ids=["ideal", "losses"])
 def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(losses):
-    chart = torque_converter_chart({**PLANAR, **losses}, 80.0, engagements=True)
+    chart = compute_chart({**PLANAR, **losses}, 80.0, engagements=True)
     expected = (1.0 - chart.link2_ratio) * PLANAR["sun_radius"] / PLANAR["satellite_radius"]
     measured = np.flatnonzero(np.isin(chart.speed_ratio, charts.RATIOS))
     assert measured.size > 1
@@ -92,7 +92,7 @@ def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(loss
 
 
 def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(compiled):
-    chart = torque_converter_chart({}, 100.0, engagements=True)
+    chart = compute_chart({}, 100.0, engagements=True)
     for ratio in charts.RATIOS[[3, 10, 20]]:
         module = started(compiled, {}, omega1=100.0, omega_out_start=100.0 * ratio, output_inertia=1e5)
         module.advance(1.0)
@@ -105,25 +105,27 @@ def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(co
 
 
 def test_a_mechanism_may_be_given_by_names_and_units():
-    named = torque_converter_chart({"layout": "planar", "sun_radius": "60 mm", "imbalance_mass": "800 g"})
-    numbers = torque_converter_chart({"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8})
+    named = compute_chart({"layout": "planar", "sun_radius": "60 mm", "imbalance_mass": "800 g"})
+    numbers = compute_chart({"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8})
     assert np.array_equal(named.output_torque, numbers.output_torque)
     for bad in ({"layout": "flat"}, {"sun_radius": "60 kg"}, {"sun_radius": None}, {"satellites": [3]}):
-        assert_refused(f"^{next(iter(bad))} must be .* \\(got ", torque_converter_chart, bad)
+        assert_refused(f"^{next(iter(bad))} must be .* \\(got ", compute_chart, bad)
 
 
 @pytest.mark.parametrize("name, told", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
 def test_without_a_freewheel_there_is_no_chart(name, told):
     for losses in ({}, {"input_friction": 0.1}):
-        with pytest.raises(Refused, match=f"must be 1 .got {told}.: without both freewheels there is no"):
-            torque_converter_chart({name: 0, **losses})
+        with pytest.raises(
+            InertiaModuleError, match=f"must be 1 .got {told}.: without both freewheels there is no"
+        ):
+            compute_chart({name: 0, **losses})
 
 
 # --- converter tables ---
 
 
 def table_of(parameters, omega1):
-    chart = torque_converter_chart(parameters, omega1)
+    chart = compute_chart(parameters, omega1)
     return SimpleNamespace(**converter_table(SteadyMachine(parameters), chart, omega1))
 
 
@@ -202,7 +204,7 @@ def test_in_vecto_torques_are_those_of_the_table_and_the_shaft_drives_link_1(tmp
 
 
 def test_a_mechanism_that_passes_nothing_is_refused():
-    chart = torque_converter_chart({})
+    chart = compute_chart({})
     none = {name: 0.0 * values for name, values in vars(chart).items() if values is not None}
     words = "a converter table requires torque; the mechanism transmits none at 100 rad/s"
     assert_refused(words, converter_table, SteadyMachine({}), charts.TorqueConverterChart(**none), 100.0)
@@ -229,7 +231,7 @@ def test_friction_of_input_and_output_take_what_they_must(omega1, ratio):
 def test_where_nothing_comes_out_the_efficiency_is_zero_and_the_chart_ends():
     # the bevel one passes little torque at higher ratios
     parameters = {"satellites": 3, "imbalance_mass": 0.3, "output_friction": 0.02}
-    chart = torque_converter_chart(parameters, omega1=50.0)
+    chart = compute_chart(parameters, omega1=50.0)
     assert not chart.lossless
     assert chart.end_ratio < 0.9
     assert chart.output_torque[-1] > 0.0
@@ -263,7 +265,7 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_w
     assert 1.0 / middle - 1.0 == pytest.approx(
         (1.0 / middle[0] - 1.0) * found["omega1"][0] / found["omega1"], rel=1e-4
     )
-    chart = torque_converter_chart(parameters, omega1=200.0)
+    chart = compute_chart(parameters, omega1=200.0)
     assert chart.speed_ratio == pytest.approx(found["speed_ratio"])
     assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
@@ -368,14 +370,14 @@ def test_command_draws_engagements_and_tells_up_to_which_speed_freewheels_engage
     columns, units = read_columns(tmp_path / "planar.csv")
     assert columns["output_engagements"][0] == pytest.approx(5.0 / 3.0, rel=1e-6)
     assert units["housing_engagements"] == "1/rev"
-    chart = torque_converter_chart(PLANAR, engagements=True)
+    chart = compute_chart(PLANAR, engagements=True)
     engaged = chart_figure({"planar": chart}, allowed={"planar": 0.6}).axes[4]
     assert [line.get_linestyle() for line in engaged.lines] == ["-", "--", ":"]
     assert engaged.lines[2].get_ydata()[0] == pytest.approx(0.6 * NOMINAL_SPEED / math.tau)
 
 
 def test_at_a_speed_the_figure_has_torques_and_frequencies():
-    chart = torque_converter_chart(PLANAR, engagements=True)
+    chart = compute_chart(PLANAR, engagements=True)
     any_speed = chart_figure({"planar": chart}, allowed={"planar": 0.6}).axes
     one_speed = chart_figure({"planar": chart}, {}, "rpm", {"planar": 0.6}, 50.0 * math.pi)
     assert one_speed.get_suptitle() == "Torque converter chart at 1500 rpm"
@@ -390,7 +392,7 @@ def test_at_a_speed_the_figure_has_torques_and_frequencies():
 
 
 def test_a_lossy_machine_that_locks_up_ends_at_ratio_1():
-    chart = torque_converter_chart({**PLANAR, "output_friction": 1e-4}, 100.0)
+    chart = compute_chart({**PLANAR, "output_friction": 1e-4}, 100.0)
     assert chart.lock_up_torque[0] > 0.0
     assert chart.summary()["end_ratio"] == 1.0
 

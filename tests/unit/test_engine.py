@@ -89,7 +89,7 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
         ),
         (
             lambda: EngineMap((0.0,), (1.0, 1.0), (0.0,)),
-            "speed and greatest: a table must have one value ",
+            "speed and full_load: a table must have one value ",
         ),
         (lambda: EngineMap((0.0,), (1.0,), (math.nan,)), "drag: numbers of a table must be finite (got nan)"),
         (

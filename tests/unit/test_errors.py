@@ -4,7 +4,7 @@ import errno
 
 import pytest
 
-from inertia_module.common.errors import Named, Refused, cannot_read, must_be, suggestion, unknown
+from inertia_module.common.errors import InertiaModuleError, Named, cannot_read, must_be, suggestion, unknown
 
 NAMES = ["omega1", "omega2", "omega_out", "tolerance"]
 
@@ -52,7 +52,7 @@ def test_a_bad_value_is_given_with_all_its_digits():
 
 def test_a_missing_value_has_its_reason():
     values = Named({"distance": 3.0}, "metric", {"time": "not reached"})
-    with pytest.raises(Refused, match=r"^time: not reached$"):
+    with pytest.raises(InertiaModuleError, match=r"^time: not reached$"):
         values["time"]
-    with pytest.raises(Refused, match=r"^unknown metric 'distances'; did you mean 'distance'\?$"):
+    with pytest.raises(InertiaModuleError, match=r"^unknown metric 'distances'; did you mean 'distance'\?$"):
         values["distances"]

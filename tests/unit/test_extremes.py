@@ -1,4 +1,4 @@
-"""All bounds hold at the extremes except for known limits, as docs/stability.csv documents."""
+"""All bounds hold at the extremes except for known limits, as stability.csv documents."""
 
 import re
 import tomllib
@@ -11,7 +11,7 @@ from inertia_module.interface.variables import PARAMETER, Group, with_causality
 from verification.stability.extremes import MECHANISMS, OUT_OF_RANGE, RANGE_ENDS
 from verification.stability.verdicts import Cell, chosen_cases, read_rows, rows_of, run_study
 
-MAP = Path(__file__).parents[2] / "docs" / "stability.csv"
+MAP = Path(__file__).parents[2] / "docs" / "verification" / "stability.csv"
 
 
 class Limit(NamedTuple):
@@ -111,7 +111,7 @@ def test_extremes_are_within_their_bounds_and_as_documented(compiled, extremes):
             if not is_alike(cell, documented[name]):
                 stale[*extreme, name] = str(cell), str(documented[name])
     assert not wrong
-    assert not stale, "docs/stability.csv is out of date: make stability"
+    assert not stale, "docs/verification/stability.csv is out of date: make stability"
 
 
 def test_both_ends_of_every_range_are_tried_on_every_layout_that_has_the_parameter():

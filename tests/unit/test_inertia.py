@@ -84,7 +84,7 @@ def test_planar_inertia_by_the_cosine_rule(q):
 
 @pytest.mark.parametrize(("a", "b"), [(1.0, 1.0), (0.7, 0.7), (0.8, 1.3), (1.4, 0.6)])
 def test_bevel_speed_of_the_imbalance_next_to_the_rolling_point(a, b):
-    """|r'| = |b - a| L sin(Sigma) cos(phi) where the angle B is 0 (docs/mechanics.md, "Reduced inertia")."""
+    """|r'| = |b - a| L sin(Sigma) cos(phi) where the angle B is 0 (mechanics.md, "Reduced inertia")."""
     p = parameters(a=a, b=b)
     d = started("plain", a=a, b=b).derived
     cone_angle = math.atan2(math.sin(p["shaft_angle"]), p["z17"] / p["z6"] + math.cos(p["shaft_angle"]))

@@ -1,4 +1,4 @@
-"""Which level of fidelity has which losses is as docs/mechanics.md tells."""
+"""Which level of fidelity has which losses is as losses.md tells."""
 
 import csv
 import re
@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scenes import ALL_LOSSES, GEARS, PLAY, WIND_UP
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.kernel.codes import DRIVE_TORQUE, KINEMATIC
 from inertia_module.model import Module
 from verification.stability.motion import LEVELS
 
-PAGE = Path(__file__).parents[2] / "docs" / "mechanics.md"
+PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "losses.md"
 MACHINE = {"input_inertia": 1.0, "output_inertia": 0.05, "driven_inertia": 0.4, "kinematic_ratio": 0.5}
 DAMPINGS = ("housing_damping", "freewheel_damping")
 SIZES = {name: size for name, size in (ALL_LOSSES | WIND_UP | GEARS | PLAY).items() if name not in DAMPINGS}
@@ -45,7 +45,7 @@ def found(level, name, by_torque=False):
     """Effect of a parameter at a level: yes, no or rejected."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
-    except Refused as error:
+    except InertiaModuleError as error:
         return "rejected" if name in str(error) else str(error)
     return "yes" if changed else "no"
 
@@ -80,14 +80,14 @@ def study(monkeypatch):
 
 
 def test_page_says_what_the_table_has(study):
-    page = (DOCS / "mechanics.md").read_text(encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
     lines = list(study.lines_of_page(study.read()))
     assert len(lines) == len(study.MECHANISMS) * len(study.RATIOS)
     assert all(page.count(f"{line}\n") == 1 for line in lines)
 
 
 def test_table_is_what_the_module_gives(study):
-    with (DOCS / "weight.csv").open(encoding="utf-8", newline="") as file:
+    with (DOCS / "explanation" / "weight.csv").open(encoding="utf-8", newline="") as file:
         _, *lines = csv.reader(file)
     mechanism, body = study.MECHANISMS["planar"]
     ideal = study.measured(50.0, 0.2, **mechanism)

@@ -6,11 +6,12 @@ import pytest
 from differences import assert_rates
 from scenes import ENGINE, FOUND, MECHANISMS, mechanism, started
 
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.interface.records import record_type
 from inertia_module.kernel import fields
 from inertia_module.kernel.averaged import periodic_orbit
 from inertia_module.kernel.links import inertia_at_input
-from inertia_module.model import Module, Refused
+from inertia_module.model import Module
 from verification.stability.motion import solve_at
 
 PLANAR = MECHANISMS["planar"]
@@ -118,5 +119,5 @@ def test_link_2_that_never_rests_ends_a_period_as_it_began(ratio):
 
 
 def test_a_rejected_parameter_leaves_no_orbit():
-    with pytest.raises(Refused, match="omega_out_start"):
+    with pytest.raises(InertiaModuleError, match="omega_out_start"):
         orbit(PLANAR, 10.0, 0.5, output_freewheel=0)

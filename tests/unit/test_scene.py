@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from refused import assert_refused
 
+from inertia_module.common.errors import SceneError
 from inertia_module.common.units import number_of, parse_unit
 from inertia_module.interface.variables import PARAMETER, with_causality
-from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene import load_scene
 from inertia_module.scene.reading import scene_text
 from inertia_module.scene.run import scene_plan, start_of
 from inertia_module.scene.schema import Mechanism

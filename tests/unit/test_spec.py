@@ -7,28 +7,21 @@ from types import SimpleNamespace
 import pytest
 from refused import REFUSED, assert_refused
 
-from inertia_module.analysis.converter_chart import torque_converter_chart
+from inertia_module.analysis.converter_chart import compute_chart
 from inertia_module.common.examples import example
 from inertia_module.kernel.layout import imbalance_position
 from inertia_module.model import Module
 from inertia_module.scene import Scene, load_scene, run_scene
 from inertia_module.scene.keys import validated
 from inertia_module.scene.run import Quantity
-from inertia_module.studies.design_search import (
-    NAMED,
-    DesignResult,
-    Finalist,
-    Judge,
-    Limit,
-    Mechanism,
-    doubts_of,
-    figures_wanted,
-    limits_of,
-    read_spec,
-)
+from inertia_module.studies.design_judge import Judge
+from inertia_module.studies.design_result import DesignResult, Finalist, doubts_of
+from inertia_module.studies.design_search import metrics_of_designs
+from inertia_module.studies.design_specification import Limit, limits_of, read_spec
 from inertia_module.studies.evaluation import Row
 from inertia_module.studies.parameter_sweep import unreached
 from inertia_module.studies.search import DesignSearch, Searched, Start
+from inertia_module.studies.steady_metrics import STEADY_METRICS, SteadyMechanism
 
 SPEC = Path(__file__).with_name("specification.toml").read_text(encoding="utf-8")
 UNITS = {"stall_torque": "N.m", "omega_out_final": "rad/s", "total_imbalance_mass": "kg"}
@@ -52,7 +45,7 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
         "stall_torque": (pytest.approx(104.7197551), 0.0),
         "total_imbalance_mass": (0.0, 0.0),
     }
-    assert spec.figures.keys() - spec.named.keys() == {"omega_out_final"}
+    assert spec.metrics.keys() - spec.named.keys() == {"omega_out_final"}
     assert spec.load.inertia == 0.5
     assert (spec.search.check, spec.search.population) == ("rigid", 40)
 
@@ -72,8 +65,8 @@ def test_at_most_three_figures_have_a_goal(read):
 
 
 def row(torque, speed, mass):
-    figures = {"stall_torque": torque, "omega_out_final": speed, "total_imbalance_mass": mass}
-    known = {name: value for name, value in figures.items() if value is not None}
+    metrics = {"stall_torque": torque, "omega_out_final": speed, "total_imbalance_mass": mass}
+    known = {name: value for name, value in metrics.items() if value is not None}
     return Row({"mass": mass}, known, 0.0)
 
 
@@ -116,16 +109,16 @@ def test_what_another_search_found_is_better_only_within_the_limits_and_in_no_go
         (row(30.0, 60.0, 0.5), False),
     ):
         assert (judge.better(here, [other]) is other) == better
-    assert judge.better(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).figures["omega_out_final"] == 25.0
+    assert judge.better(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).metrics["omega_out_final"] == 25.0
 
 
 def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     path = tmp_path / "spec.toml"
     path.write_text(SPEC)
-    keys = ["search.population=8", "figures.stall_torque.minimum=30 N.m", "free.satellites=2:3"]
+    keys = {"search.population": 8, "metrics.stall_torque.minimum": "30 N.m", "free.satellites": "2:3"}
     spec = read_spec(path, keys)
     assert spec.search.population == 8
-    assert [limit.bound for limit in limits_of("stall_torque", spec.figures["stall_torque"], "N.m")] == [30.0]
+    assert [limit.bound for limit in limits_of("stall_torque", spec.metrics["stall_torque"], "N.m")] == [30.0]
     assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
     words = r"spec.toml: unknown key 'search.populatoin'; did you mean 'population'\?$"
     assert_refused(words, read_spec, path, ["search.populatoin=8"])
@@ -147,7 +140,7 @@ def test_speed_that_a_design_or_a_run_does_not_reach_is_told():
 
 # --- what is in doubt, though limits are met ---
 
-# design 3 of docs/design.md as it was with weightless satellites
+# design 3 of methods.md as it was with weightless satellites
 POINTS = {
     "layout": "planar",
     "sun_radius": 0.09761,
@@ -165,17 +158,17 @@ def disc(density):
     return 0.5 * math.pi * density * 0.015 * POINTS["satellite_radius"] ** 4
 
 
-def figure(name, values, ratio=0.0):
-    return NAMED[name].value(Mechanism(values), 250.0, ratio)
+def metric(name, values, ratio=0.0):
+    return STEADY_METRICS[name].value(SteadyMechanism(values), 250.0, ratio)
 
 
 @pytest.mark.parametrize("density, end", [(0.0, 1.0), (2700.0, 0.54), (7850.0, 0.31)])
 def test_figures_tell_what_satellites_that_weigh_something_cannot(density, end):
     values = {**POINTS, "satellite_inertia": disc(density)}
-    # which the figures asked for before do not show
-    assert figure("stall_torque", values) == pytest.approx(208.54, abs=0.01)
-    assert figure("end_ratio", values) == pytest.approx(end, abs=0.01)
-    held, least = (figure(name, values) for name in ("lock_up_torque", "least_torque"))
+    # which the metrics asked for before do not show
+    assert metric("stall_torque", values) == pytest.approx(208.54, abs=0.01)
+    assert metric("end_ratio", values) == pytest.approx(end, abs=0.01)
+    held, least = (metric(name, values) for name in ("lock_up_torque", "least_torque"))
     assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
     doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
@@ -189,7 +182,7 @@ def test_figures_tell_what_satellites_that_weigh_something_cannot(density, end):
 
 @pytest.mark.parametrize("density, reached", [(0.0, 9.82), (2700.0, 21.5), (7850.0, None)])
 def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
-    """The module of POINTS in the car of docs/design.md: to 50 km/h in 25 s or not."""
+    """The module of POINTS in the car of methods.md: to 50 km/h in 25 s or not."""
     spec = read_spec(example("design_car"))
     tables = {name: table for name, table in spec.tables.items() if name in Scene.model_fields}
     kept = {name: value for name, value in tables["mechanism"].items() if name != "satellite"}
@@ -210,15 +203,15 @@ def test_pulses_of_the_input_torque_are_those_of_the_reduced_inertia():
     peak = 0.5 * k * 2.0 * POINTS["imbalance_mass"] * math.prod(lengths) * 250.0**2
     # and k B'q'^2, B = m l (l - R cos q)
     peak += POINTS["imbalance_mass"] * math.prod(lengths) * (k * 250.0) ** 2
-    assert figure("input_torque_peak", one) == pytest.approx(peak, rel=2e-3)
-    assert figure("input_torque_ripple", one) == pytest.approx(peak / math.sqrt(2.0), rel=2e-3)
-    assert figure("satellite_speed", one) == pytest.approx(k * 250.0)
-    reached = [figure("bearing_force", POINTS, ratio) for ratio in (0.0, 0.5, 0.9)]
-    assert figure("bearing_force_peak", POINTS) >= max(reached) * (1.0 - 1e-3)
+    assert metric("input_torque_peak", one) == pytest.approx(peak, rel=2e-3)
+    assert metric("input_torque_ripple", one) == pytest.approx(peak / math.sqrt(2.0), rel=2e-3)
+    assert metric("satellite_speed", one) == pytest.approx(k * 250.0)
+    reached = [metric("bearing_force", POINTS, ratio) for ratio in (0.0, 0.5, 0.9)]
+    assert metric("bearing_force_peak", POINTS) >= max(reached) * (1.0 - 1e-3)
 
 
 def test_satellite_of_bevel_gears_turns_by_both_meshes():
-    assert figure("satellite_speed", {"z2": 30.0, "z16": 20.0, "z17": 34.0, "z6": 17.0}) == 750.0
+    assert metric("satellite_speed", {"z2": 30.0, "z16": 20.0, "z17": 34.0, "z6": 17.0}) == 750.0
 
 
 def test_load_that_stays_at_rest_and_a_missing_freewheel_are_told():
@@ -274,8 +267,8 @@ def searched(read, height, **settings):
         rows = []
         for point in points:
             mass, number = point["mechanism.imbalance_mass"], point["mechanism.satellites"]
-            figures = {"omega_out_final": 40.0, "stall_torque": 20.0 + mass - 1.0}
-            rows.append(Row(point, figures | {"total_imbalance_mass": height(mass, number)}, 0.0))
+            metrics = {"omega_out_final": 40.0, "stall_torque": 20.0 + mass - 1.0}
+            rows.append(Row(point, metrics | {"total_imbalance_mass": height(mass, number)}, 0.0))
         return rows
 
     judge = Judge(spec, UNITS)
@@ -329,7 +322,7 @@ def test_the_tightest_limit_is_one_that_designs_can_pass(read):
 
     def design(torque, ratio, speed=40.0):
         good = row(torque, speed, 1.0)
-        return good._replace(figures=good.figures | {"end_ratio": ratio})
+        return good._replace(metrics=good.metrics | {"end_ratio": ratio})
 
     rows = [design(22.0, 1.0), design(15.0, 0.5), design(30.0, 1.0), design(40.0, 1.0, 60.0)]
     assert judge.tightest(rows[0]).startswith("end_ratio")
@@ -346,7 +339,7 @@ def test_a_drive_that_cannot_hold_the_speed_of_the_figures_is_a_caveat():
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
     found = doubts_of(scene, {}, 200.0)["drive too weak"]
-    chart = torque_converter_chart(scene.parameters(), 200.0)
+    chart = compute_chart(scene.parameters(), 200.0)
     assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
     assert "drive too weak" not in doubts_of(strong, {}, 200.0)
@@ -384,37 +377,37 @@ def farthest(values):
 def test_envelope_of_bevel_gears_is_that_of_imbalance_and_rim(values):
     # a whole number of teeth: in time an imbalance passes all angles of its satellite anywhere
     reached = max(farthest(values), farthest({**values, "a": 1.0, "b": 1.0}))
-    assert Mechanism(values).envelope_diameter / 2.0 == pytest.approx(reached, rel=2e-3)
-    assert Mechanism(values).envelope_diameter / 2.0 >= reached * (1.0 - 1e-12)
+    assert SteadyMechanism(values).envelope_diameter / 2.0 == pytest.approx(reached, rel=2e-3)
+    assert SteadyMechanism(values).envelope_diameter / 2.0 >= reached * (1.0 - 1e-12)
 
 
 def test_envelope_mass_and_room_of_a_planar_mechanism():
     planar = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06}
     for eccentricity, reach in ((0.04, 0.1 + 2 * 0.06), (0.08, 0.1 + 0.06 + 0.08)):
-        found = Mechanism({**planar, "eccentricity": eccentricity}).envelope_diameter
+        found = SteadyMechanism({**planar, "eccentricity": eccentricity}).envelope_diameter
         assert found == pytest.approx(2 * reach)
     of_all = {"modules": 2.0, "satellites": 3.0, "imbalance_mass": "250 g"}
-    assert figure("total_imbalance_mass", of_all) == 1.5
-    assert figure("total_imbalance_mass", {}) == 1.0
+    assert metric("total_imbalance_mass", of_all) == 1.5
+    assert metric("total_imbalance_mass", {}) == 1.0
     scene = load_scene(example("planar")).replaced(mechanism=planar)
     asked = {"tables": scene.tables, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
-    figures = figures_wanted(asked, None)
-    found = figures({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
+    metrics = metrics_of_designs(asked, None)
+    found = metrics({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
     assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
-        assert_refused(name, figures, {"fidelity": "rigid", f"mechanism.{name}": value})
+        assert_refused(name, metrics, {"fidelity": "rigid", f"mechanism.{name}": value})
 
 
 def test_a_driven_mass_is_rigid_with_the_hub_that_a_design_chooses():
     shaft = load_scene(example("reference")).replaced(mechanism={"driven_inertia": 0.3})
     run = SimpleNamespace(run=lambda scene: SimpleNamespace(quantities={"scene": Quantity(scene, "")}))
-    figures = figures_wanted({"tables": shaft.tables, "named": {}, "runs": True}, run)
+    metrics = metrics_of_designs({"tables": shaft.tables, "named": {}, "runs": True}, run)
     for level, inertia in (("averaged", 0.5), ("elastic", 0.2)):
-        scene = figures({"fidelity": level, "mechanism.output_inertia": 0.2})["scene"].value
+        scene = metrics({"fidelity": level, "mechanism.output_inertia": 0.2})["scene"].value
         assert scene.parameters()["output_inertia"] == pytest.approx(inertia)
 
 
 def test_a_design_with_a_deprecated_method_can_be_built():
     scene = load_scene(example("reference")).replaced(mechanism={"method": "timestepping"})
-    figures = figures_wanted({"tables": scene.tables, "named": {}, "runs": False}, SimpleNamespace())
-    assert figures({"fidelity": "rigid"}) == {}
+    metrics = metrics_of_designs({"tables": scene.tables, "named": {}, "runs": False}, SimpleNamespace())
+    assert metrics({"fidelity": "rigid"}) == {}

@@ -68,9 +68,11 @@ def run_result(speed=100.0, omega_out=None, remarks=None, limits=None, warnings=
         "omega_out": 17.968 * TIME if omega_out is None else omega_out + 0.0 * TIME,
         "energy_stored": 123.375 * TIME,
     }
+    table = Result.from_columns(columns)
     return SceneResult(
+        columns=table.columns,
+        units=table.units,
         scene=scene or load_scene(example("reference")),
-        record=Result.from_columns(columns),
         quantities=quantities(**values),
         remarks=remarks or {},
         limits=limits or {},
@@ -234,7 +236,7 @@ def test_vehicle_and_control():
 def test_units_are_those_of_the_operation_in_the_scene(tmp_path):
     reference = example("reference")
     assert display_units(reference) == {"rad/s": "rad/s", "N.m": "N.m"}
-    assert display_units(reference, ["drive.omega1=955 rpm"])["rad/s"] == "rpm"
+    assert display_units(reference, {"drive.omega1": "955 rpm"})["rad/s"] == "rpm"
     assert display_units(reference, {"load.torque": "8 lbf.ft"})["N.m"] == "lbf.ft"
     assert display_units(example("urban"))["km/h"] == "km/h"
     assert display_units(example("engine_launch"))["rad/s"] == "rpm"

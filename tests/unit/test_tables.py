@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from refused import REFUSED
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.common.examples import example
 from inertia_module.fmi.results import Result, TableError
-from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene import load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
 SAME = tomllib.loads(Path(__file__).with_name("same_tables.toml").read_text(encoding="utf-8"))
@@ -273,4 +273,4 @@ def test_every_error_of_the_package_is_of_one_kind():
     from inertia_module.fmi.simulate import FmuError
 
     for kind in (FmuError, TableError, SceneError):
-        assert issubclass(kind, Refused)
+        assert issubclass(kind, InertiaModuleError)

@@ -8,11 +8,12 @@ from refused import assert_refused
 from test_scene import OPEN, TORQUE, changed, read
 
 from inertia_module.common.csv_table import TableError
+from inertia_module.common.errors import SceneError
 from inertia_module.common.examples import example
 from inertia_module.common.time_range import time_warnings
 from inertia_module.driveline.sources import Table, evaluate
 from inertia_module.fmi.results import Result
-from inertia_module.scene import SceneError, load_scene
+from inertia_module.scene import load_scene
 from inertia_module.studies.measurement import measurement
 from inertia_module.viewer.html import page_scene
 

@@ -12,7 +12,7 @@ import pytest
 
 from inertia_module.compiling.c_compiler import link
 from inertia_module.compiling.c_types import DOUBLE, INT
-from inertia_module.compiling.python_source import NotInLanguage
+from inertia_module.compiling.python_source import KernelLanguageError
 from inertia_module.compiling.targets import here
 from inertia_module.compiling.translate import HEAD, INLINED, KernelTranslator, c_name, translate
 from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
@@ -174,7 +174,7 @@ def translated(function):
 @pytest.mark.parametrize("statement", OUTSIDE)
 def test_a_construct_outside_the_language_is_rejected(statement, tmp_path, monkeypatch):
     function = function_of(statement, tmp_path, monkeypatch)
-    with pytest.raises(NotInLanguage, match=OUTSIDE[statement]) as error:
+    with pytest.raises(KernelLanguageError, match=OUTSIDE[statement]) as error:
         translated(function)
     path, line, _ = str(error.value).split(":", 2)
     assert path.endswith(".py")

@@ -7,7 +7,7 @@ import pytest
 
 from inertia_module.common.units import _PRODUCTS, _SYMBOLS, KINDS, factor_between, number_of
 
-SCENES = Path(__file__).parents[2] / "docs" / "scenes.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "quantities.md"
 
 RPM, POUND_FOOT = 0.10471975511965977, 1.3558179483314004
 
@@ -90,5 +90,5 @@ def test_each_unit_of_the_table_is_of_its_kind_and_no_unit_is_missing():
 
 
 def test_the_documentation_has_the_table_of_units():
-    rows = re.findall(r"^\| ([^|`]+) \| `(.+)` \|$", SCENES.read_text(encoding="utf-8"), re.MULTILINE)
+    rows = re.findall(r"^\| ([^|`]+) \| `(.+)` \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     assert {kind: tuple(units.split("`, `")) for kind, units in rows} == KINDS

@@ -69,7 +69,8 @@ def test_the_order_of_the_table_is_not_that_of_the_numbers(model, fmi):
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_row_inserted_in_the_middle_renumbers_nothing(model, fmi):
-    row = replace(model.variables[0], name="new", reference=model.time.reference + 1)
+    highest = max(variable.reference for variable in (*model.variables, model.time))
+    row = replace(model.variables[0], name="new", reference=highest + 1)
     changed = replace(model, variables=(*model.variables[:5], row, *model.variables[5:]))
     assert described(changed, fmi) == described(model, fmi) | {"new": row.reference}
     rows = rows_by_reference(changed, fmi)

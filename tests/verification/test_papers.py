@@ -1,6 +1,6 @@
 """Verdicts on the equations and claims of the papers, their text on the page, and the figures.
 
-docs/papers.md contains the verdicts; `make docs` compares it.
+docs/papers/index.md contains the verdicts; `make docs` compares it.
 """
 
 import io
@@ -16,7 +16,7 @@ from papers.engine import ROUNDING
 from papers.figures import FIGURES, numbers
 from papers.page import PAPERS, equations, words
 
-PAGE = Path(__file__).parents[2] / "docs" / "papers.md"
+PAGE = Path(__file__).parents[2] / "docs" / "papers" / "index.md"
 NUMBERED = {"karetin": 33, "lysenko": 24, "stelmashchuk": 5}
 papers = pytest.mark.parametrize("name", PAPERS)
 
@@ -43,7 +43,7 @@ def test_each_equation_is_shown_as_printed_and_exact_and_a_wrong_curve_is_drawn(
     shown, last = {section.partition(": ")[0]: section for section in sections}, NUMBERED[name]
     assert [n for n in shown if re.fullmatch(r"\(\d+\)", n)] == [f"({n})" for n in range(1, last + 1)]
     assert set(shown) - set(PAPERS[name].EQUATIONS) == ({"(1)", "(2)"} if name == "stelmashchuk" else set())
-    drawn = set(re.findall(r"\(papers/(\w+)\.svg\)", "".join(sections)))
+    drawn = set(re.findall(r"\((\w+)\.svg\)", "".join(sections)))
     curves = {figure for figure in FIGURES if figure.startswith(f"{name}_equation")}
     assert curves <= drawn <= set(FIGURES)
     for section in shown.values():
@@ -72,7 +72,7 @@ def test_figures_come_with_columns_of_one_length_and_their_parameters(drawn):
     for figure, columns in drawn.values():
         assert len({values.shape for values in columns.values()}) == 1
         assert all(np.isfinite(values).all() for values in columns.values())
-        assert "=" in figure.get_supxlabel()
+        assert "=" in figure.get_label()
         # a unit, or a number of revolutions
         assert all("[" in column or "revolutions" in column for column in columns)
     # of each kind one is written

@@ -8,8 +8,8 @@ from scenes import DRIVEN, MECHANISMS, parameters, started
 
 from benchmarks.peers import PEERS, integrators, mujoco_model
 from benchmarks.trade_off import Case, converged
-from inertia_module.common.extras import NotInstalled
-from verification.reference.geometry import Unavailable, ratio
+from inertia_module.common.errors import MissingDependencyError
+from verification.reference.geometry import UnavailableError, ratio
 
 CASES = {
     "R1": Case(stop_time=0.1, points=20),
@@ -32,7 +32,7 @@ def run(case, setting, method, stiffness=None):
         if method in ("Euler", "RK4"):
             return mujoco_model.simulate(case, setting, method)
         return integrators.simulate(case, setting, method, stiffness)
-    except NotInstalled as error:
+    except MissingDependencyError as error:
         pytest.skip(str(error))
 
 
@@ -127,10 +127,10 @@ def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
         (integrators.simulate, 1e-6, "BDF"),
         (mujoco_model.simulate, 1e-3, "Euler"),
     ):
-        with pytest.raises((Unavailable, NotInstalled)) as refused:
+        with pytest.raises((UnavailableError, MissingDependencyError)) as refused:
             simulate(Case(parameters), *settings)
         assert "\n" not in str(refused.value)
-    with pytest.raises((Unavailable, NotInstalled), match=r"leaves one out|not installed"):
+    with pytest.raises((UnavailableError, MissingDependencyError), match=r"leaves one out|not installed"):
         integrators.simulate(CASES["no output freewheel"], 1e-6, "odeint", 1e4)
 
 
@@ -140,5 +140,5 @@ def test_every_peer_and_setting_is_there_once_and_integrates_a_case():
     for integrate in {name: integrate for name, _, integrate in reversed(PEERS)}.values():
         try:
             assert integrate(Case(stop_time=0.002, points=2)).omega_out.shape == (3,)
-        except NotInstalled:
+        except MissingDependencyError:
             continue

@@ -7,8 +7,9 @@ import pytest
 from faulty import faulty, raising, showing
 from scenes import REFERENCE
 
+from inertia_module.common.errors import ParameterError
 from inertia_module.kernel import engine
-from inertia_module.model import Module, Refused
+from inertia_module.model import Module
 from verification.stability import verdicts
 from verification.stability.extremes import Case
 from verification.stability.motion import LEVELS, Motion, Run, Segment
@@ -20,7 +21,7 @@ CASE = Case("ordinary", "R1", "bevel", Motion(LEVEL.values, (SEGMENT,)), split=1
 
 def reject_short_steps(module, step_size):
     if step_size < 0.01:
-        raise Refused("communication step is rejected: too short")
+        raise ParameterError("communication step is rejected: too short")
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def test_sound_module_at_ordinary_values_is_exact(sound):
         (raising(ZeroDivisionError("float division by zero")), "broken", "ZeroDivisionError"),
         (raising(OverflowError("too large")), "broken", "OverflowError"),
         (faulty(reject_short_steps), "broken", "short steps"),
-        (raising(Refused("omega1 is rejected: for no reason")), "broken", "changed the state"),
+        (raising(ParameterError("omega1 is rejected: for no reason")), "broken", "changed the state"),
         # a violated bound, which the verdict names
         (showing(energy_residual=1.0), "degraded", "energy residual"),
         (showing(omega2=-1e-3), "degraded", "0 <= omega2 <= omega3"),

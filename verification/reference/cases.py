@@ -32,7 +32,7 @@ import numpy as np
 from inertia_module.interface.variables import default_parameters
 from inertia_module.kernel.codes import DRIVE_TORQUE, ELASTIC
 
-from .geometry import EX, EZ, Array, Unavailable, attitudes, ratio, satellite_ratio, shaft_frequency
+from .geometry import EX, EZ, Array, UnavailableError, attitudes, ratio, satellite_ratio, shaft_frequency
 from .virtual_work import VirtualWork
 
 # indices of a case: freewheels, signs of slip (0: sticking) and sigma M2, first sign of the satellites
@@ -118,7 +118,7 @@ class Machine:
         highest: maximum order of the harmonics of the torques.
 
     Raises:
-        Unavailable: a missing freewheel has a stiffness.
+        UnavailableError: a missing freewheel has a stiffness.
     """
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
@@ -149,7 +149,7 @@ class Machine:
         is_present = bool(p[f"{name}_freewheel"])
         has_spring = self.elastic and p[f"{spring}_stiffness"] > 0.0
         if has_spring and not is_present:
-            raise Unavailable(f"reference: {spring}_stiffness needs the freewheel")
+            raise UnavailableError(f"reference: {spring}_stiffness needs the freewheel")
         values = (p[f"{name}_{value}"] * is_present for value in ("drag", "drag_viscous", "engagement_angle"))
         drag, viscous, angle = values
         stiffness = p[f"{spring}_stiffness"] if has_spring else 0.0

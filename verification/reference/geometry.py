@@ -16,7 +16,7 @@ Parameters = Mapping[str, Any]
 EX, _, EZ = np.eye(3)
 
 
-class Unavailable(RuntimeError):
+class UnavailableError(RuntimeError):
     """A method does not support a case; the message is the reason."""
 
 

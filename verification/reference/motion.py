@@ -18,7 +18,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from . import cases
 from .cases import A1, A2, A3, A4, M1, M2, TC, TH, Forces, Machine, Mode, Q, speed_of
-from .geometry import Array, Unavailable
+from .geometry import Array, UnavailableError
 
 TOLERANCE = 1e-13
 # round-off of speeds, relative to the speed of link 1
@@ -78,7 +78,7 @@ class Reference:
         switches: times at which freewheels locked or unlocked, s.
 
     Raises:
-        Unavailable: a freewheel rotates backward at the start, or a missing freewheel has a stiffness.
+        UnavailableError: a freewheel rotates backward at the start, or a missing freewheel has a stiffness.
         ArithmeticError: no case is consistent.
     """
 
@@ -101,7 +101,7 @@ class Reference:
         closed = cases.OPEN if self._wheels[cases.OUTPUT].is_present else cases.CLOSED
         self.mode: Mode = (cases.OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
         if any(wheel.is_present and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
-            raise Unavailable("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
+            raise UnavailableError("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         for n, wheel in enumerate(self._wheels):
             self.state[cases.PLAY + n] = wheel.angle * (speed_of(self.state, n) > 0.0)
         self.give(drive_torque, load_torque)
@@ -406,13 +406,13 @@ class Reference:
             slope: acceleration, rad/s^2.
 
         Raises:
-            Unavailable: a jump with a compliant freewheel.
+            UnavailableError: a jump with a compliant freewheel.
         """
         machine, y = self.machine, self.state
         machine.slope = slope
         if omega1 != y[cases.OMEGA1]:
             if any(wheel.stiffness for wheel in self._wheels):
-                raise Unavailable("reference: no jumps with compliant freewheels")
+                raise UnavailableError("reference: no jumps with compliant freewheels")
             before = self.energy()
             self._hit(omega1 - y[cases.OMEGA1])
             y[cases.OMEGA1] = omega1

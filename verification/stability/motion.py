@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from pydantic import TypeAdapter
 
-from inertia_module.common.errors import Refused
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fidelity.trials import Level
 from inertia_module.interface.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
@@ -362,7 +362,7 @@ def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1, kick: fl
     result, module = Run(), make()
     try:
         motion.started(module)
-    except Refused as error:
+    except InertiaModuleError as error:
         result.rejection = str(error)
         return result
     begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
@@ -407,7 +407,7 @@ def _advance(result: Run, module: Module, segment: Segment, split: int, kick: fl
         before = bytes(module.state)
         try:
             module.advance(step)
-        except Refused as error:
+        except InertiaModuleError as error:
             result.rejection = str(error)
             result.fault = _fault_after_rejection(module, before)
             return
@@ -432,7 +432,7 @@ def _fault_after_rejection(module: Module, before: bytes) -> str:
     module.set(omega1=1.0, load_torque=1.0)
     try:
         module.advance(1e-6)
-    except Refused as error:
+    except InertiaModuleError as error:
         return f"no valid step after a rejected one: {error}"
     return ""
 

@@ -34,7 +34,7 @@ from inertia_module.kernel.codes import AVERAGED, DRIVE_TORQUE, ELASTIC, RIGID
 from inertia_module.model import Module
 
 from ..reference.cases import OMEGA1, OMEGA4
-from ..reference.geometry import Array, Unavailable, positions, ratio, satellite_ratio
+from ..reference.geometry import Array, UnavailableError, positions, ratio, satellite_ratio
 from ..reference.motion import Reference
 from ..reference.virtual_work import VirtualWork, period
 from . import motion as motions
@@ -264,7 +264,7 @@ def reference_values(motion: Motion, max_evaluations: float) -> Array:
         max_evaluations: limit of the evaluations.
     """
     first, rows = motion.segments[0], []
-    with np.errstate(all="ignore"), suppress(ArithmeticError, Unavailable, np.linalg.LinAlgError):
+    with np.errstate(all="ignore"), suppress(ArithmeticError, UnavailableError, np.linalg.LinAlgError):
         reference = Reference(motion.parameters, first.omega1, first.load, first.drive, max_evaluations)
         for segment in motion.segments:
             reference.give(segment.drive, segment.load)

@@ -1,6 +1,6 @@
 """Verdicts on the extremes: each case runs several times, and its errors are compared with bounds.
 
-The bounds are functions of the tolerance; docs/stability.md contains them. A cell of the table contains the
+The bounds are functions of the tolerance; stability.md contains them. A cell of the table contains the
 verdict, the power of ten of the maximum relative error and the reason if the case is not exact. It is coarse
 enough to be equal on all platforms.
 """

@@ -17,8 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.deprecated import renamed_names
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be
+from ..common.errors import ParameterError, must_be
 from ..common.units import factor_between
 from ..fmi.results import write_columns, write_mat, write_rows
 from ..fmi.simulate import Progress
@@ -90,7 +91,7 @@ class SteadyMachine:
             omega1^2.
 
     Raises:
-        Refused: the parameters are invalid. The methods raise it if a freewheel is missing.
+        ParameterError: the parameters are invalid. The methods raise it if a freewheel is missing.
     """
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
@@ -119,13 +120,13 @@ class SteadyMachine:
         """Reject a mechanism without one of the freewheels: it has no mean torque.
 
         Raises:
-            Refused: a freewheel is missing.
+            ParameterError: a freewheel is missing.
         """
         housing, output = (self.module[f"{name}_freewheel"] for name in ("housing", "output"))
         if housing * output == 0.0:
             both = f"{housing:g} and {output:g}"
             demand = must_be("each of housing_freewheel and output_freewheel", "1", both)
-            raise Refused(f"{demand}: without both freewheels there is no mean torque")
+            raise ParameterError(f"{demand}: without both freewheels there is no mean torque")
 
     def at(self, omega1: float, ratio: float) -> SteadyPulses:
         """Compute the means of the steady motion.
@@ -231,7 +232,7 @@ MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TorqueConverterChart(ByContent):
     """Means over the speed ratio, shape (n,) each; torques are divided by omega1^2.
 
@@ -260,6 +261,10 @@ class TorqueConverterChart(ByContent):
     lock_up_torque: Array
     housing_engagements: Array | None = None
     output_engagements: Array | None = None
+
+    def __repr__(self) -> str:
+        ratios = f"{self.speed_ratio.size} speed ratios 0…{self.speed_ratio[-1]:.3g}"
+        return f"TorqueConverterChart({ratios}, stall torque {self.stall_torque:.4g} N m s²)"
 
     @property
     def stall_torque(self) -> float:
@@ -406,7 +411,7 @@ def _over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
     return dict(zip(SteadyPulses._fields, rows.T, strict=True))
 
 
-def torque_converter_chart(
+def compute_chart(
     parameters: Mapping[str, float | str],
     omega1: float = NOMINAL_SPEED,
     engagements: bool = False,
@@ -421,7 +426,7 @@ def torque_converter_chart(
             expensive part.
 
     Raises:
-        Refused: the parameters are invalid, or there is no mean torque because a freewheel is missing.
+        ParameterError: the parameters are invalid, or there is no mean torque because a freewheel is missing.
     """
     machine = SteadyMachine(parameters)
     machine.check_freewheels()
@@ -461,7 +466,7 @@ def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> Torq
 def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1: float) -> dict[str, Array]:
     """Compute the converter table of a mechanism.
 
-    The output torque of the table is exact at each ratio (docs/mechanics.md).
+    The output torque of the table is exact at each ratio (chart.md).
 
     Args:
         machine: the mechanism.
@@ -475,7 +480,7 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
         rad/s/(N m)^0.5; output_torque and input_torque, means of the mechanism itself, N m.
 
     Raises:
-        Refused: the mechanism transmits no torque at any ratio.
+        ParameterError: the mechanism transmits no torque at any ratio.
     """
     ratios = COAST * max(1.0, chart.end_ratio)
     coast = np.zeros((ratios.size, 2))
@@ -486,7 +491,9 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
     input_torque = np.concatenate([square * chart.input_torque, coast[:, 1]])
     maximum = float(input_torque.max())
     if not maximum > 0.0:
-        raise Refused(f"a converter table requires torque; the mechanism transmits none at {omega1:g} rad/s")
+        raise ParameterError(
+            f"a converter table requires torque; the mechanism transmits none at {omega1:g} rad/s"
+        )
     minimum = np.maximum(output / LARGEST_TORQUE_RATIO, MIN_TORQUE_SHARE * maximum)
     limited = np.maximum(input_torque, minimum)
     return {
@@ -523,3 +530,6 @@ def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> lis
         write_mat(Path(f"{stem}.mat"), "converter", {"omega1": omega1, **table}, units),
         write_rows(Path(f"{stem}.vtcc"), VECTO_HEADINGS, rows),
     ]
+
+
+__getattr__ = renamed_names(__name__, torque_converter_chart="compute_chart")

@@ -18,7 +18,7 @@ from ..common.terminal import progress_bar
 from ..common.units import split_quantity
 from .answer import Answer, Shown, command, file_lines
 from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
-from .options import Keys, OutputFolder, Text, option, speed_of, speed_text
+from .options import Keys, OutputFolder, Text, option, speed_of, speed_text, values_of
 
 if TYPE_CHECKING:
     from ..analysis.converter_chart import Array, TorqueConverterChart
@@ -61,7 +61,7 @@ def chart(
     omega1 = None if speed is None else speed_of(speed)
     unit = (split_quantity(speed)[1] if speed else "") or "rad/s"
     reference_speed = omega1 or NOMINAL_SPEED
-    read = {scene.stem: inertia_module.load_scene(scene, keys) for scene in scenes}
+    read = {scene.stem: inertia_module.load_scene(scene, values_of(keys)) for scene in scenes}
     make = partial(inertia_module.torque_converter_chart, omega1=reference_speed, engagements=True)
     charts = {name: make(scene.parameters()) for name, scene in read.items()}
     warnings = [] if omega1 is None else list(_drive_warnings(read, charts, omega1))

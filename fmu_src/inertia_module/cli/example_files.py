@@ -12,6 +12,7 @@ import typer
 
 import inertia_module
 
+from ..common.examples import belonging, examples, title_of
 from ..common.files import write_atomically
 from .answer import WIDTH, Answer, command
 from .options import File, Text, option
@@ -20,7 +21,11 @@ from .options import File, Text, option
 @command
 def new(
     name: Annotated[
-        Text, typer.Argument(help="Example to copy, such as planar or urban (default: list all examples).")
+        Text,
+        typer.Argument(
+            help="Example to copy, such as planar or urban (default: list all examples).",
+            autocompletion=lambda: list(examples()),
+        ),
     ] = None,
     output: Annotated[File, option("Output file (default: NAME.toml).", "FILE", "--output", "-o")] = None,
 ) -> Answer:
@@ -28,8 +33,6 @@ def new(
 
     Also copies its data files and helper scripts.
     """
-    from ..common.examples import belonging
-
     if name is None:
         return _list_of_examples()
     source = inertia_module.example(name)
@@ -61,8 +64,6 @@ KINDS = {
 
 def _list_of_examples() -> Answer:
     """Return the list of all examples by kind, with their titles."""
-    from ..common.examples import examples, title_of
-
     titles = {name: title_of(path) for name, path in examples().items()}
     width = max(map(len, titles)) + 4
     lines: list[str] = []

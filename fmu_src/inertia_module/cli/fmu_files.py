@@ -14,7 +14,7 @@ from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
 from .answer import Answer, Shown, command
 from .messages import aside
-from .options import Keys, OutputFolder, SceneFile, option, quantity_of
+from .options import Keys, OutputFolder, SceneFile, option, quantity_of, values_of
 
 
 @command
@@ -76,7 +76,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from ..scene.run import scene_plan
 
     folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
-    paths = write(scene_plan(inertia_module.load_scene(scene, keys)), folder, aside)
+    paths = write(scene_plan(inertia_module.load_scene(scene, values_of(keys))), folder, aside)
 
     lines = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
     return Answer({"files": [str(path) for path in paths]}, lines)

@@ -30,6 +30,7 @@ from .options import (
     enumeration,
     option,
     quantity_of,
+    values_of,
 )
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ def run(
     plot.png. Default output folder: out/SCENE.
     """
     from ..interface.variables import COMPUTED
+    from ..scene import Scene
     from ..scene.reading import display_units
     from ..viewer.html import html_file, template
 
@@ -73,7 +75,7 @@ def run(
         template()
     read, choice = _read_scene(scene, keys, fidelity, error, view)
     result, _ = _run_scene(read, fmu, COMPUTED if view else ())
-    page = html_file(result.scene, result) if view else None
+    page = html_file(result.scene, result) if view and isinstance(result.scene, Scene) else None
     choice_data = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     data = {"scene": str(scene), **result.as_dict(), **choice_data}
     files = {
@@ -87,7 +89,7 @@ def run(
     choice_lines = [] if choice is None else [line for text in choice.lines() for line in indented(text)]
     if every:
         return Answer(data, [(read.title, result.lines()), *choice_lines], files, warnings=result.warnings)
-    shown = partial(_print_summary, result, display_units(scene, keys))
+    shown = partial(_print_summary, result, display_units(scene, values_of(keys)))
     return Answer(data, [shown, *choice_lines], files)
 
 
@@ -120,10 +122,10 @@ def _run_scene(
     Returns:
         The result and the path of the FMU.
     """
-    from ..fmu.builder import MODULE_FMU, SHAFT_FMU, current_fmu
+    from ..fmu.builder import current_fmu
     from ..scene import ShaftScene, run_shaft_scene
 
-    path = fmu or current_fmu(SHAFT_FMU if isinstance(scene, ShaftScene) else MODULE_FMU)
+    path = fmu or current_fmu("DrivenShaft" if isinstance(scene, ShaftScene) else "InertiaModule")
     with progress_bar(scene.title) as progress:
         if isinstance(scene, ShaftScene):
             return run_shaft_scene(scene, path, progress), path
@@ -151,7 +153,7 @@ def _read_scene(
     from ..fidelity.trials import choose
     from ..scene import Scene, load_any_scene
 
-    read = load_any_scene(scene, keys)
+    read = load_any_scene(scene, values_of(keys))
     if not isinstance(read, Scene):
         if view or fidelity is not None or error is not None:
             raise ValueError("--fidelity, --error and --view require a scene of the module")
@@ -241,5 +243,5 @@ def report(
     words = [word for name, values in options.items() for value in values for word in (name, value)]
     line = shlex.join(["inertia-module", "report", str(scene), *words])
     with progress_bar(f"report of {scene.name}") as progress:
-        content = report_file(scene, keys or [], result, fmu_path, line, choice_lines, progress)
+        content = report_file(scene, values_of(keys), result, fmu_path, line, choice_lines, progress)
     return _write_html(scene, "report", path, content, result.warnings)

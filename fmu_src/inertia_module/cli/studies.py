@@ -27,6 +27,7 @@ from .options import (
     enumeration,
     option,
     quantity_of,
+    values_of,
 )
 
 # reference angles of an order analysis
@@ -57,9 +58,6 @@ def orders(
     ] = None,
     hz: Annotated[bool, option("Print and plot frequencies in Hz and speeds in rpm.", None, "--hz")] = False,
     mat: Annotated[bool, option("Also write complex amplitudes to orders.mat.", None, "--mat")] = False,
-    uff: Annotated[
-        bool, option("Also write complex amplitudes to orders.uff (data set 58).", None, "--uff")
-    ] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
     file_format: FigureFormat = FORMATS[0],
@@ -70,7 +68,6 @@ def orders(
     Analyses torques, speeds and forces. Writes orders.csv, waterfall.csv (spectra over the run),
     summary.json and orders.png. Default output folder: out/orders/SCENE.
     """
-    from ..common.extras import library
     from ..plots.studies import order_figure
     from ..scene.reading import speed_unit
     from ..studies.order_analysis import BASES
@@ -78,10 +75,8 @@ def orders(
     check_choice("reference angle", of, ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     path = figure_path(folder, "orders", file_format)
-    if uff:
-        library("pyuff", "studies")  # before the run
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
-    read = inertia_module.load_scene(scene, keys)
+    read = inertia_module.load_scene(scene, values_of(keys))
     with progress_bar(read.title) as progress:
         result = inertia_module.orders(
             read,
@@ -94,9 +89,8 @@ def orders(
             end=last,
             progress=progress,
         )
-    unit, files = speed_unit(scene, keys), result.write(folder)
+    unit, files = speed_unit(scene, values_of(keys)), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
-    files |= {"uff": result.write_uff(folder / "orders.uff")} if uff else {}
     files["picture"] = write_picture(path, order_figure(result, read.title, hz, unit), panel)
 
     parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
@@ -124,7 +118,8 @@ def sweep(
     sensitivity: Annotated[
         int | None, option("Sobol indices from N * (number of keys + 2) runs; N must be a power of 2.", "N")
     ] = None,
-    figure: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    metric: Annotated[Texts, option("Summary metric to plot; may be repeated.", "NAME")] = None,
+    figure: Annotated[Texts, option("Former name of --metric.", "NAME", hidden=True)] = None,
     seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
@@ -140,13 +135,14 @@ def sweep(
     Default output folder: out/SCENE_sweep.
     """
     from ..plots.studies import sweep_figure
+    from ..studies.axes import ranges_of_texts
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     path = figure_path(folder, "plot", file_format)
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
-            inertia_module.load_scene(scene, keys),
-            vary or [],
+            inertia_module.load_scene(scene, values_of(keys)),
+            ranges_of_texts(vary or []),
             sample=sample,
             sensitivity=sensitivity,
             seed=seed,
@@ -156,7 +152,8 @@ def sweep(
             workers=workers,
             progress=progress,
         )
-    files = {**result.files, "plot": write_picture(path, sweep_figure(result, figure or ()), panel)}
+    metrics = [*(metric or ()), *(figure or ())]
+    files = {**result.files, "plot": write_picture(path, sweep_figure(result, metrics), panel)}
     numbers = {"rows": len(result.rows), "new": result.new, "refused": len(result.refused)}
 
     runs = len(result.rows)
@@ -171,7 +168,7 @@ def sweep(
 def design(
     spec: Annotated[
         Path,
-        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [figures]."),
+        typer.Argument(metavar="SPEC.toml", help="Specification: a scene with tables [free] and [metrics]."),
     ],
     output: OutputFolder = None,
     keys: Keys = None,
@@ -186,13 +183,13 @@ def design(
     Writes pareto.csv, checked.csv (and .parquet), plot.png and each verified design as a scene
     (design_1.toml, ...). Default output folder: out/SPEC_design.
     """
-    from ..studies.design_search import read_spec
+    from ..studies.design_specification import read_spec
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
     path = figure_path(folder, "plot", file_format)
     with progress_bar(f"design of {spec.name}") as progress:
         result = inertia_module.design(
-            read_spec(spec, keys),
+            read_spec(spec, values_of(keys)),
             output=folder,
             fmu=fmu,
             scheduler=scheduler,
@@ -268,13 +265,15 @@ def fit(
 
     Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
+    from ..studies.axes import ranges_of_texts
+
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     path = figure_path(folder, "fit", file_format)
     with progress_bar(f"fit to {measured.name}") as progress:
         result = inertia_module.fit(
             measured,
-            inertia_module.load_scene(scene, keys),
-            free or [],
+            inertia_module.load_scene(scene, values_of(keys)),
+            ranges_of_texts(free or []),
             columns=columns or [],
             starts=starts,
             seed=seed,
@@ -314,7 +313,7 @@ def tradeoff(
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         path = figure_path(folder, "tradeoff", file_format)
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
-        read = inertia_module.load_scene(scene, keys)
+        read = inertia_module.load_scene(scene, values_of(keys))
         title, names = read.title, read.run.outputs
         measure = trials.trial_rows if allowed else trials.measured_rows
         rows = measure(read, progress)

@@ -28,8 +28,10 @@ STYLE: dict[str, Any] = {
     "figure.titlesize": 15,
     "figure.titleweight": "bold",
     "grid.alpha": 0.25,
+    "legend.columnspacing": 1.2,
     "legend.fontsize": 9,
     "legend.frameon": False,
+    "legend.handlelength": 1.3,
 }
 
 

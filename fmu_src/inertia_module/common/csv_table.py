@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import Refused, cannot_read, must_be, suggestion, unknown
+from .errors import ParameterError, cannot_read, must_be, suggestion, unknown
 from .files import MAX_TEXT_SIZE, read_file
 from .units import parse_unit
 from .written_numbers import Reading, booleans, readings
@@ -35,7 +35,7 @@ _HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$", re.DOTALL)
 _SEPARATOR_LINE = re.compile(r'"?sep=(.)"?\s*\n')
 
 
-class TableError(Refused):
+class TableError(ParameterError):
     """Error of a table: the message contains the column and the allowed values."""
 
 

@@ -51,8 +51,9 @@ class ByContent:
     """Base of dataclasses (with eq=False) that are equal if all their fields have equal content."""
 
     def _content(self) -> dict[str, Any]:
-        """Return the values of the fields by name, without the cached properties."""
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
+        """Return the values of the compared fields by name, without the cached properties."""
+        fields = dataclasses.fields(self)  # type: ignore[arg-type]
+        return {field.name: getattr(self, field.name) for field in fields if field.compare}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, type(self)) and is_equal(self._content(), other._content())

@@ -1,5 +1,15 @@
 """The errors of the package and their messages.
 
+    InertiaModuleError
+    ├── ParameterError
+    │   ├── TableError (csv_table)
+    │   └── UnknownNameError
+    ├── SceneError
+    ├── FmuError
+    │   └── SimulationTerminated
+    ├── MissingDependencyError
+    └── CompilationError (compiling)
+
 Forms: "NAME must be ALLOWED (got VALUE)", "unknown KIND 'NAME'; did you mean 'OTHER'?" and
 "cannot read FILE: REASON". A remedy follows in a separate sentence.
 """
@@ -11,14 +21,45 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from .deprecated import renamed_names
+
 Value = TypeVar("Value")
 
 # number of available names that a message lists
 LISTED = 12
 
 
-class Refused(ValueError):
-    """Invalid value, name or call: the message contains the value and the allowed range. Nothing changes."""
+class InertiaModuleError(Exception):
+    """Base class of the errors of the package; the message is one line, and nothing has changed."""
+
+
+class ParameterError(InertiaModuleError, ValueError):
+    """Invalid value, name, table or call: the message contains the value and the allowed range."""
+
+
+class SceneError(InertiaModuleError, ValueError):
+    """Invalid scene; the message is one line with the key, the value and the allowed range.
+
+    Args:
+        message: the message.
+        key: dotted key whose value is invalid alone; "" if the error is a contradiction between keys.
+    """
+
+    def __init__(self, message: str, key: str = "") -> None:
+        super().__init__(message)
+        self.key = key
+
+
+class FmuError(InertiaModuleError, ValueError):
+    """The FMU cannot be loaded, or rejects parameters, inputs or a step; with the message of the FMU."""
+
+
+class SimulationTerminated(FmuError):  # noqa: N818 - the name of FMI
+    """The FMU ends the simulation in the step that starts at the time of its instance."""
+
+
+class MissingDependencyError(InertiaModuleError, RuntimeError):
+    """A library of an extra is not installed; the message contains its name and the command to install it."""
 
 
 def sentence_of(error: BaseException) -> str:
@@ -119,7 +160,7 @@ def cannot_read(path: Path | str, reason: BaseException | str) -> str:
     return f"cannot read {path}: {text[:1].lower() + text[1:] if is_word else text}"
 
 
-class UnknownName(Refused, KeyError):
+class UnknownNameError(ParameterError, KeyError):
     """Unknown name."""
 
     __str__ = Exception.__str__  # KeyError would put quotes around the message
@@ -146,8 +187,7 @@ class Named(dict[str, Value]):
 
     def __missing__(self, name: str) -> Value:
         reason = self.missing.get(name)
-        raise UnknownName(f"{name}: {reason}" if reason else unknown(self.kind, name, self))
+        raise UnknownNameError(f"{name}: {reason}" if reason else unknown(self.kind, name, self))
 
 
-class FmuError(Refused):
-    """The FMU cannot be loaded, or rejects parameters, inputs or a step; with the message of the FMU."""
+__getattr__ = renamed_names(__name__, Refused="InertiaModuleError", UnknownName="UnknownNameError")

@@ -7,14 +7,17 @@ import tomllib
 from functools import cache
 from pathlib import Path
 
-from .errors import Refused, unknown
+from .errors import ParameterError, unknown
 from .files import PACKAGE_FOLDER
 
 # folder of the examples: in a wheel within the package, in a clone next to it
 FOLDERS = (PACKAGE_FOLDER / "examples", PACKAGE_FOLDER.parent.parent / "examples")
-KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "studies/*.py")
+KINDS = ("*.toml", "papers/*.toml", "*.ipynb", "*.py", "control/*.py", "studies/*.py")
 # files that belong to another example
-PARTS = ("speed_control_margins.py", "speed_control_report.py")
+PARTS = (
+    *("averaged_module.py", "frequency_response.py"),
+    *("speed_control_margins.py", "speed_control_report.py"),
+)
 
 
 @cache
@@ -35,12 +38,12 @@ def example(name: str) -> Path:
         name: name of the example, such as "planar" or "tutorial", or name of its file.
 
     Raises:
-        Refused: there is no such example.
+        ParameterError: there is no such example.
     """
     files = {file.name: file for file in examples().values()}
     path = examples().get(name) or files.get(name)
     if path is None:
-        raise Refused(unknown("example", name, examples()))
+        raise ParameterError(unknown("example", name, examples()))
     return path
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-
-class NotInstalled(RuntimeError):
-    """A library of an extra is not installed; the message contains its name and the command to install it."""
+from .deprecated import renamed_names
+from .errors import MissingDependencyError
 
 
 def library(module: str, extra: str, name: str = "") -> Any:
@@ -19,12 +18,15 @@ def library(module: str, extra: str, name: str = "") -> Any:
         name: name of the package to install, or "" if it follows from the name of the module.
 
     Raises:
-        NotInstalled: the module is not installed.
+        MissingDependencyError: the module is not installed.
     """
     try:
         return importlib.import_module(module)
     except ImportError as error:
         missing = name or module.partition(".")[0].replace("_", "-")
-        raise NotInstalled(
+        raise MissingDependencyError(
             f"{missing} is not installed ({error}). Run pip install 'inertia-module[{extra}]'."
         ) from None
+
+
+__getattr__ = renamed_names(__name__, NotInstalled="common.errors:MissingDependencyError")

@@ -187,14 +187,15 @@ def picture_of(figure: Any, ending: str) -> bytes:
     The same figure gives the same bytes: the file has no date, and names within an SVG are hashes.
 
     Args:
-        figure: the matplotlib Figure.
+        figure: the matplotlib Figure; its label, if it has one, becomes the description in a PNG or SVG file.
         ending: ending of a file name, which selects the format: ".png" or ".svg", for example.
     """
     from matplotlib import rc_context
 
     stream = io.BytesIO()
+    metadata = {"Date": None} | ({"Description": figure.get_label()} if figure.get_label() else {})
     with rc_context({"svg.hashsalt": "inertia-module"}):
-        figure.savefig(stream, format=ending.lstrip("."), metadata={"Date": None})
+        figure.savefig(stream, format=ending.lstrip("."), metadata=metadata)
     return stream.getvalue()
 
 

@@ -22,11 +22,12 @@ Progress = Callable[[float], None]
 PATIENCE = 2.0
 
 
-def terminal(width: int | None = None) -> Console:
+def terminal(width: int | None = None, stderr: bool = False) -> Console:
     """Return a console that prints texts unchanged: "[fast]" is not a style, ":key:" not an emoji.
 
     Args:
         width: width of the console, characters; None for the width of the terminal.
+        stderr: True to print to the error output.
     """
     from rich.console import Console
 
@@ -35,21 +36,21 @@ def terminal(width: int | None = None) -> Console:
             """Raise the error, which Rich turns into a silent end of the process."""
             raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
 
-    return PlainConsole(markup=False, emoji=False, highlight=False, width=width)
+    return PlainConsole(markup=False, emoji=False, highlight=False, width=width, stderr=stderr)
 
 
 def progress() -> rich_progress.Progress:
-    """Return a progress bar that shows titles unchanged and disappears at its end."""
+    """Return a progress bar on the error output that shows titles unchanged and disappears at its end."""
     from rich.progress import Progress, TextColumn
 
     _, *others = Progress.get_default_columns()
     title = TextColumn("{task.description}", markup=False)
-    return Progress(title, *others, console=terminal(), transient=True)
+    return Progress(title, *others, console=terminal(stderr=True), transient=True)
 
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Progress]:
-    """Show a progress bar after PATIENCE seconds of work.
+    """Show a progress bar after PATIENCE seconds of work, if the error output is a terminal.
 
     Args:
         title: title of the bar.
@@ -62,7 +63,8 @@ def progress_bar(title: str) -> Iterator[Progress]:
     task = bar.add_task(title, total=1.0)
 
     def report(share: float) -> None:
-        if not bar.live.is_started and time.monotonic() - started > PATIENCE:
+        is_late = time.monotonic() - started > PATIENCE
+        if is_late and bar.console.is_terminal and not bar.live.is_started:
             bar.start()
         bar.update(task, completed=share)
 

@@ -111,7 +111,7 @@ _PRODUCTS: dict[str, str] = {
     "lbfin": "lbf.in",
 }
 
-# units by kind of quantity, the SI unit first; docs/scenes.md has this table
+# units by kind of quantity, the SI unit first; quantities.md has this table
 KINDS: dict[str, tuple[str, ...]] = {
     "pure number": ("1", "%", "‰"),
     "time": ("s", "ms", "us", "µs", "ns", "min", "h", "sec"),

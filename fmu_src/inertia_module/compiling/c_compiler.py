@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..common.files import kept, sources
 from ..interface.models import Model
-from . import CompilationUnavailable
+from . import CompilationError
 from .targets import WIN_ARM, Target, here
 from .tools import ZIG, compiler, run_tool
 from .translate import translate
@@ -61,7 +61,7 @@ def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None
         folder: folder in which the compiler runs, with the files.
 
     Raises:
-        CompilationUnavailable: the compiler fails, or cannot compile for this platform.
+        CompilationError: the compiler fails, or cannot compile for this platform.
     """
     tool = compiler()
     if tool.is_zig:
@@ -70,7 +70,7 @@ def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None
     elif target == here():
         run_tool([*tool.command, *FLAGS, *WARNINGS, *arguments], folder)
     else:
-        raise CompilationUnavailable(f"{tool.command[0]} compiles only for {here().label}; use ziglang")
+        raise CompilationError(f"{tool.command[0]} compiles only for {here().label}; use ziglang")
 
 
 def object_file(model: Model, target: Target) -> bytes:
@@ -154,7 +154,7 @@ def link(
         imports: required functions by Windows DLL; ignored on other platforms.
 
     Raises:
-        CompilationUnavailable: the compiler fails, or cannot compile for this platform.
+        CompilationError: the compiler fails, or cannot compile for this platform.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

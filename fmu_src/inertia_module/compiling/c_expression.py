@@ -145,7 +145,7 @@ class Expressions:
             node: the expression.
 
         Raises:
-            NotInLanguage: the expression is outside the language of the kernel.
+            KernelLanguageError: the expression is outside the language of the kernel.
         """
         value = self.scope.look_up(node)
         if isinstance(node, ast.Attribute) and self.scope.look_up(node.value) is math:
@@ -168,7 +168,7 @@ class Expressions:
             node: the expression.
 
         Raises:
-            NotInLanguage: the value has another type.
+            KernelLanguageError: the value has another type.
         """
         expression = self.translate(node)
         if expression.type is not None and expression.type not in SCALARS:

@@ -118,7 +118,7 @@ class FunctionTranslator:
         """Translate the statements repeatedly until the types of all variables are determined.
 
         Raises:
-            NotInLanguage: a statement is outside the language of the kernel.
+            KernelLanguageError: a statement is outside the language of the kernel.
         """
         body = self.scope.tree.body
         has_docstring = ast.get_docstring(self.scope.tree) is not None

@@ -108,7 +108,7 @@ def check_order(scope: Scope, statement: ast.AST) -> None:
         statement: the statement, or an expression.
 
     Raises:
-        NotInLanguage: an operand writes to a record, and another operand may read it.
+        KernelLanguageError: an operand writes to a record, and another operand may read it.
     """
     for node in ast.walk(statement):
         parts = operands(node)

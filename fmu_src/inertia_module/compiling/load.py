@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..common.files import PACKAGE_FOLDER, kept, ready_made
 from ..interface.models import Model
-from . import CompilationUnavailable
+from . import CompilationError
 from .targets import here
 
 # argument types of the functions: operation, addresses of p, d, u, x, y, w, and communication step; or
@@ -25,7 +25,7 @@ def _library(model: Model) -> Path:
         path = SHIPPED / f"{here().folder}{here().suffix}"
         if not path.is_file():
             platforms = ", ".join(sorted(file.stem for file in SHIPPED.iterdir()))
-            raise CompilationUnavailable(f"this FMU has compiled kernels only for {platforms}")
+            raise CompilationError(f"this FMU has compiled kernels only for {platforms}")
         return path
     fmu = ready_made(f"{model.name}.fmu")
     if fmu is not None:
@@ -35,7 +35,7 @@ def _library(model: Model) -> Path:
     try:
         from .c_compiler import kernel_library
     except ImportError:
-        raise CompilationUnavailable("this FMU was built without compiled kernels") from None
+        raise CompilationError("this FMU was built without compiled kernels") from None
     return kernel_library(model)
 
 
@@ -50,7 +50,7 @@ def load(model: Model) -> ctypes.CDLL:
         model: model of the kernel.
 
     Raises:
-        CompilationUnavailable: there is no library, and it cannot be compiled.
+        CompilationError: there is no library, and it cannot be compiled.
     """
     try:
         library = ctypes.CDLL(str(_library(model)))
@@ -58,7 +58,7 @@ def load(model: Model) -> ctypes.CDLL:
             function = getattr(library, f"inertia_module_kernel{ending}")
             function.argtypes, function.restype = arguments, ctypes.c_int64
         return library
-    except CompilationUnavailable:
+    except CompilationError:
         raise
     except Exception as error:
-        raise CompilationUnavailable(f"{type(error).__name__}: {error}") from error
+        raise CompilationError(f"{type(error).__name__}: {error}") from error

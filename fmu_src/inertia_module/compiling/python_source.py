@@ -12,13 +12,13 @@ import types
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from . import CompilationUnavailable
+from . import CompilationError
 
 # result of the look-up of a local name of a function
 LOCAL = object()
 
 
-class NotInLanguage(CompilationUnavailable):
+class KernelLanguageError(CompilationError):
     """A construct of Python is outside the language of the kernel; the message contains file and line."""
 
 
@@ -73,12 +73,12 @@ def definition(function: types.FunctionType) -> ast.FunctionDef:
         function: function of a module.
 
     Raises:
-        NotInLanguage: the function is not defined at the top level of a module.
+        KernelLanguageError: the function is not defined at the top level of a module.
     """
     for statement in source_file(function.__module__).tree.body:
         if isinstance(statement, ast.FunctionDef) and statement.name == function.__name__:
             return statement
-    raise NotInLanguage(f"{function.__module__}.{function.__qualname__} must be a function of a module")
+    raise KernelLanguageError(f"{function.__module__}.{function.__qualname__} must be a function of a module")
 
 
 @functools.cache
@@ -120,7 +120,7 @@ class Scope:
         self.parameters = [argument.arg for argument in self.tree.args.args]
         self.local = {*self.parameters, *stored_names(self.tree)}
 
-    def reject(self, node: ast.AST, reason: str) -> NotInLanguage:
+    def reject(self, node: ast.AST, reason: str) -> KernelLanguageError:
         """Return the error for a construct outside the language.
 
         Args:
@@ -128,7 +128,7 @@ class Scope:
             reason: message.
         """
         line = getattr(node, "lineno", self.tree.lineno)
-        return NotInLanguage(f"{self.path}:{line}: {reason}")
+        return KernelLanguageError(f"{self.path}:{line}: {reason}")
 
     def look_up(self, node: ast.AST) -> Any:
         """Return the value of a global name or of an attribute of a module; otherwise LOCAL.

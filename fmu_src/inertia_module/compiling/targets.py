@@ -6,7 +6,7 @@ import platform
 import sys
 from typing import NamedTuple
 
-from . import CompilationUnavailable
+from . import CompilationError
 
 # endings of the names of shared libraries, by system
 SUFFIXES = {"linux": ".so", "windows": ".dll", "macos": ".dylib", "wasi": ".wasm"}
@@ -72,13 +72,11 @@ def here() -> Target:
     """Return the target of this process.
 
     Raises:
-        CompilationUnavailable: the platform is not one of TARGETS.
+        CompilationError: the platform is not one of TARGETS.
     """
     own = f"{PROCESSORS.get(platform.machine().lower())}-{SYSTEMS.get(sys.platform)}"
     for target in TARGETS:
         if target.label.startswith(own) and sys.maxsize > 2**32:
             return target
     labels = ", ".join(target.label for target in TARGETS)
-    raise CompilationUnavailable(
-        f"unsupported platform {platform.machine()}-{sys.platform}; available: {labels}"
-    )
+    raise CompilationError(f"unsupported platform {platform.machine()}-{sys.platform}; available: {labels}")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..common.files import cache_folder
-from . import CompilationUnavailable
+from . import CompilationError
 
 # command of ziglang; the name of a tool follows: cc, dlltool
 ZIG = (sys.executable, "-m", "ziglang")
@@ -29,14 +29,14 @@ def tool_versions(*packages: str) -> dict[str, bytes]:
         packages: names of the packages.
 
     Raises:
-        CompilationUnavailable: a package is not installed.
+        CompilationError: a package is not installed.
     """
     versions = {}
     for package in packages:
         try:
             versions[package] = importlib.metadata.version(package).encode()
         except importlib.metadata.PackageNotFoundError:
-            raise CompilationUnavailable(
+            raise CompilationError(
                 f"{package} is not installed. Run pip install 'inertia-module[fast]'."
             ) from None
     return versions
@@ -60,7 +60,7 @@ def compiler() -> Compiler:
     """Return the C compiler: the command in the environment variable INERTIA_MODULE_CC, or ziglang.
 
     Raises:
-        CompilationUnavailable: the compiler is not installed.
+        CompilationError: the compiler is not installed.
     """
     chosen = os.environ.get(CHOSEN)
     if chosen:
@@ -73,7 +73,7 @@ def _chosen_compiler(chosen: str) -> Compiler:
     """Return the compiler for a command in INERTIA_MODULE_CC."""
     command = tuple(shlex.split(chosen))
     if shutil.which(command[0]) is None:
-        raise CompilationUnavailable(f"{CHOSEN} must be the command of a C compiler (got {chosen!r})")
+        raise CompilationError(f"{CHOSEN} must be the command of a C compiler (got {chosen!r})")
     process = subprocess.run([*command, "--version"], capture_output=True, check=False)
     return Compiler(command, {"compiler": chosen.encode(), "version": process.stdout}, is_zig=False)
 
@@ -86,7 +86,7 @@ def run_tool(command: Sequence[str], folder: Path) -> None:
         folder: working directory of the tool.
 
     Raises:
-        CompilationUnavailable: the tool fails; the message contains the end of its output.
+        CompilationError: the tool fails; the message contains the end of its output.
     """
     environment = os.environ | {
         "ZIG_GLOBAL_CACHE_DIR": str(cache_folder() / "zig"),
@@ -96,4 +96,4 @@ def run_tool(command: Sequence[str], folder: Path) -> None:
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
     if process.returncode != 0:
-        raise CompilationUnavailable(f"{shlex.join(command[:4])} failed: {process.stderr.strip()[-2000:]}")
+        raise CompilationError(f"{shlex.join(command[:4])} failed: {process.stderr.strip()[-2000:]}")

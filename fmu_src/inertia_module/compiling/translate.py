@@ -215,7 +215,7 @@ def translate(model: Model) -> str:
         model: model of the kernel.
 
     Raises:
-        NotInLanguage: the kernel contains a construct outside its language.
+        KernelLanguageError: the kernel contains a construct outside its language.
     """
     translator = KernelTranslator(record_names(model))
     records = [translator.record(record) for record in model.records]

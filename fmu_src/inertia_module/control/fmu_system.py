@@ -1,6 +1,6 @@
 """FMU as a discrete-time system of python-control whose results depend only on state and input.
 
-docs/control.md describes the two kinds of state. An update of the system is a communication step. Outputs are
+control.md describes the two kinds of state. An update of the system is a communication step. Outputs are
 values at the end of the last step, so there is no direct feedthrough. The state contains step means, because
 they do not follow from the motion at the end of the step.
 """
@@ -224,6 +224,10 @@ class _Whole:
 
 class FmuSystem(Closing):
     """FMU as a system of python-control; a context manager, which closes the FMU.
+
+    Args:
+        stepper: Steps and states of the FMU, from fmu_system.
+        names: Names of inputs, outputs and system for control.nlsys.
 
     Attributes:
         system: Discrete-time control.NonlinearIOSystem. Copies share the FMU. This is safe in one thread,

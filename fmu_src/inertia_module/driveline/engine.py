@@ -1,7 +1,7 @@
 """Engine or motor upstream of a module: limits of its torque, its governor, and the interface inertia.
 
 In a torque-driven module the inertia of the rotor belongs to link 1. The model of the engine is then its
-torque map and its governor, which samples the speed of link 1 at communication points. docs/coupling.md
+torque map and its governor, which samples the speed of link 1 at communication points. coupling.md
 compares other couplings.
 """
 
@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,17 @@ from ..kernel.links import inertia_at_input
 from ..model import Module
 from .sources import Table, between
 
-__all__ = ["EngineMap", "Governor", "InterfaceInertia", "interface_inertia", "torque_driven"]
+if TYPE_CHECKING:
+    from .discrete_system import DiscreteSystem, Numbers
+
+__all__ = [
+    "EngineMap",
+    "Governor",
+    "InterfaceInertia",
+    "governed_engine",
+    "interface_inertia",
+    "torque_driven",
+]
 
 
 def check_drag(name: str, torques: Sequence[float]) -> None:
@@ -61,7 +71,7 @@ class EngineMap:
 
     Attributes:
         speed: Breakpoints, rad/s, strictly increasing, length n.
-        greatest: Torque at full load, N.m, non-negative, length n.
+        full_load: Torque at full load, N.m, non-negative, length n.
         drag: Torque against the motion without fuel, N.m, non-negative, length n.
 
     Raises:
@@ -69,18 +79,18 @@ class EngineMap:
     """
 
     speed: tuple[float, ...]
-    greatest: tuple[float, ...]
+    full_load: tuple[float, ...]
     drag: tuple[float, ...]
 
     def __post_init__(self) -> None:
         check_rising(self.speed)
-        for name, torques in (("greatest", self.greatest), ("drag", self.drag)):
+        for name, torques in (("full_load", self.full_load), ("drag", self.drag)):
             try:
                 Table(self.speed, torques)
             except ValueError as error:
                 raise ValueError(f"speed and {name}: {error}") from None
-        if min(self.greatest) < 0.0:
-            raise ValueError(must_be("greatest", "at least 0 N.m", min(self.greatest)))
+        if min(self.full_load) < 0.0:
+            raise ValueError(must_be("full_load", "at least 0 N.m", min(self.full_load)))
         check_drag("drag", self.drag)
 
     def limits(self, speed: float) -> tuple[float, float]:
@@ -90,7 +100,7 @@ class EngineMap:
             speed: Speed of the engine, rad/s.
         """
         drag = between(self.speed, self.drag, speed) if speed > 0.0 else 0.0
-        return -drag, between(self.speed, self.greatest, speed)
+        return -drag, between(self.speed, self.full_load, speed)
 
 
 @dataclass(frozen=True)
@@ -152,6 +162,51 @@ class Governor:
         return torque, next_integral
 
 
+def governed_engine(
+    step: float,
+    torque_map: EngineMap,
+    *,
+    idle: float,
+    top_speed: float,
+    proportional_gain: float,
+    integral_gain: float = 0.0,
+) -> DiscreteSystem:
+    """Make an engine with governors of its idle speed and its top speed.
+
+    The throttle interpolates between drag (0) and full load (1). One governor raises the torque below the
+    idle speed, another one cuts it above the top speed. The torque is constant in each step.
+
+    Args:
+        step: Communication step, s.
+        torque_map: Limits of the torque over the speed.
+        idle: Idle speed, rad/s.
+        top_speed: Top speed, rad/s.
+        proportional_gain: Proportional gain of both governors, N.m.s/rad.
+        integral_gain: Integral gain of both governors, N.m/rad.
+
+    Returns:
+        A system with the inputs throttle, 0 to 1, and input_speed, rad/s, and the output drive_torque, N.m.
+        Its states are the integrals of both governors, N.m.
+
+    Raises:
+        ValueError: A gain is negative or not finite.
+    """
+    from .discrete_system import DiscreteSystem
+
+    governor = Governor(proportional_gain, integral_gain, step)
+
+    def law(_: float, x: Numbers, u: Numbers) -> tuple[list[float], list[float]]:
+        throttle, speed = u
+        closed, full = torque_map.limits(speed)
+        throttle_torque = closed + throttle * (full - closed)
+        raised_torque, idle_integral = governor.sample(x[0], idle, speed, (throttle_torque, full))
+        torque, top_integral = governor.sample(x[1], top_speed, speed, (closed, raised_torque))
+        return [torque], [idle_integral, top_integral]
+
+    signals, integrals = ["throttle", "input_speed"], ["idle_integral", "top_integral"]
+    return DiscreteSystem("engine", step, signals, ["drive_torque"], law, integrals)
+
+
 def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, float]:
     """Return the parameters of a torque-driven module with the rotor of its engine on link 1.
 
@@ -167,19 +222,19 @@ class InterfaceInertia(NamedTuple):
     """Interface inertia over the angle of the planet shaft.
 
     Attributes:
-        least: Minimum, kg.m2.
+        minimum: Minimum, kg.m2.
         mean: Mean, kg.m2.
-        greatest: Maximum, kg.m2.
+        maximum: Maximum, kg.m2.
     """
 
-    least: float
+    minimum: float
     mean: float
-    greatest: float
+    maximum: float
 
     @property
     def middle(self) -> float:
         """Return the mean of minimum and maximum, kg.m2."""
-        return 0.5 * (self.least + self.greatest)
+        return 0.5 * (self.minimum + self.maximum)
 
 
 def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
@@ -196,7 +251,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
         Minimum, mean and maximum of Phi over a period of the planet-shaft angle.
 
     Raises:
-        Refused: The module rejects the parameters.
+        ParameterError: The module rejects the parameters.
     """
     module = Module("plain")
     module.check(**{**parameters, "fidelity": 2.0})

@@ -8,12 +8,17 @@ spring and a damper and returns their torque. Its linear equations are sampled e
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .sources import Sampled, Signal, evaluate
+from .sources import Signal, Sources, evaluate
+
+if TYPE_CHECKING:
+    import control as ct
+
+    from .discrete_system import Numbers
 
 __all__ = ["Coupling", "Load", "shaft_load", "vehicle_load"]
 
@@ -79,13 +84,14 @@ class Load(NamedTuple):
     """Load on the output shaft.
 
     Attributes:
-        system: Sampled or python-control system from omega_out, rad/s, to load_torque, N.m.
+        system: System of python-control from omega_out, rad/s, to load_torque, N.m; or Sources of a
+            load_torque that does not depend on the motion.
         inertia: Inertia referred to the output shaft, kg.m2.
         coupling: Coupling to the output shaft, or None for a rigid connection.
         friction: Viscous friction, N.m.s/rad.
     """
 
-    system: Any
+    system: ct.InputOutputSystem | Sources
     inertia: float = 0.0
     coupling: Coupling | None = None
     friction: float = 0.0
@@ -156,20 +162,22 @@ def shaft_load(
     Returns:
         Load with output load_torque, and with a coupling also load_speed, rad/s.
     """
+    from .discrete_system import DiscreteSystem
+
     if coupling is None:
 
-        def rigid(time: float, _: Any, u: Any) -> tuple[list[float], tuple[()]]:
+        def rigid(time: float, _: Numbers, u: Numbers) -> tuple[list[float], tuple[()]]:
             return [viscous_friction * u[0] + evaluate(torque, time)], ()
 
-        system = Sampled("shaft_load", step, ["omega_out"], ["load_torque"], rigid)
+        system = DiscreteSystem("shaft_load", step, ["omega_out"], ["load_torque"], rigid)
         return Load(system, inertia, friction=viscous_friction)
     a, b = sample_coupled(inertia, coupling, viscous_friction, step)
 
-    def law(time: float, x: Any, u: Any) -> tuple[list[float], Any]:
+    def law(time: float, x: Numbers, u: Numbers) -> tuple[list[float], list[float]]:
         next_state = a @ x + b @ [u[0], evaluate(torque, time)]
         return [coupling.torque(x[0], u[0] - x[1]), x[1]], next_state.tolist()
 
-    system = Sampled("shaft_load", step, ["omega_out"], ["load_torque", "load_speed"], law, COUPLED)
+    system = DiscreteSystem("shaft_load", step, ["omega_out"], ["load_torque", "load_speed"], law, COUPLED)
     return Load(system, inertia, coupling, viscous_friction)
 
 
@@ -209,15 +217,15 @@ def vehicle_load(
     drag_area: float = 0.0,
     air_density: float = 1.2,
     slope: Signal = 0.0,
-    one_way: bool = True,
+    prevents_reverse: bool = True,
     coupling: Coupling | None = None,
     start_speed: float = 0.0,
 ) -> Load:
     """Make a vehicle that the output shaft drives through a final drive.
 
-    Rolling resistance and brake are dry friction. If the output shaft cannot rotate backward (one_way), they
-    act with full capacity against forward motion, also at standstill; the housing freewheel supports the
-    excess. Otherwise they decelerate the vehicle without reversing it, and hold it at standstill.
+    Rolling resistance and brake are dry friction. With prevents_reverse they act with full capacity against
+    forward motion, also at standstill; the housing freewheel supports the excess. Otherwise they decelerate
+    the vehicle without reversing it, and hold it at standstill.
 
     Without a coupling the distance is the integral of the speed by the trapezoidal rule.
 
@@ -230,7 +238,7 @@ def vehicle_load(
         drag_area: Drag coefficient times frontal area, m2.
         air_density: Density of the air, kg/m3.
         slope: Slope (rise over run): constant, or table over distance, m.
-        one_way: True if the output shaft cannot rotate backward.
+        prevents_reverse: True if freewheels prevent the output shaft from rotating backward.
         coupling: Coupling of output shaft and vehicle, or None for a rigid connection.
         start_speed: Initial speed of the output shaft, rad/s, for the distance.
 
@@ -240,6 +248,8 @@ def vehicle_load(
         vehicle_speed, m/s; distance, m; and drag_torque, slope_torque, rolling_torque and brake_torque on the
         vehicle, referred to the output shaft, N.m.
     """
+    from .discrete_system import DiscreteSystem
+
     radius = wheel_radius / final_drive  # distance per angle of the output shaft, m/rad
     inertia = mass * radius * radius
     weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
@@ -257,7 +267,7 @@ def vehicle_load(
     if coupling is not None:
         a, b = sample_coupled(inertia, coupling, 0.0, step)
 
-    def law(_: float, x: Any, u: Any) -> tuple[tuple[float, ...], Any]:
+    def law(_: float, x: Numbers, u: Numbers) -> tuple[tuple[float, ...], list[float]]:
         if coupling is None:
             # The state is the sum of step times speed, with the speed at the end of each step.
             speed, distance = u[0], x[0] + 0.5 * step * radius * (start_speed - u[0])
@@ -268,7 +278,7 @@ def vehicle_load(
         if coupling is not None:
             free_state = a @ x + b @ [u[0], drag + slope_torque]
             friction = dry_friction(free_state[1], -b[1, 1], friction)
-        elif not one_way:
+        elif not prevents_reverse:
             # The free speed excludes the torque of the drive, which is unknown here. It changes the next
             # step.
             effect = step / inertia
@@ -282,4 +292,6 @@ def vehicle_load(
 
     states = ("distance",) if coupling is None else COUPLED
     inputs = ["omega_out", "brake_force"]
-    return Load(Sampled("vehicle_load", step, inputs, _VEHICLE_OUTPUTS, law, states), inertia, coupling)
+    return Load(
+        DiscreteSystem("vehicle_load", step, inputs, _VEHICLE_OUTPUTS, law, states), inertia, coupling
+    )

@@ -1,17 +1,20 @@
-"""Discrete-time systems (Sampled), and signals over time: constants and tables."""
+"""Signals over time, as constants and tables, and systems whose outputs are signals."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import must_be
 
-__all__ = ["Sampled", "Table", "source"]
+if TYPE_CHECKING:
+    from .discrete_system import DiscreteSystem
+
+__all__ = ["Sources", "Table", "source"]
 
 
 class Table:
@@ -76,93 +79,40 @@ def between(points: Sequence[float], values: Sequence[float], point: float) -> f
     return slope * (point - points[n - 1]) + values[n - 1]
 
 
-class Sampled:
-    """Discrete-time system: one part of the environment of an FMU, or the whole environment.
+class Sources:
+    """Signals over time by name, which do not depend on the FMU: a whole environment, or one of its systems.
 
-    Args:
-        name: Name of the system.
-        step: Step, s.
-        inputs: Names of the inputs.
-        outputs: Names of the outputs.
-        law: Function of time, s, states and inputs that returns outputs and next states.
-        states: Names of the states.
-
-    Attributes:
-        name: Name, as in python-control.
-        dt: Step, s, as in python-control.
-        nstates: Number of states, as in python-control.
-        input_labels: Names of the inputs, as in python-control.
-        output_labels: Names of the outputs, as in python-control.
-        state_labels: Names of the states, as in python-control.
-        law: Function of time, s, states and inputs that returns outputs and next states.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        step: float,
-        inputs: Sequence[str],
-        outputs: Sequence[str],
-        law: Callable[[float, Any, Any], tuple[Sequence[float], Sequence[float]]],
-        states: Sequence[str] = (),
-    ) -> None:
-        self.name, self.dt, self.law = name, step, law
-        self.input_labels, self.output_labels = list(inputs), list(outputs)
-        self.state_labels, self.nstates = list(states), len(states)
-
-    def output(self, time: float, x: Any, u: Any) -> Sequence[float]:
-        """Return the outputs.
-
-        Args:
-            time: Time, s.
-            x: States.
-            u: Inputs.
-        """
-        return self.law(time, x, u)[0]
-
-    def dynamics(self, time: float, x: Any, u: Any) -> Sequence[float]:
-        """Return the states after a step.
-
-        Args:
-            time: Time of the inputs, s.
-            x: States.
-            u: Inputs.
-        """
-        return self.law(time, x, u)[1]
-
-    def to_control(self) -> Any:
-        """Return the system as a discrete-time control.NonlinearIOSystem."""
-        import control as ct  # the import takes as long as a run
-
-        return ct.nlsys(
-            (lambda time, x, u, _: self.dynamics(time, x, u)) if self.nstates else None,
-            lambda time, x, u, _: self.output(time, x, u),
-            inputs=self.input_labels,
-            outputs=self.output_labels,
-            states=self.state_labels or None,
-            dt=self.dt,
-            name=self.name,
-        )
-
-
-class Sources(Sampled):
-    """Signals over time as a system without inputs.
+    This class does not import python-control, so a scene without a closed loop starts quickly.
 
     Args:
         signals: Constants, or tables over time, s, by name.
         step: Communication step, s.
+
+    Attributes:
+        signals: Constants, or tables over time, s, by name.
+        dt: Step, s, as in python-control.
+        nstates: 0, as in python-control.
+        input_labels: Empty list, as in python-control.
+        output_labels: Names of the signals, as in python-control.
+        name: Name, as in python-control.
     """
 
+    nstates = 0
+
     def __init__(self, signals: Mapping[str, Signal], step: float) -> None:
-        self.signals = dict(signals)
-        values = self.signals.values()
-        super().__init__(
-            "_".join([*signals, "source"]),
-            step,
-            (),
-            list(signals),
-            lambda time, *_: ([evaluate(signal, time) for signal in values], ()),
-        )
+        self.signals, self.dt, self.name = dict(signals), step, "_".join([*signals, "source"])
+        self.input_labels: list[str] = []
+        self.output_labels = list(signals)
+
+    def law(self, time: float, _: Sequence[float], __: Sequence[float]) -> tuple[list[float], tuple[()]]:
+        """Return the signals at a time, and no states.
+
+        Args:
+            time: Time, s.
+            _: States: none.
+            __: Inputs: none.
+        """
+        return [evaluate(signal, time) for signal in self.signals.values()], ()
 
     def table(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the signals at times.
@@ -181,13 +131,19 @@ class Sources(Sampled):
             ]
         )
 
+    def system(self) -> DiscreteSystem:
+        """Return the signals as a system of python-control without inputs and states."""
+        from .discrete_system import DiscreteSystem
 
-def source(name: str, signal: Signal, step: float) -> Sources:
-    """Make a system whose only output is a signal over time.
+        return DiscreteSystem(self.name, self.dt, (), self.output_labels, self.law)
+
+
+def source(name: str, signal: Signal, step: float) -> DiscreteSystem:
+    """Make a system of python-control whose only output is a signal over time.
 
     Args:
         name: Name of the output.
         signal: Constant, or table over time, s.
         step: Communication step, s.
     """
-    return Sources({name: signal}, step)
+    return Sources({name: signal}, step).system()

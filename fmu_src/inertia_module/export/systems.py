@@ -1,7 +1,7 @@
 """Systems of FMUs, planned for a mechanism and exported as SSP 1.0, as OSP and as one container FMU.
 
 A plan contains the module and the values of a scene. With an elastic shaft it contains two connected FMUs:
-the rigid module and the driven shaft. docs/systems.md describes the used part of SSP. The container is from
+the rigid module and the driven shaft. export.md describes the used part of SSP. The container is from
 FMPy.
 """
 
@@ -320,7 +320,7 @@ def export(plan: Plan, folder: Path, progress: Progress = lambda stage: None) ->
         Paths of the files.
 
     Raises:
-        CompilationUnavailable: the native FMUs cannot be built on this machine.
+        CompilationError: the native FMUs cannot be built on this machine.
     """
     fmus = {}
     for part in plan.parts:

@@ -25,7 +25,7 @@ from pydantic_core import to_jsonable_python
 
 from ..common.colours import Picture, styled
 from ..common.equality import ByContent
-from ..common.errors import Refused
+from ..common.errors import ParameterError
 from ..common.files import kept, sources
 from ..common.terminal import Progress, terminal
 from ..driveline import ClosedLoop
@@ -362,7 +362,7 @@ def recommend(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> Choi
         outputs: Names of the outputs that must meet the error.
 
     Raises:
-        Refused: No level meets the error; the message contains the error of the best level.
+        ParameterError: No level meets the error; the message contains the error of the best level.
     """
     module_rows = sorted((row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.worst(outputs))
     accurate = [row for row in module_rows if not why_not(row, error, outputs)]
@@ -374,7 +374,7 @@ def recommend(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> Choi
             else "no level was measured"
         )
         request = f"error = {error:g} in {', '.join(outputs)}"
-        raise Refused(f"no fidelity level reaches {request}; {best}")
+        raise ParameterError(f"no fidelity level reaches {request}; {best}")
     higher = [row for row in accurate if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
     fine_error = 0.1 * min(error, chosen.worst(outputs))
     finer = [row for row in accurate if row.worst(outputs) <= fine_error and row.wall_time > chosen.wall_time]
@@ -524,7 +524,7 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
         progress: Function called with the completed fraction of the run, 0 to 1.
 
     Raises:
-        Refused: The module rejects a value or a step.
+        ParameterError: The module rejects a value or a step.
     """
     loop = ClosedLoop(_start_module(scene), scene.surroundings, COMPUTED, scene.signal_units)
     return loop.run(scene.run.stop_time, progress)
@@ -647,7 +647,7 @@ def measure_scene(
         A row per step and level, also for failed runs.
 
     Raises:
-        Refused: The run at the finest level fails.
+        ParameterError: The run at the finest level fails.
     """
     lengths = (scene.run.communication_step,) if steps is None else steps
     runs = [(level, step) for step in lengths for level in levels]
@@ -727,7 +727,7 @@ def choose(scene: Scene, progress: Progress | None = None) -> tuple[Scene, Choic
         The scene at the level, and the reasons.
 
     Raises:
-        Refused: No level meets the error.
+        ParameterError: No level meets the error.
     """
     assert scene.accuracy.error is not None
     choice = recommend(trial_rows(scene, progress), scene.accuracy.error, scene.run.outputs)

@@ -12,7 +12,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, Refused, cannot_read, must_be, unknown
+from ..common.deprecated import renamed_arguments, renamed_names
+from ..common.errors import FmuError, ParameterError, SimulationTerminated, cannot_read, must_be, unknown
 from ..common.files import read_file
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of, with_reason
@@ -76,7 +77,7 @@ def run(
         progress: function that receives the completed share, 0 to 1, or None.
 
     Raises:
-        Refused: a name is unknown, or a value or a step is invalid.
+        ParameterError: a name is unknown, or a value or a step is invalid.
     """
     table = np.reshape([*inputs.values()], (len(inputs), lengths.size))
     lengths, input_rows = np.ascontiguousarray(lengths), np.ascontiguousarray(table.T)
@@ -97,13 +98,13 @@ def as_names(names: str | Sequence[str]) -> tuple[str, ...]:
         names: a list of names, or a single name as a string.
 
     Raises:
-        Refused: the names are neither.
+        ParameterError: the names are neither.
     """
     if isinstance(names, str):
         return (names,)
     if isinstance(names, Iterable):
         return tuple(names)
-    raise Refused(must_be("names", "a string or a list of strings", repr(names)))
+    raise ParameterError(must_be("names", "a string or a list of strings", repr(names)))
 
 
 def fmu_file(path: Path | str | None) -> Path:
@@ -216,10 +217,6 @@ class Log:
             (self.warnings if status == WARNING else self.errors).append(text)
 
 
-class Ended(FmuError):
-    """The FMU ends the simulation in the step that starts at the time of its instance."""
-
-
 class FmuState:
     """A state stored by an instance of an FMU; it is freed with the last reference to this object.
 
@@ -248,7 +245,7 @@ class Fmu(Plant, Closing):
     FMUs of FMI 3.0 run without event mode and early return.
 
     Args:
-        path: path of the .fmu file; None for the FMU of the module, from the wheel or built on demand.
+        fmu: path of the .fmu file; None for current_fmu().
         parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
             or item name.
         inputs: inputs by name; they are set before the end of initialisation, so there is no jump at the
@@ -270,16 +267,17 @@ class Fmu(Plant, Closing):
             raise it for unknown names, for calls that the FMU rejects or does not support, and after close.
     """
 
+    @renamed_arguments(path="fmu")
     def __init__(
         self,
-        path: Path | str | None = None,
+        fmu: Path | str | None = None,
         parameters: Mapping[str, float | bool | str] | None = None,
         inputs: Mapping[str, float | str] | None = None,
         tolerance: float | None = None,
         start_time: float = 0.0,
         stop_time: float | None = None,
     ) -> None:
-        self.path = fmu_file(path)
+        self.path = fmu_file(fmu)
         self.time = start_time
         self._epoch = 0.0  # s; time at which the clock of the instance is at 0
         self._log = Log()
@@ -298,6 +296,9 @@ class Fmu(Plant, Closing):
         except BaseException:
             self.close()
             raise
+
+    def __repr__(self) -> str:
+        return f"Fmu({str(self.path)!r}, time {self.time:g} s)"
 
     def _load(self) -> None:
         from .archive import read_archive
@@ -420,13 +421,15 @@ class Fmu(Plant, Closing):
 
         Raises:
             FmuError: the FMU rejects the step; its state is unchanged.
-            Ended: the FMU ends the simulation.
+            SimulationTerminated: the FMU ends the simulation.
         """
         try:
             self._call("doStep", self.time - self._epoch, step)
         except FmuError as error:
             if self._ends_simulation(error.__cause__):
-                raise Ended(f"{self.path.name} ends the simulation at {self.time:.9g} s") from error
+                raise SimulationTerminated(
+                    f"{self.path.name} ends the simulation at {self.time:.9g} s"
+                ) from error
             raise FmuError(f"at time {self.time:.9g} s: {error}") from error
         self.time += step
 
@@ -464,7 +467,7 @@ class Fmu(Plant, Closing):
             self.time = request.time + self._epoch
 
     def set_rates(self, **rates: float) -> None:
-        """Set the rates of inputs for the next step (native FMUs; see docs/fmu.md).
+        """Set the rates of inputs for the next step (native FMUs; see fmu.md).
 
         Args:
             rates: rates by name, in units of the inputs per second.
@@ -473,7 +476,7 @@ class Fmu(Plant, Closing):
         self._call("setRealInputDerivatives", self._references(tuple(rates)), orders, values)
 
     def rates(self, names: str | Sequence[str]) -> tuple[float, ...]:
-        """Return the rates of outputs after the last step, per second (see docs/fmu.md).
+        """Return the rates of outputs after the last step, per second (see fmu.md).
 
         Args:
             names: names of outputs, or a single name.
@@ -484,7 +487,7 @@ class Fmu(Plant, Closing):
     def jacobian(self, outputs: str | Sequence[str], inputs: str | Sequence[str]) -> NDArray[np.float64]:
         """Return the derivatives of outputs after the last step with respect to inputs during the step.
 
-        This requires a native FMU (see docs/fmu.md).
+        This requires a native FMU (see fmu.md).
 
         Args:
             outputs: names of outputs, or a single name.
@@ -573,3 +576,6 @@ class RestartedFmu(Fmu):
         self.time = time
         self.set(**values)
         self._call("exitInitializationMode")
+
+
+__getattr__ = renamed_names(__name__, Ended="common.errors:SimulationTerminated")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, KeysView, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,8 @@ from ..common.files import write_atomically, write_figure, write_text
 from ..common.units import factor_between, printed_unit
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from ..common.colours import Picture
 
 __all__ = ["Result", "TableError", "write_figure", "write_text"]
@@ -45,9 +47,12 @@ class Origin(ByContent):
     unread: dict[str, str]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False, match_args=False)
 class Result(ByContent):
     """Table with columns of equal length n; the first column is ``time`` (s).
+
+    result["omega_out"] is a column, list(result.keys()) are the names of all columns, and "q" in result tests
+    for a column.
 
     Attributes:
         columns: columns by name, shape (n,) each.
@@ -57,7 +62,7 @@ class Result(ByContent):
 
     columns: dict[str, NDArray[np.float64]]
     units: dict[str, str] = field(default_factory=dict)
-    origin: Origin | None = field(default=None, repr=False, compare=False)
+    origin: Origin | None = field(default=None, compare=False)
 
     @classmethod
     def from_columns(
@@ -135,6 +140,18 @@ class Result(ByContent):
         unread = self.origin.unread if self.origin else {}
         raise TableError(unread.get(name) or unknown("column", name, self.columns))
 
+    def __repr__(self) -> str:
+        return f"Result({self._size_text()})"
+
+    def _size_text(self) -> str:
+        """Return the number of rows and columns and the range of time as text."""
+        span = f", {self.time[0]:g}…{self.time[-1]:g} s" if len(self) else ""
+        return f"{len(self)} rows × {len(self.columns)} columns{span}"
+
+    def keys(self) -> KeysView[str]:
+        """Return the names of the columns, time first."""
+        return self.columns.keys()
+
     def __contains__(self, name: object) -> bool:
         return name in self.columns
 
@@ -165,14 +182,6 @@ class Result(ByContent):
             name: self[name] * _factor(name, self.units.get(name, unit), unit) for name, unit in units.items()
         }
         return replace(self, columns=self.columns | columns, units=self.units | dict(units))
-
-    def place(self, row: int) -> str:
-        """Return the file and the line of a row, for the start of a message; "" without a file.
-
-        Args:
-            row: index of the row.
-        """
-        return f"{self.origin.path} line {self.origin.lines[row]}: " if self.origin else ""
 
     def last(self) -> dict[str, float]:
         """Return the values of the last row by name."""
@@ -211,11 +220,11 @@ class Result(ByContent):
         except TableError as error:
             raise TableError(f"{path}: {error}") from None
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> DataFrame:
         """Return a pandas DataFrame with time, s, as its index, and headings with units.
 
         Raises:
-            NotInstalled: pandas is not installed.
+            MissingDependencyError: pandas is not installed.
         """
         columns = {self.label(name): self[name] for name in self.names[1:]}
         pandas = library("pandas", "notebook")

@@ -13,14 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Refused, listed, must_be, unknown
+from ..common.deprecated import renamed_arguments, renamed_names
+from ..common.errors import ParameterError, SimulationTerminated, listed, must_be, unknown
 from ..common.terminal import Progress, progress_bar
 from ..common.time_range import time_warnings
 from ..common.units import split_quantity
-from .instance import Ended, Fmu, FmuError, Plant, as_names, fmu_file, read_description, run
+from .instance import Fmu, FmuError, Plant, as_names, fmu_file, is_number, read_description, run
 from .results import TIME, Result, TableError
 
-__all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "drive", "progress_bar"]
+__all__ = ["Fmu", "FmuError", "Plant", "Progress", "Result", "TableError", "progress_bar", "simulate_fmu"]
 
 # maximum number of steps of a run, with which each recorded column needs 800 MB
 MAX_STEPS = 100_000_000
@@ -99,12 +100,13 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
     return Result(columns, {names[name]: unit for name, unit in table.units.items()}, origin), inputs
 
 
-def drive(
-    path: Path | str | None,
+@renamed_arguments(path="fmu")
+def simulate_fmu(
+    fmu: Path | str | None,
     inputs: Result | Mapping[str, ArrayLike] | Path | str,
     stop_time: float,
     step: float,
-    outputs: str | Sequence[str] = ("omega2", "omega_out"),
+    outputs: str | Sequence[str] | None = None,
     parameters: Mapping[str, float | bool | str] | None = None,
     tolerance: float | None = None,
     progress: Progress | None = None,
@@ -112,14 +114,14 @@ def drive(
     """Simulate an FMU with a table of inputs and record outputs at every communication point.
 
     Args:
-        path: path of the .fmu file; None for the FMU of the module, from the wheel or built on demand.
+        fmu: path of the .fmu file; None for current_fmu().
         inputs: arrays by name (with time), a Result, or the path of a CSV file. The inputs are interpolated
             linearly between rows and constant before the first and after the last row. Two rows with the same
             time are a step. Columns in other units (`omega1 [rpm]`) are converted. Columns of computed
             variables are measured values. Other columns of a file are omitted with a warning.
         stop_time: stop time, s; the run starts at 0.
         step: communication step, s; the last step is shortened to end at stop_time.
-        outputs: names of variables to record, or a single name.
+        outputs: names of variables to record, or a single name; None for all outputs.
         parameters: start values by name: numbers, strings with a unit ("90 deg"), enumerations by number
             or item name.
         tolerance: relative tolerance of the experiment, or None.
@@ -133,11 +135,13 @@ def drive(
     Raises:
         FmuError: the FMU rejects a value or a step.
         TableError: the inputs are not a table, not inputs of this FMU, or not within the run.
-        Refused: stop_time or step is not positive. FmuError and TableError are subclasses.
+        ParameterError: stop_time or step is not positive. FmuError and TableError are subclasses.
     """
     times = communication_points(stop_time, step)
-    path, outputs = fmu_file(path), as_names(outputs)
-    table, names = _for_fmu(read_description(path), path.name, input_table(inputs))
+    path = fmu_file(fmu)
+    description = read_description(path)
+    outputs = _outputs_of(description) if outputs is None else as_names(outputs)
+    table, names = _for_fmu(description, path.name, input_table(inputs))
     label = table.origin.path if table.origin else "inputs"
     for text in time_warnings(label, table.time, [table[name] for name in names], stop_time):
         warnings.warn(text, stacklevel=2)
@@ -145,16 +149,22 @@ def drive(
     input_columns = {name: columns[name][:-1] for name in names}
     start = {name: float(values[0]) for name, values in input_columns.items()}
     with contextlib.ExitStack() as stack:
-        fmu = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
-        report = progress or stack.enter_context(progress_bar(f"simulating {fmu.path.name}"))
+        instance = stack.enter_context(Fmu(path, parameters, start, tolerance, stop_time=stop_time))
+        report = progress or stack.enter_context(progress_bar(f"simulating {path.name}"))
         rows = np.empty((times.size, len(table.names) + len(outputs)))
         rows[:, : len(table.names)] = np.transpose([times, *columns.values()])
         try:
-            run(fmu, np.diff(times), input_columns, outputs, rows[:, len(table.names) :], report)
-        except Ended:
-            rows = rows[: int(np.searchsorted(times, fmu.time, "right"))]
-        units = table.units | {name: fmu.units[name] for name in outputs if name in fmu.units}
+            run(instance, np.diff(times), input_columns, outputs, rows[:, len(table.names) :], report)
+        except SimulationTerminated:
+            rows = rows[: int(np.searchsorted(times, instance.time, "right"))]
+        units = table.units | {name: instance.units[name] for name in outputs if name in instance.units}
     return Result.from_rows((TIME, *columns, *outputs), rows, units)
+
+
+def _outputs_of(description: Any) -> tuple[str, ...]:
+    """Return the names of all outputs of an FMU that are numbers."""
+    variables = description.modelVariables
+    return tuple(v.name for v in variables if v.causality == "output" and is_number(v))
 
 
 def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> None:
@@ -166,11 +176,11 @@ def check_number_of_steps(stop_time: float, step: float, name: str = "step") -> 
         name: name of the step in the message.
 
     Raises:
-        Refused: there are more steps.
+        ParameterError: there are more steps.
     """
     if stop_time > step * MAX_STEPS:
         allowed = f"at least {stop_time / MAX_STEPS:g} s, for at most {MAX_STEPS:,} steps"
-        raise Refused(must_be(name, allowed, step))
+        raise ParameterError(must_be(name, allowed, step))
 
 
 def whole_steps(duration: float, step: float) -> int:
@@ -194,13 +204,16 @@ def communication_points(stop_time: float, step: float) -> NDArray[np.float64]:
         step: communication step, s.
 
     Raises:
-        Refused: stop_time or step is not positive, or there are more than MAX_STEPS steps.
+        ParameterError: stop_time or step is not positive, or there are more than MAX_STEPS steps.
     """
     for name, value in (("stop_time", stop_time), ("step", step)):
         if not (isinstance(value, Real) and math.isfinite(value) and value > 0.0):
-            raise Refused(must_be(name, "a positive number of seconds", repr(value)))
+            raise ParameterError(must_be(name, "a positive number of seconds", repr(value)))
     check_number_of_steps(stop_time, step)
     count = max(math.ceil(stop_time / step - 1e-9), 1)
     times = np.arange(count + 1, dtype=np.float64) * step
     times[-1] = stop_time
     return times
+
+
+__getattr__ = renamed_names(__name__, drive="simulate_fmu")

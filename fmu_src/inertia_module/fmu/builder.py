@@ -8,8 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
+from ..common.deprecated import renamed_arguments
+from ..common.errors import ParameterError, unknown
 from ..common.files import cache_folder, ready_made, writable_folder, write_atomically
-from ..compiling import CompilationUnavailable
+from ..compiling import CompilationError
 from ..compiling.targets import TARGETS, Target, here
 from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
@@ -37,7 +39,7 @@ def content_of(what: NativeFmu | PythonFmu | WebKernel, build: Build | None = No
         build: the build that contains the file; None for a build of this file only.
 
     Raises:
-        CompilationUnavailable: the file cannot be compiled for any target.
+        CompilationError: the file cannot be compiled for any target.
     """
     ready = ready_made(what.file_name)
     return what.content(build or Build()) if ready is None else ready.read_bytes()
@@ -58,7 +60,7 @@ def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target]
         needed = [fmu.library_path(target) for target in targets] if isinstance(fmu, NativeFmu) else []
         guid = root.get("guid") or root.get("instantiationToken")
         return guid == fmu.guid() and set(names) >= set(needed)
-    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationUnavailable):
+    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError, CompilationError):
         return False
 
 
@@ -93,36 +95,42 @@ def build(
     return own
 
 
+@renamed_arguments(fmu="name")
 def current_fmu(
-    fmu: NativeFmu = MODULE_FMU, folder: Path | None = None, progress: Progress = LOG.info
+    name: str = MODULE_FMU.identifier, folder: Path | None = None, progress: Progress = LOG.info
 ) -> Path:
     """Return the path of a native FMU: from the wheel, or in a clone built from the present sources.
 
     The build is for this platform only, which takes a sixth of the time for all platforms.
 
     Args:
-        fmu: one of FMUS, native.
+        name: "InertiaModule", "DrivenShaft", or one of them with a 3 for FMI 3.0, such as "DrivenShaft3".
         folder: folder of the FMU; by default a folder in the cache whose name is the GUID.
         progress: function that is called at the beginning of each stage, with its description; by default
             the description is logged.
 
     Raises:
-        RuntimeError: the FMU cannot be compiled on this machine; with the reason.
+        ParameterError: there is no native FMU of this name.
+        CompilationError: the FMU cannot be compiled on this machine; with the reason.
         OSError: the folder cannot be written.
     """
+    natives = {fmu.identifier: fmu for fmu in FMUS if isinstance(fmu, NativeFmu)}
+    if name not in natives:
+        raise ParameterError(unknown("FMU", name, natives))
+    fmu = natives[name]
     ready = ready_made(fmu.file_name)
     if ready is not None:
         return ready
     try:
         targets = [target for target in TARGETS if target.folder == here().folder]
         path = (folder or cache_folder() / "fmus" / fmu.guid().strip("{}")) / fmu.file_name
-    except CompilationUnavailable as reason:
-        raise RuntimeError(f"cannot build {fmu.file_name}: {reason}") from None
+    except CompilationError as reason:
+        raise CompilationError(f"cannot build {fmu.file_name}: {reason}") from None
     if not is_current(path, fmu, targets):
         progress(
             f"{path.name} is built for this platform only. Run 'inertia-module build' for all platforms."
         )
         skipped = build(path.parent, progress, [fmu], targets).skipped
         if skipped:
-            raise RuntimeError(f"cannot build {path.name}: {next(iter(skipped.values()))}")
+            raise CompilationError(f"cannot build {path.name}: {next(iter(skipped.values()))}")
     return path

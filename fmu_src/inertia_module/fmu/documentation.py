@@ -1,6 +1,6 @@
 """Documentation of an FMU (documentation/index.html): guides (guides/*.md) and tables of variables.
 
-docs/variables.md contains the same tables.
+variables.md contains the same tables.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def flanges(model: Model) -> Table:
 
 
 def variables_page() -> str:
-    """Return docs/variables.md: the tables of variables of all models in Markdown."""
+    """Return variables.md: the tables of variables of all models in Markdown."""
 
     def chapters(model: Model) -> list[tuple[str, list[Table]]]:
         return [*tables(model), ("Flanges", [flanges(model)])]

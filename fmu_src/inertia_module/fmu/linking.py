@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..common.files import kept, sources
-from ..compiling import CompilationUnavailable
+from ..compiling import CompilationError
 from ..compiling.c_compiler import link
 from ..compiling.targets import Target
 from ..compiling.tools import tool_versions
@@ -38,12 +38,12 @@ def header_folder() -> Path:
     """Return the folder with the headers of FMI 2.0 and 3.0, which are part of fmpy.
 
     Raises:
-        CompilationUnavailable: fmpy has no headers.
+        CompilationError: fmpy has no headers.
     """
     folder = Path(str(importlib.resources.files("fmpy"))) / "c-code"
     for version in (2, 3):
         if not (folder / f"fmi{version}Functions.h").is_file():
-            raise CompilationUnavailable(f"the installed fmpy has no headers of FMI {version}.0")
+            raise CompilationError(f"the installed fmpy has no headers of FMI {version}.0")
     return folder
 
 

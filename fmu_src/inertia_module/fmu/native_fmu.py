@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from .. import __version__
 from ..common.files import kept, sources
-from ..compiling import CompilationUnavailable
+from ..compiling import CompilationError
 from ..compiling.c_compiler import dependencies, kernel_source, with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..interface.models import Model
@@ -56,7 +56,7 @@ class Build:
         """
         try:
             return make(*arguments)
-        except CompilationUnavailable as reason:
+        except CompilationError as reason:
             self.skipped[what] = str(reason)
             return None
 
@@ -107,7 +107,7 @@ class NativeFmu(NamedTuple):
             build: the build; platforms without a compiler are skipped.
 
         Raises:
-            CompilationUnavailable: the FMU cannot be compiled for any platform.
+            CompilationError: the FMU cannot be compiled for any platform.
         """
         made_for = self.guid()
 
@@ -123,7 +123,7 @@ class NativeFmu(NamedTuple):
             if content is not None:
                 parts.setdefault(self.library_path(target), []).append((target.label.split("-")[0], content))
         if not parts:
-            raise CompilationUnavailable(build.skipped[f"{self.identifier} for {build.targets[0].label}"])
+            raise CompilationError(build.skipped[f"{self.identifier} for {build.targets[0].label}"])
         files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in parts.items()}
         if len(build.targets) == len(TARGETS):  # for all platforms: sources and WebAssembly for other ones
             for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):

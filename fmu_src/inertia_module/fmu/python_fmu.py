@@ -25,7 +25,7 @@ from .native_fmu import Build, NativeFmu, accompanying_files, library
 
 BUNDLED = (
     "__init__.py",
-    *("common/__init__.py", "common/errors.py", "common/files.py", "common/units.py"),
+    *("common/__init__.py", "common/deprecated.py", "common/errors.py", "common/files.py", "common/units.py"),
     *("compiling/__init__.py", "compiling/load.py", "compiling/targets.py"),
     "interface/*.py",
     *("fmu/__init__.py", "fmu/slave.py"),
@@ -122,7 +122,10 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
         what = f"{fmu.identifier} for {target.label}"
         kernel = build.attempt(f"compiled kernel in {what}", compiled, target)
         front = build.attempt(
-            f"wrapper library of {what} (see docs/fmu.md)", link_front, target, f"{BEHIND}{target.suffix}"
+            f"wrapper library of {what} (see docs/reference/fmu.md)",
+            link_front,
+            target,
+            f"{BEHIND}{target.suffix}",
         )
         if kernel is not None:
             kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, ParameterError, must_be
 from ..interface.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
 from ..model import NO_STATE, ModelInstance, Module
@@ -33,7 +33,7 @@ HEAD_SIZE = 17
 STOP_TIME_RTOL = 1e-5
 
 
-class RecoverableError(Refused):
+class RecoverableError(ParameterError):
     """Error that leaves the instance unchanged.
 
     Args:
@@ -64,7 +64,9 @@ def guarded(callback: Callable[..., None]) -> Callable[..., bool]:
             slave.log_message(str(error), error.status)
         except Exception as error:
             slave.phase = REFUSED
-            internal = "" if isinstance(error, Refused) else f"internal error: {type(error).__name__}: "
+            internal = (
+                "" if isinstance(error, InertiaModuleError) else f"internal error: {type(error).__name__}: "
+            )
             slave.log_message(f"{internal}{error}", Fmi2Status.error)
         return False
 
@@ -219,7 +221,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         if self.phase == INITIALIZING and not self._calculated:
             try:
                 self._instance.start()
-            except Refused as error:
+            except InertiaModuleError as error:
                 raise RecoverableError(str(error), Fmi2Status.discard) from None
             self._calculated = True
 
@@ -276,7 +278,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
             self._calculated = self._instance.started = False
         try:
             self._instance.assign(numbers)
-        except Refused as error:
+        except InertiaModuleError as error:
             raise RecoverableError(str(error), Fmi2Status.discard) from None
         if self.phase == INITIALIZING:
             self._apply_tolerance()
@@ -319,12 +321,12 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def _set_fmu_state(self, state: bytes) -> None:
         try:
             if len(state) < HEAD_SIZE or state[0] >= len(_PHASES):
-                raise Refused(NO_STATE)
+                raise ParameterError(NO_STATE)
             phase = _PHASES[state[0]]
             self._instance.restore(state[HEAD_SIZE:], must_be_started=phase in (STEPPING, TERMINATED))
         except Exception as error:
             raise RecoverableError(
-                str(error) if isinstance(error, Refused) else f"{NO_STATE}: {error}"
+                str(error) if isinstance(error, InertiaModuleError) else f"{NO_STATE}: {error}"
             ) from None
         tolerance, self._stop_time = array("d", state[1:HEAD_SIZE])
         self._tolerance = None if math.isnan(tolerance) else tolerance

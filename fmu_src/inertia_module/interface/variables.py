@@ -13,7 +13,7 @@ from enum import StrEnum
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..common.errors import Refused, must_be
+from ..common.errors import ParameterError, must_be
 from ..common.units import BOOLEANS, number_of, parse_unit, with_reason
 from ..kernel import inputs
 from ..kernel.codes import AVERAGED, KINEMATIC, RIGID
@@ -222,15 +222,15 @@ class Variable:
             value: a number, a string with a unit, or the name of an item.
 
         Raises:
-            Refused: the value has another type, or is out of range.
+            ParameterError: the value has another type, or is out of range.
         """
         try:
             number = value if isinstance(value, float) else number_of(value, self.unit or "1", self.items)
         except ValueError as error:
             message = must_be(self.name, self.allowed, repr(value))
-            raise Refused(with_reason(message, error, value, self.items)) from None
+            raise ParameterError(with_reason(message, error, value, self.items)) from None
         if not self.accepts(number):
-            raise Refused(must_be(self.name, self.allowed, number))
+            raise ParameterError(must_be(self.name, self.allowed, number))
         return number
 
     def accepts(self, value: float) -> bool:

@@ -1,4 +1,4 @@
-"""Warnings of mechanisms that can be computed but not built (docs/mechanics.md, Motion).
+"""Warnings of mechanisms that can be computed but not built (mechanics.md, Motion).
 
 Clearance is checked between the pitch circles (planar layout) and pitch cones (bevel layout) of one module.
 No rigid body has an inertia above the sum of its other two.

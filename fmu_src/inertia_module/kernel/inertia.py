@@ -1,4 +1,4 @@
-"""Reduced inertia I, B, G of all imbalances and its derivatives in q in closed form (docs/mechanics.md)."""
+"""Reduced inertia I, B, G of all imbalances and its derivatives in q in closed form (mechanics.md)."""
 
 from .layout import bevel_imbalance_position
 from .records import Constants, ReducedInertia

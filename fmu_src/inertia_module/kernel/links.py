@@ -1,6 +1,6 @@
 """Effective inertia of links 1 and 2 at both ends, scales of torques and speeds, the elastic shaft.
 
-It is behind the output freewheel (docs/mechanics.md):
+It is behind the output freewheel (mechanics.md):
 
     Ts = c delta + d (omega3 - omega4)        J4 omega4' = Ts - f omega4 - T_load + beta J4 omega3'
 """

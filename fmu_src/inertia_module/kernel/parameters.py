@@ -1,4 +1,4 @@
-"""Constants derived from the parameters: ratios, lengths, periods, inertias, bounds (docs/mechanics.md).
+"""Constants derived from the parameters: ratios, lengths, periods, inertias, bounds (mechanics.md).
 
 The record d begins with the fields of p. Units are SI. The bevel layout has the lengths of figure 1 of
 Karetin (2020), the planar layout follows Lysenko et al.
@@ -114,7 +114,7 @@ def derive_planar(d: Constants) -> None:
 
 
 def derive_inertias(d: Constants) -> None:
-    """Set masses, inertias and viscous friction under their symbols of docs/mechanics.md.
+    """Set masses, inertias and viscous friction under their symbols of mechanics.md.
 
     Args:
         d: Constants; parameters are read.
@@ -201,7 +201,7 @@ def derive_losses(d: Constants) -> None:
 
 
 def add_gear_inertia(d: Constants) -> None:
-    """Add the rotation of the satellite gears to J1, J16, I, B and the bounds of |F| (docs/mechanics.md).
+    """Add the rotation of the satellite gears to J1, J16, I, B and the bounds of |F| (mechanics.md).
 
     The part of their kinetic energy that is the same at every angle becomes part of J1 and J16. The part that
     depends on the azimuth A of the gear's axis becomes body_i (in I) and body_b (in B).
@@ -241,7 +241,7 @@ def add_gear_inertia(d: Constants) -> None:
 def min_inertia_ratio(d: Constants) -> float:
     """Return the minimum over the maximum of the inertia J2 + k^2 G at link 2, in a period.
 
-    G is minimal where B = 0. There |r'| is pole_offset, which is 0 if a = b (docs/mechanics.md).
+    G is minimal where B = 0. There |r'| is pole_offset, which is 0 if a = b (mechanics.md).
     Without an output freewheel link 2 always moves with the output shaft.
 
     Args:

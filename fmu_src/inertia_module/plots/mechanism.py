@@ -41,7 +41,7 @@ def mechanism_figure(parameters: Mapping[str, float]) -> Figure:
         parameters: Parameters of the module, SI, by name.
 
     Raises:
-        Refused: The parameters are invalid.
+        ParameterError: The parameters are invalid.
     """
     module = Module("plain")
     module.check(**parameters)

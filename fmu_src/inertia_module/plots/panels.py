@@ -54,7 +54,6 @@ def dress(axes: Axes, label: str) -> None:
             bbox_to_anchor=(0.0, 1.0),
             ncols=6,
             borderpad=0.1,
-            columnspacing=1.2,
         )
 
 

@@ -15,7 +15,7 @@ from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERM
 from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from ..fmi.simulate import Result
 from ..interface.variables import LOSSES, LOST_TO
-from ..scene import SceneResult
+from ..scene import Scene, SceneResult
 from ..scene.run import TIME_TO, forces, work
 from .panels import SIZE, SMOOTHING, Array, dress, envelope, headline, sheet, smooth
 
@@ -85,13 +85,13 @@ def scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
-    figure, table = sheet(result.scene.title), result.record
-    gain = table["energy_stored"] - table["energy_stored"][0]
-    table = Result(table.columns | forces(table) | {GAIN: gain}, table.units)
+    figure, scene = sheet(result.scene.title), result.scene
+    gain = result["energy_stored"] - result["energy_stored"][0]
+    table = Result(result.columns | forces(result) | {GAIN: gain}, result.units)
     if "hub_speed" in table:
         _shaft_panels(figure, result, table, rows)
-    elif result.scene.controller is not None and "vehicle_speed" in table:
-        _driving_panels(figure, result, table, rows)
+    elif isinstance(scene, Scene) and scene.controller is not None and "vehicle_speed" in table:
+        _driving_panels(figure, result, table, scene.cycle, rows)
     else:
         _pulse_panels(figure, result, table, rows)
     return figure
@@ -319,12 +319,14 @@ def _magnitudes(
 # --- driving ---
 
 
-def _driving_panels(figure: Figure, result: SceneResult, table: Result, rows: int | None) -> None:
+def _driving_panels(
+    figure: Figure, result: SceneResult, table: Result, cycle: Cycle | None, rows: int | None
+) -> None:
     """Draw the vehicle speed in its tolerance band, speeds of the module, torques and energies."""
     numbers, causes = result.summary, losses(table)
     input_names, input_label = (_input(table), "omega_out"), "input ω1 (commanded)"
     draw_functions: list[tuple[float, Callable[[Axes], None]]] = [
-        (1.6, lambda axes: _tracking(axes, table, result.scene.cycle)),
+        (1.6, lambda axes: _tracking(axes, table, cycle)),
         (1.0, lambda axes: plot(axes, table, input_names, "speed", "rad/s", omega1=input_label)),
         (1.0, lambda axes: _mean_torques(axes, table)),
         (1.2, lambda axes: _energy_shares(axes, table)),
@@ -339,7 +341,7 @@ def _driving_panels(figure: Figure, result: SceneResult, table: Result, rows: in
     for axes in panels[1:2]:
         axes.set_ylim(bottom=0.0)
     text = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
-    if result.scene.cycle is not None:
+    if cycle is not None:
         text = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + text
     headline(panels[0], text.format_map(numbers))
     panels[-1].set_xlabel("time [s]")

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from ..analysis.converter_chart import NOMINAL_SPEED, TorqueConverterChart
 from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, styled
+from ..common.deprecated import renamed_arguments
 from ..common.units import factor_between, printed_unit
 from ..studies.axes import Axis
-from ..studies.design_search import DesignResult
+from ..studies.design_result import DesignResult
 from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
 from ..studies.order_analysis import BASES, Orders
@@ -163,26 +164,27 @@ USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_me
 MAX_METRICS = 3
 
 
+@renamed_arguments(figures="metrics")
 @styled()
-def sweep_figure(sweep: SweepResult, figures: Sequence[str] = ()) -> Figure:
+def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
     """Draw a sweep: maps over two keys, otherwise each metric over each key.
 
     Args:
         sweep: Result of the sweep.
-        figures: Names of metrics; without names up to MAX_METRICS metrics that vary.
+        metrics: Names of metrics; without names up to MAX_METRICS metrics that vary.
 
     Raises:
-        Refused: The sweep has no metric of this name.
+        ParameterError: The sweep has no metric of this name.
     """
-    names = list(figures)
+    names = list(metrics)
     if not names:
-        candidates = sorted(sweep.figures, key=lambda name: name not in USUAL)
-        names = [name for name in candidates if varies(sweep.figure(name))][:MAX_METRICS]
+        candidates = sorted(sweep.metrics, key=lambda name: name not in USUAL)
+        names = [name for name in candidates if varies(sweep.metric(name))][:MAX_METRICS]
     rows, columns = max(len(names), 1), 1 if len(sweep.axes) == 2 else len(sweep.axes)
     picture = sheet(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
     panels = picture.subplots(rows, columns, sharey="row", squeeze=False)
     for row, name in zip(panels, names, strict=False):
-        values, label = sweep.figure(name), titled(name, sweep.units.get(name, ""))
+        values, label = sweep.metric(name), titled(name, sweep.units.get(name, ""))
         if len(sweep.axes) == 2:
             _map(row[0], sweep, values, label)
             continue
@@ -268,8 +270,8 @@ def _coordinates(
 ) -> tuple[Array, Array]:
     """Return the coordinates of designs, shape (n,) each; NaN for missing metrics."""
     place = {str(row.point): n for n, row in enumerate(result.rows, 1)}
-    x = [place[str(row.point)] if across is None else row.figures.get(across, np.nan) for row in rows]
-    return np.array(x, dtype=float), np.array([row.figures.get(up, np.nan) for row in rows], dtype=float)
+    x = [place[str(row.point)] if across is None else row.metrics.get(across, np.nan) for row in rows]
+    return np.array(x, dtype=float), np.array([row.metrics.get(up, np.nan) for row in rows], dtype=float)
 
 
 def _goals(panel: Axes, result: DesignResult, across: str | None, up: str, markersize: float = 5.0) -> None:
@@ -322,7 +324,7 @@ def _design_table(panel: Axes, result: DesignResult, names: Sequence[str]) -> No
     panel.set_axis_off()
     rows = []
     for finalist in result.finalists:
-        figures = [finalist.checked.figures.get(name, math.nan) for name in names]
+        figures = [finalist.checked.metrics.get(name, math.nan) for name in names]
         limits = "satisfied" if result.judge.meets(finalist.checked) else "violated"
         rows.append([finalist.file.stem.rpartition("_")[2], *(f"{value:.4g}" for value in figures), limits])
     heads = ["design", *(titled(name, result.judge.unit(name)) for name in names), "limits"]

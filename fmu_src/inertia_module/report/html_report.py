@@ -23,8 +23,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .. import __version__
-from ..analysis.converter_chart import torque_converter_chart
-from ..common.errors import Refused
+from ..analysis.converter_chart import compute_chart
+from ..common.errors import InertiaModuleError, ParameterError
 from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
 from ..fmi.instance import read_description
@@ -107,7 +107,7 @@ class Check(NamedTuple):
 
 def report_file(
     file: Path,
-    keys: Sequence[str],
+    keys: Mapping[str, object],
     result: SceneResult,
     fmu: Path,
     command: str,
@@ -118,7 +118,7 @@ def report_file(
 
     Args:
         file: Scene file.
-        keys: Values that replace values of the file, KEY=VALUE each.
+        keys: Values that replace values of the file, by dotted key.
         result: Result of the run; for a module with the variables in RECORDED.
         fmu: FMU file of the run.
         command: Command that repeats the report.
@@ -138,7 +138,7 @@ def report_file(
         progress(number / len(PARTS))
         try:
             sections[title] = make(result)
-        except Refused as reason:
+        except InertiaModuleError as reason:
             sections[title] = Part([f"Not available: {reason}."])
     version, day = f"inertia-module {__version__}", f"{date.today()}"
     origin = {
@@ -273,13 +273,13 @@ def _text_of(value: Any) -> str:
     return re.sub(r"\d+\.\d{6,}", lambda digits: f"{float(digits[0]):.6g}", str(value))
 
 
-def _input_sections(scene: Any, text: str, keys: Sequence[str]) -> dict[str, Part]:
+def _input_sections(scene: Any, text: str, keys: Mapping[str, object]) -> dict[str, Part]:
     """Return sections with the keys of a scene, their values and sources.
 
     Args:
         scene: The scene.
         text: Text of the scene file.
-        keys: Values that replace values of the file, KEY=VALUE each.
+        keys: Values that replace values of the file, by dotted key.
 
     Returns:
         Section of the inputs, then a section of the model's parameters for each group.
@@ -335,7 +335,7 @@ def _module(result: SceneResult) -> Scene:
     """Return the scene of a run; reject a scene of a driven shaft."""
     if isinstance(result.scene, Scene):
         return result.scene
-    raise Refused("the scene is a driven shaft without satellites and freewheels")
+    raise ParameterError("the scene is a driven shaft without satellites and freewheels")
 
 
 def _mechanism(result: SceneResult) -> Part:
@@ -358,11 +358,11 @@ def _curves(result: SceneResult) -> Part:
 
 def _chart(result: SceneResult) -> Part:
     """Return the section with the chart at the maximum speed of link 1 in the run."""
-    scene, speeds = _module(result), input_speed(result.record)
+    scene, speeds = _module(result), input_speed(result)
     omega1 = float(speeds[np.abs(speeds).argmax()])
     if omega1 == 0.0:
-        raise Refused("link 1 does not turn")
-    chart = torque_converter_chart(scene.parameters(), omega1, engagements=True)
+        raise ParameterError("link 1 does not turn")
+    chart = compute_chart(scene.parameters(), omega1, engagements=True)
     limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
     numbers = chart.summary(omega1, limits).items()
     rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
@@ -386,10 +386,10 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
         fmu: FMU file of the run, for a run in shorter steps.
         speed_unit: Unit of the speed of link 1.
     """
-    scene, record = _module(result), result.record
+    scene, record = _module(result), result
     moving_rows = np.flatnonzero(np.diff(record["input_angle"] / math.tau + record["input_turns"]))
     if not moving_rows.size:
-        raise Refused("link 1 does not turn")
+        raise ParameterError("link 1 does not turn")
     begin, end = record.time[moving_rows[0]], record.time[moving_rows[-1] + 1]
     spectra = orders(scene, fmu, record=record, begin=begin, end=end)
     lines = spectra.lines(NAMED, speed_unit=speed_unit)
@@ -417,7 +417,7 @@ def _duty(result: SceneResult) -> Part:
     """Return the section of the freewheel duty: engagement frequencies, maximum torque and slip."""
     _module(result)
     if DUTY in result.remarks:
-        raise Refused(f"it {result.remarks[DUTY]}")
+        raise ParameterError(f"it {result.remarks[DUTY]}")
     lines = result.lines()
     frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [

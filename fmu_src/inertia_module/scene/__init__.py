@@ -1,10 +1,13 @@
 """Scene files: mechanism, drive, load, accuracy and outputs of a simulation."""
 
-from .keys import SceneError
+from ..common.errors import SceneError
+from .chart import torque_converter_chart
 from .reading import load_any_scene, load_scene
 from .run import SceneResult, run_scene
 from .schema import Scene
-from .shaft import ShaftScene, run_shaft_scene
+from .shaft import ShaftScene
+from .shaft_run import run_shaft_scene
+from .simulation import simulate
 
 __all__ = [
     "Scene",
@@ -15,4 +18,6 @@ __all__ = [
     "load_scene",
     "run_scene",
     "run_shaft_scene",
+    "simulate",
+    "torque_converter_chart",
 ]

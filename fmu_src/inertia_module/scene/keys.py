@@ -15,8 +15,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import core_schema
 
 from ..common.csv_table import CsvTable, TableError
+from ..common.deprecated import warn_renamed
 from ..common.equality import hash_of
-from ..common.errors import Refused, hint, must_be, suggestion
+from ..common.errors import InertiaModuleError, SceneError, hint, must_be, suggestion
 from ..common.time_range import time_warnings
 from ..common.units import allowed_number, number_of, with_reason
 from ..driveline.sources import Signal, Table
@@ -345,19 +346,6 @@ _ALLOWED = {
 }
 
 
-class SceneError(Refused):
-    """Invalid scene; the message is one line with the key, the value and the allowed range.
-
-    Args:
-        message: The message.
-        key: Dotted key whose value is invalid alone; "" if the error is a contradiction between keys.
-    """
-
-    def __init__(self, message: str, key: str = "") -> None:
-        super().__init__(message)
-        self.key = key
-
-
 def _models(annotation: Any) -> list[type[BaseModel]]:
     """Return the models within a type: the type itself, or the members of a union."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
@@ -402,7 +390,7 @@ def _unknown_key_message(scene: type[BaseModel], location: tuple[Any, ...], valu
 
 def _is_combination(error: Any) -> bool:
     """Return True if an error of pydantic is a contradiction between keys."""
-    return error["type"] == "value_error" and isinstance(error["ctx"]["error"], Refused)
+    return error["type"] == "value_error" and isinstance(error["ctx"]["error"], InertiaModuleError)
 
 
 def _message(scene: type[BaseModel], error: Any) -> str:
@@ -431,32 +419,61 @@ def _message(scene: type[BaseModel], error: Any) -> str:
     return must_be(key, allowed, repr(value))
 
 
+# tables and texts of a scene, shaft or specification; "drive" is also a parameter of the mechanism
+_TABLES = (
+    "title",
+    "description",
+    "mechanism",
+    "shaft",
+    "load",
+    "controller",
+    "freewheels",
+    "accuracy",
+    "run",
+    "free",
+    "metrics",
+    "search",
+)
+
+
 def full_name(name: str) -> str:
-    """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot.
+    """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot and is no table.
 
     Args:
-        name: Dotted key, or name of a parameter of the mechanism.
+        name: Dotted key, name of a parameter of the mechanism, or name of a table.
     """
-    return name if "." in name else f"{MECHANISM}{name}"
+    return name if "." in name or name in _TABLES else f"{MECHANISM}{name}"
 
 
-# values by dotted key, or texts such as "imbalance_mass=2 kg" or "load.kind=shaft"
-Keys = Mapping[str, Any] | Iterable[str] | None
+# values by dotted key, or by the name of a parameter of the mechanism
+Keys = Mapping[str, object]
 
 
-def keys_of(keys: Keys) -> dict[str, Any]:
+def keys_of(keys: Keys | Iterable[str] | None) -> dict[str, object]:
     """Return values by dotted key.
 
     Args:
-        keys: Mapping, or texts KEY=VALUE with values as in a scene file; strings need no quotes.
+        keys: Values by key or by the name of a parameter of the mechanism. Texts KEY=VALUE are deprecated.
+    """
+    if keys is not None and not isinstance(keys, Mapping):
+        warn_renamed("a list of texts KEY=VALUE", "a mapping from keys to values")
+        keys = keys_of_texts(keys)
+    values = keys or {}
+    is_table = isinstance(values.get("drive"), Mapping | BaseModel)
+    return {name if name == "drive" and is_table else full_name(name): values[name] for name in values}
+
+
+def keys_of_texts(texts: Iterable[str] | None) -> dict[str, object]:
+    """Return values by dotted key from the options --set of the command line.
+
+    Args:
+        texts: Texts KEY=VALUE with values as in a scene file; strings need no quotes.
 
     Raises:
         SceneError: A text is not of the form KEY=VALUE.
     """
-    if isinstance(keys, Mapping):
-        return dict(keys)
-    values = {}
-    for text in keys or ():
+    values: dict[str, object] = {}
+    for text in texts or ():
         name, _, value = (part.strip() for part in text.partition("="))
         if not (name and value):
             raise SceneError(f"expected KEY=VALUE (got {text!r})")

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import Refused, cannot_read
+from ..common.errors import InertiaModuleError, SceneError, cannot_read
 from ..common.extras import library
 from ..common.files import read_text
 from ..common.units import factor_between, split_quantity
-from .keys import SLASHES, Keys, Model, SceneError, changed, keys_of, validated
+from .keys import SLASHES, Keys, Model, changed, keys_of, validated
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -36,13 +36,13 @@ def _tables(text: str) -> dict[str, Any]:
         raise SceneError(f"invalid TOML: {message}{cause}") from None
 
 
-def load_scene(path: Path | str, keys: Keys = None) -> Scene:
+def load_scene(path: Path | str, keys: Keys | None = None) -> Scene:
     """Read and check a scene file.
 
     Args:
         path: Path of the TOML file.
-        keys: Values that replace values of the file: a mapping from dotted keys, such as
-            {"mechanism.imbalance_mass": "2 kg"}, or texts such as "imbalance_mass=2 kg".
+        keys: Values that replace values of the file, by dotted key or by the name of a parameter of the
+            mechanism, such as {"imbalance_mass": "2 kg", "load.torque": 8}.
 
     Raises:
         SceneError: The file or a value is invalid; the message names file, key, value and allowed range.
@@ -50,7 +50,7 @@ def load_scene(path: Path | str, keys: Keys = None) -> Scene:
     return load_tables(path, keys, lambda tables: Scene)
 
 
-def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
+def load_tables(path: Path | str, keys: Keys | None, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
     """Read and check a scene file whose model depends on its tables.
 
     Args:
@@ -74,11 +74,23 @@ def load_tables(path: Path | str, keys: Keys, kind: Callable[[dict[str, Any]], t
         for name, value in keys_of(keys).items():
             tables = changed(tables, name.split("."), value)
         return validated(kind(tables), tables, path.parent)
-    except Refused as error:
+    except InertiaModuleError as error:
         raise SceneError(f"{path.name}: {error}") from None
 
 
-def speed_unit(path: Path | str, keys: Keys = None) -> str:
+def as_scene(scene: Scene | Path | str) -> Scene:
+    """Return a scene, read from its file if necessary.
+
+    Args:
+        scene: Scene, or path of its file.
+
+    Raises:
+        SceneError: As in load_scene.
+    """
+    return scene if isinstance(scene, Scene) else load_scene(scene)
+
+
+def speed_unit(path: Path | str, keys: Keys | None = None) -> str:
     """Return the display unit of the speed of link 1: rpm if the scene contains a speed in rpm, else rad/s.
 
     Args:
@@ -94,7 +106,7 @@ _OPERATION = ("drive", "load", "controller", "freewheels")
 _QUANTITIES = ("rad/s", "N.m", "km/h")
 
 
-def display_units(path: Path | str, keys: Keys = None) -> dict[str, str]:
+def display_units(path: Path | str, keys: Keys | None = None) -> dict[str, str]:
     """Return the most frequent unit of rotational speeds, torques and speeds in the operation of a scene.
 
     Args:
@@ -140,7 +152,7 @@ def _strings(tables: Any) -> Iterator[str]:
             yield from _strings(value)
 
 
-def load_any_scene(path: Path | str, keys: Keys = None) -> Scene | ShaftScene:
+def load_any_scene(path: Path | str, keys: Keys | None = None) -> Scene | ShaftScene:
     """Read and check a scene file of a module or of a driven shaft alone.
 
     Args:

@@ -9,14 +9,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..common.equality import ByContent
-from ..common.errors import Named, Refused
+from ..common.deprecated import renamed_arguments
+from ..common.errors import InertiaModuleError, Named, SceneError
 from ..common.terminal import Progress
 from ..driveline import ClosedLoop, initial_inputs
 from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
@@ -26,12 +26,15 @@ from ..fmi.simulate import Fmu, Result
 from ..interface.variables import BY_NAME, ENUMERATIONS, LOCAL, LOSSES, OUTPUT
 from ..kernel.codes import ELASTIC, RIGID
 from .headings import heading
-from .keys import SceneError, scene_time_warnings
-from .parts import VehicleLoad
+from .keys import scene_time_warnings
+from .loads import VehicleLoad
+from .reading import as_scene
 from .schema import Scene
 
 if TYPE_CHECKING:
+    from ..common.colours import Picture
     from ..export.systems import Plan
+    from .shaft import ShaftScene
 
 
 # --- summary: speeds, torques, energies, forces ---
@@ -500,34 +503,46 @@ def summarise(
 # --- runs ---
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SceneResult(ByContent):
-    """Result of a scene, of a module or of a driven shaft alone.
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False, match_args=False)
+class SceneResult(Result):
+    """Result of a scene, of a module or of a driven shaft alone: a table over time and a summary.
+
+    The columns are the outputs of the scene, the signals of the loop, and more variables that the summary
+    requires.
 
     Attributes:
+        columns: Columns by name, shape (n,) each.
+        units: Units of the columns, by name.
+        origin: None.
         scene: The scene.
-        record: All recorded columns: outputs of the scene, variables in SUMMARISED, signals of the loop.
         quantities: Metrics with units, by name.
         summary: Values of the metrics, by name.
-        units: Units of the metrics, by name; "" for counts and ratios.
+        metric_units: Units of the metrics, by name; "" for counts and ratios.
         remarks: Notes on missing or doubtful metrics, by name, such as a speed that is not reached.
         limits: Limits in the scene, by metric, in the unit of the metric.
         warnings: Warnings of the FMU, of exceeded limits, and of tables that do not match the run time.
     """
 
-    scene: Any
-    record: Result
-    quantities: dict[str, Quantity] = field(repr=False)
+    scene: Scene | ShaftScene
+    quantities: dict[str, Quantity]
     remarks: dict[str, str] = field(default_factory=dict)
     limits: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"SceneResult({self.scene.title!r}, {self._size_text()})"
+
     @property
     def table(self) -> Result:
-        """Return the outputs of the scene and the signals of the loop, at each communication point."""
+        """Return the table of the outputs of the scene and the signals of the loop."""
         variables = self.scene.VARIABLES.values()
         outputs = {row.name for row in variables if row.causality in (OUTPUT, LOCAL)}
         return self.record.without(outputs - set(self.scene.run.outputs))
+
+    @property
+    def record(self) -> Result:
+        """Return all columns as a table without the summary."""
+        return Result(self.columns, self.units)
 
     @property
     def summary(self) -> dict[str, float]:
@@ -536,11 +551,11 @@ class SceneResult(ByContent):
         return Named(values, "metric of the summary", self.remarks)
 
     @property
-    def units(self) -> dict[str, str]:
+    def metric_units(self) -> dict[str, str]:
         """Return the units of the metrics by name; "" for counts and ratios."""
         return {name: quantity.unit for name, quantity in self.quantities.items()}
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return version, title, parameters, summary, units, limits, notes and warnings, for JSON."""
         parameters = self.scene.parameters()
         of_parameters = {name: self.scene.VARIABLES[name].unit for name in parameters}
@@ -549,7 +564,7 @@ class SceneResult(ByContent):
             "title": self.scene.title,
             "parameters": parameters,
             "summary": self.summary,
-            "units": of_parameters | self.units,
+            "units": of_parameters | self.metric_units,
             "limits": self.limits,
             "remarks": self.remarks,
             "warnings": list(self.warnings),
@@ -562,37 +577,13 @@ class SceneResult(ByContent):
             numbers[name] += f", limit {limit:.6g}"
         return {heading(name): text for name, text in (numbers | self.remarks).items()}
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        return self.record[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.record
-
-    def to_csv(self, path: Path | str) -> Path:
-        """Write the table to a CSV file, as Result.to_csv.
+    def plot(self, *names: str) -> Picture:
+        """Plot columns over time, with one panel for each unit, as Result.plot.
 
         Args:
-            path: Path of the file.
+            names: Names of columns; without names the outputs of the scene and the signals of the loop.
         """
-        return self.table.to_csv(path)
-
-    def to_pandas(self) -> Any:
-        """Return the table as a pandas DataFrame, as Result.to_pandas."""
-        return self.table.to_pandas()
-
-    def plot(self, *names: str) -> Any:
-        """Plot columns of the table over time, as Result.plot.
-
-        Args:
-            names: Names of columns; all columns without names.
-
-        Returns:
-            A matplotlib Figure.
-        """
-        return self.table.plot(*names)
-
-    def _repr_png_(self) -> bytes:
-        return self.table._repr_png_()
+        return super().plot(*(names or self.table.names[1:]))
 
     def _repr_html_(self) -> str:
         """Return the plot and the summary as HTML, for notebooks."""
@@ -645,28 +636,30 @@ def scene_plan(scene: Scene) -> Plan:
     return make_plan(scene.title, values, inputs, scene.run.communication_step, scene.run.stop_time)
 
 
+@renamed_arguments(fmu_path="fmu")
 def run_scene(
-    scene: Scene,
-    fmu_path: Path | str | None = None,
+    scene: Scene | Path | str,
+    fmu: Path | str | None = None,
     progress: Progress | None = None,
     also: Iterable[str] = (),
 ) -> SceneResult:
     """Run a scene with an FMU of the module.
 
     Args:
-        scene: The scene, from load_scene.
-        fmu_path: InertiaModule.fmu, or another FMU with the same variables; None for current_fmu().
+        scene: Scene, or path of its file.
+        fmu: InertiaModule.fmu, or another FMU with the same variables; None for current_fmu().
         progress: Function called with the completed fraction of the run, 0 to 1.
         also: Names of more outputs and local variables of the FMU to record.
 
     Raises:
         FmuError: The FMU cannot be loaded, or rejects a value or a step.
-        SceneError: The fidelity of the scene is 'auto'.
+        SceneError: The scene is invalid, or its fidelity is 'auto'.
     """
+    scene = as_scene(scene)
     values, inputs = start_of(scene)
-    with Fmu(fmu_path, values, inputs, stop_time=scene.run.stop_time) as fmu:
-        result = _run_on(fmu, scene, progress, also)
-    return replace(result, remarks={**result.remarks, **above_stall(result.record, scene.parameters())})
+    with Fmu(fmu, values, inputs, stop_time=scene.run.stop_time) as instance:
+        result = _run_on(instance, scene, progress, also)
+    return replace(result, remarks={**result.remarks, **above_stall(result, scene.parameters())})
 
 
 def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
@@ -686,7 +679,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
-    except Refused:  # stall requires both freewheels
+    except InertiaModuleError:  # stall requires both freewheels
         return {}
     above = f"exceeds the stall torque of {stall:.4g} N.m at {speed:.4g} rad/s ({load:.4g} N.m)"
     return {"load_torque": above} if load > stall else {}
@@ -752,8 +745,9 @@ def _run_on(
         for unit in [duty[name].unit]
     ]
     return SceneResult(
+        record.columns,
+        record.units,
         scene=scene,
-        record=record,
         quantities=quantities,
         remarks=remarks | notes,
         limits=limits,

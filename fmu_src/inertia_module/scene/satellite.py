@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from ..common.errors import must_be
+from ..common.errors import SceneError, must_be
 from ..common.units import allowed_number
 from ..interface.variables import default_parameters
-from .keys import InUnit, SceneError, Strict, checked, quantity
+from .keys import InUnit, Strict, checked, quantity
 
 # density, kg/m3; tungsten is the heavy alloy that balance weights are made of
 MATERIALS = {"polyamide": 1140.0, "aluminium": 2700.0, "steel": 7850.0, "brass": 8500.0, "tungsten": 17000.0}
@@ -52,7 +52,7 @@ class Satellite(Strict):
     def parameters(self, mechanism: Mapping[str, float]) -> dict[str, float]:
         """Return the parameters of the module that describe the satellite (CALCULATED).
 
-        Equations: docs/mechanics.md, Satellite from dimensions. The point mass is the mass of the whole
+        Equations: mechanics.md, Satellite from dimensions. The point mass is the mass of the whole
         satellite in its centre of mass. The inertias are about the centre of mass.
 
         Args:

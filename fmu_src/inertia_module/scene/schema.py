@@ -9,8 +9,9 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BaseModel, Field, create_model, model_validator
 
 from .. import driveline
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import InertiaModuleError, SceneError, must_be, unknown
 from ..driveline.closed_loop import PLANT_INPUTS
+from ..driveline.connection import Environment
 from ..driveline.cycles import Cycle
 from ..driveline.sources import Signal, Sources
 from ..fmi.simulate import check_number_of_steps, whole_steps
@@ -18,19 +19,22 @@ from ..interface import variables
 from ..interface.variables import BY_NAME, with_causality
 from ..kernel.codes import DRIVE_TORQUE, ELASTIC
 from ..model import Module
+from .controllers import Controller, PiController, PiTorqueController
+from .drives import Drive, EngineDrive
 from .keys import (
     AUTO,
     Duration,
-    SceneError,
+    Keys,
     Strict,
     changed,
     fields_of,
     in_range,
+    keys_of,
     quantity,
     scene_time_warnings,
     validated,
 )
-from .parts import Controller, Drive, EngineDrive, Load, PiController, PiTorqueController
+from .loads import Load
 from .satellite import Satellite
 
 # The parameter tolerance is in the table [accuracy].
@@ -166,6 +170,17 @@ class Run(Strict):
         return self
 
 
+def repr_of(scene: Any) -> str:
+    """Return a line that describes a scene of a module or of a driven shaft, for __repr__.
+
+    Args:
+        scene: The scene.
+    """
+    run, kinds = scene.run, f"drive {scene.drive.kind}, load {scene.load.kind}"
+    times = f"{run.stop_time:g} s in steps of {run.communication_step:g} s"
+    return f"{type(scene).__name__}({scene.title!r}, {kinds}, {times})"
+
+
 class Scene(Strict):
     """A valid scene of a module; all quantities in SI units.
 
@@ -192,6 +207,11 @@ class Scene(Strict):
     freewheels: Freewheels = Field(default_factory=Freewheels)
     accuracy: Accuracy = Field(default_factory=Accuracy)
     run: Run
+
+    def __repr__(self) -> str:
+        return repr_of(self)
+
+    __str__ = __repr__
 
     @property
     def measured(self) -> str:
@@ -236,16 +256,16 @@ class Scene(Strict):
         return self.load.build(self.run.communication_step, prevents_reverse, start_speed)
 
     @cached_property
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> dict[str, object]:
         """Return all values in the scene file as nested tables, in SI units."""
         return self.model_dump(exclude_none=True)
 
     @cached_property
-    def surroundings(self) -> Any:
+    def surroundings(self) -> Environment:
         """Return the environment of the FMU: load, drive and controller as one connected system."""
         return driveline.connect(list(self.systems()))
 
-    def systems(self) -> Iterator[Any]:
+    def systems(self) -> Iterator[Environment]:
         """Yield load, controller and drive as systems to connect."""
         step = self.run.communication_step
         load = self.built_load.system
@@ -255,7 +275,7 @@ class Scene(Strict):
         yield from self.drive.systems(step)
         has_brake = self.controller is not None and self.controller.brake is not None
         if "brake_force" in load.input_labels and not has_brake:
-            yield driveline.source("brake_force", 0.0, step)
+            yield Sources({"brake_force": 0.0}, step)
 
     @property
     def prescribed(self) -> dict[str, Signal]:
@@ -263,7 +283,7 @@ class Scene(Strict):
         sources = [system.signals for system in self.systems() if isinstance(system, Sources)]
         return {name: signals[name] for signals in sources for name in PLANT_INPUTS if name in signals}
 
-    def replaced(self, **tables: Mapping[str, Any]) -> Scene:
+    def replaced(self, **tables: Mapping[str, object]) -> Scene:
         """Return a copy of the scene with other values, checked again.
 
         Args:
@@ -276,15 +296,17 @@ class Scene(Strict):
             {f"{table}.{key}": value for table, keys in tables.items() for key, value in keys.items()}
         )
 
-    def with_keys(self, keys: Mapping[str, Any]) -> Scene:
+    def with_keys(self, keys: Keys) -> Scene:
         """Return a copy of the scene with other values, checked again.
 
         Args:
-            keys: Values by dotted key, such as {"load.coupling.stiffness": "2 kN.m/rad"}; None removes a key.
+            keys: Values by dotted key or by the name of a parameter of the mechanism, such as
+                {"imbalance_mass": 2, "load.torque": "8 N.m"}; None removes a key.
 
         Raises:
             SceneError: The new scene is invalid.
         """
+        keys = keys_of(keys)
         names = {name.partition(".")[0] for name in keys}
         # The units of a controller depend on the load.
         names |= {"controller"} if "load" in names else set()
@@ -359,7 +381,7 @@ class Scene(Strict):
             raise SceneError(f"run.communication_step: {error}") from None
         try:
             Module("plain").check(**parameters)
-        except Refused as error:
+        except InertiaModuleError as error:
             raise SceneError(f"mechanism: {error}") from None
         return self
 

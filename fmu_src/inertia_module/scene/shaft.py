@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Mapping
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field, create_model, model_validator
 
-from ..common.errors import Refused, must_be
-from ..common.terminal import Progress
-from ..driveline.sources import evaluate
-from ..fmi.simulate import communication_points, drive
+from ..common.errors import InertiaModuleError, SceneError, must_be
 from ..interface.models import DRIVEN_SHAFT
 from ..interface.variables import LOCAL, OUTPUT, PARAMETER
 from ..model import DrivenShaft
-from .keys import Duration, SceneError, Strict, Tabulated, Times, fields_of, quantity, scene_time_warnings
-from .parts import TorqueLoad
-from .run import Quantity, SceneResult, energy
-from .schema import Run
+from .keys import (
+    Duration,
+    Strict,
+    Tabulated,
+    Times,
+    changed,
+    fields_of,
+    quantity,
+    scene_time_warnings,
+    validated,
+)
+from .loads import TorqueLoad
+from .schema import Run, repr_of
 
-_READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
+READABLE = tuple(variable.name for variable in DRIVEN_SHAFT.with_causality(OUTPUT, LOCAL))
 
 Array = NDArray[np.float64]
 
@@ -121,15 +125,34 @@ class ShaftScene(Strict):
     load: TorqueLoad = TorqueLoad(kind="torque", torque=0.0)
     run: ShaftRun
 
+    def __repr__(self) -> str:
+        return repr_of(self)
+
+    __str__ = __repr__
+
+    def with_keys(self, keys: Mapping[str, object]) -> ShaftScene:
+        """Return a copy of the scene with other values, checked again.
+
+        Args:
+            keys: Values by dotted key, such as {"shaft.shaft_stiffness": "2 kN.m/rad"}; None removes a key.
+
+        Raises:
+            SceneError: The new scene is invalid.
+        """
+        tables = self.model_dump(exclude_none=True)
+        for name, value in keys.items():
+            tables = changed(tables, name.split("."), value)
+        return validated(ShaftScene, tables)
+
     @model_validator(mode="after")
     def _check(self) -> ShaftScene:
         """Reject unknown outputs; the model of the shaft checks all parameters together."""
-        self.run.check_outputs(_READABLE)
+        self.run.check_outputs(READABLE)
         scene_time_warnings(self, self.run.stop_time)
         parameters = self.parameters()
         try:
             DrivenShaft("plain").start(**parameters)
-        except Refused as error:
+        except InertiaModuleError as error:
             raise SceneError(f"shaft: {error}") from None
         return self
 
@@ -150,39 +173,3 @@ class ShaftScene(Strict):
             per_time = criterion / self.drive.T
             values[parameter] = inertia * (per_time**2 if name == "nu" else 2.0 * per_time)
         return values
-
-
-def run_shaft_scene(scene: ShaftScene, fmu_path: Path | str, progress: Progress | None = None) -> SceneResult:
-    """Run a scene with an FMU of the driven shaft.
-
-    Args:
-        scene: The scene.
-        fmu_path: Path of DrivenShaft.fmu, or of another FMU with the same variables.
-        progress: Function called with the completed fraction of the run, 0 to 1.
-
-    Raises:
-        FmuError: The FMU cannot be loaded, or rejects a value or a step.
-    """
-    times = communication_points(scene.run.stop_time, scene.run.communication_step)
-    torque = scene.load.one_signal()
-    inputs: dict[str, ArrayLike] = {
-        "time": times,
-        "hub_speed": scene.drive.signal()(times),
-        "load_torque": [evaluate(torque, moment) for moment in times],
-    }
-    run, values, start = scene.run, scene.parameters(), time.perf_counter()
-    record = drive(
-        fmu_path, inputs, run.stop_time, run.communication_step, _READABLE, values, progress=progress
-    )
-    wall_time, duration = time.perf_counter() - start, float(record.time[-1])
-    names = ("omega_out", "driven_acceleration", "shaft_torque", "twist")
-    peaks = {name: float(np.abs(record[name]).max()) for name in names}
-    quantities = {
-        "simulated_time": Quantity(duration, "s"),
-        **{f"{name}_peak": Quantity(peak, record.units[name]) for name, peak in peaks.items()},
-        **energy(record),
-        "wall_time": Quantity(wall_time, "s"),
-        "real_time_factor": Quantity(duration / wall_time, ""),
-    }
-    warnings = tuple(scene_time_warnings(scene, run.stop_time))
-    return SceneResult(scene=scene, record=record, quantities=quantities, warnings=warnings)

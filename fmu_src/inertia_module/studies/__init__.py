@@ -1,7 +1,8 @@
 """Engineering tasks: sweep, design, fit, orders, batch; the commands have the same arguments."""
 
 from .batch_run import batch
-from .design_search import DesignResult, design
+from .design_result import DesignResult
+from .design_search import design
 from .fit_result import FitResult
 from .order_analysis import Orders, orders
 from .parameter_fit import fit

@@ -5,8 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -15,16 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from ..common.errors import Refused, must_be, unknown
+from ..common.deprecated import warn_renamed
+from ..common.errors import ParameterError, SceneError, must_be, unknown
 from ..common.units import number_of, parse_unit, split_quantity
 from ..interface.variables import BY_NAME, INTEGER, REAL
-from ..scene import Scene, SceneError
+from ..scene import Scene
 from ..scene.keys import MECHANISM, full_name, unit_of
 
 # values by key of the scene: numbers in SI, or names
 Point = dict[str, float | str]
-# range or prior value of a free key
-Range = str | tuple[float, float] | None
+# range or prior value of a key as a text, its ends, or its values
+Range = str | Sequence[float | str] | None
+Ranges = Mapping[str, Range]
 MAX_GRID = 10_000_000
 _RANGE = re.compile(r"(log:)?([^:]+):([^:]+?)(?::\s*(\d+)\s*)?")
 # prior value and its standard deviation
@@ -77,13 +78,13 @@ class Axis:
         """Return the values of a grid.
 
         Raises:
-            Refused: The range has no number of points.
+            ParameterError: The range has no number of points.
         """
         if self.values:
             return list(self.values)
         if not self.number:
             text = f"{self.low:g}:{self.high:g} {self.unit}".rstrip()
-            raise Refused(must_be(self.name, "FROM:TO:COUNT for a grid", text))
+            raise ParameterError(must_be(self.name, "FROM:TO:COUNT for a grid", text))
         space = np.geomspace if self.logarithmic else np.linspace
         values = [float(value) for value in space(self.low, self.high, self.number)]
         return list(dict.fromkeys(round(value) * 1.0 for value in values)) if self.whole else list(values)
@@ -127,62 +128,83 @@ def _range(name: str, unit: str, text: str, value: Callable[[str], float | str])
         value: Function that converts one end of the range to SI.
 
     Raises:
-        Refused: The range is invalid.
+        ParameterError: The range is invalid.
     """
     demand = must_be(name, "FROM:TO:COUNT, log:FROM:TO:COUNT or A,B,C", repr(text))
     parts = _RANGE.fullmatch(text)
     if parts is None:
-        raise Refused(demand)
+        raise ParameterError(demand)
     low, high = map(value, parts.group(2, 3))
     if isinstance(low, str) or isinstance(high, str):
-        raise Refused(demand)
+        raise ParameterError(demand)
     if not low < high:
-        raise Refused(must_be(name, "a range from a lower to a higher value", f"{low:g}:{high:g}"))
+        raise ParameterError(must_be(name, "a range from a lower to a higher value", f"{low:g}:{high:g}"))
     if parts[1] and low <= 0.0:
-        raise Refused(must_be(f"the lower end of {name}", "above 0 for logarithmic spacing", f"{low:g}"))
+        raise ParameterError(
+            must_be(f"the lower end of {name}", "above 0 for logarithmic spacing", f"{low:g}")
+        )
     if parts[4] and int(parts[4]) < 2:
-        raise Refused(must_be(f"the number of points of {name}", "at least 2", parts[4]))
+        raise ParameterError(must_be(f"the number of points of {name}", "at least 2", parts[4]))
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
-def _by_key(keys: Sequence[str] | Mapping[str, Any], use: str, example: str) -> list[tuple[str, Any]]:
-    """Return pairs of a full dotted key and its range, None without a range.
+def ranges_of_texts(texts: Iterable[str]) -> dict[str, str]:
+    """Return ranges by name, "" without a range, from the options of the command line.
 
     Args:
-        keys: Texts NAME or NAME=RANGE, or ranges by name.
+        texts: Texts NAME or NAME=RANGE.
+
+    Raises:
+        ParameterError: A name is present twice.
+    """
+    ranges: dict[str, str] = {}
+    for text in texts:
+        name, _, range_ = text.partition("=")
+        if name.strip() in ranges:
+            raise ParameterError(f"{name.strip()} is present twice; list it once")
+        ranges[name.strip()] = range_
+    return ranges
+
+
+def _by_key(ranges: Ranges | Iterable[str], use: str, example: str) -> dict[str, Range]:
+    """Return ranges by full dotted key.
+
+    Args:
+        ranges: Ranges by name. Texts NAME or NAME=RANGE are deprecated.
         use: Use of the keys, for messages.
         example: Example, for messages.
 
     Raises:
-        Refused: There is no key, or a key is present twice.
+        ParameterError: There is no key, or a key is present twice.
     """
-    pairs: list[tuple[str, Any]] = []
-    for item in keys.items() if isinstance(keys, Mapping) else keys:
-        name, equals, text = item.partition("=") if isinstance(item, str) else (item[0], "=", item[1])
-        pairs.append((full_name(name.strip()), text if equals else None))
-    if not pairs:
-        raise Refused(f"at least one key must be {use}, for example {example}")
-    for name, times in Counter(name for name, _ in pairs).items():
-        if times > 1:
-            raise Refused(f"{name} is {use} {times} times; list it once")
-    return pairs
+    if not isinstance(ranges, Mapping):
+        warn_renamed("a list of texts NAME=RANGE", "a mapping from names to ranges")
+        ranges = ranges_of_texts(ranges)
+    if not ranges:
+        raise ParameterError(f"at least one key must be {use}, for example {example}")
+    by_key: dict[str, Range] = {}
+    for name, range_ in ranges.items():
+        if full_name(name) in by_key:
+            raise ParameterError(f"{full_name(name)} is {use} twice; list it once")
+        by_key[full_name(name)] = range_ or None
+    return by_key
 
 
-def axes_of(vary: Sequence[str] | Mapping[str, Any], scene: Scene) -> list[Axis]:
+def axes_of(vary: Ranges, scene: Scene) -> list[Axis]:
     """Return the axes of a sweep of a scene.
 
     Args:
-        vary: Texts "NAME=RANGE", or ranges by name. A range is "FROM:TO:COUNT", "FROM:TO",
-            "log:FROM:TO:COUNT" or "A,B,C", with optional units, or a list of values.
+        vary: Ranges by name. A range is "FROM:TO:COUNT", "FROM:TO", "log:FROM:TO:COUNT" or "A,B,C", with
+            optional units, or a list of values.
         scene: The scene.
 
     Raises:
-        Refused: A key or a range is invalid.
+        ParameterError: A key or a range is invalid.
     """
     axes = []
-    for name, range_ in _by_key(vary, "varied", "imbalance_mass=0.5:2:7"):
+    for name, range_ in _by_key(vary, "varied", "imbalance_mass=0.5:2:7").items():
         if not range_:
-            raise Refused(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
+            raise ParameterError(f"{name} has no range; use {name}=FROM:TO:COUNT or {name}=A,B,C")
         (unit, _), value = _unit_and_value(name, scene), partial(_value, scene, name)
         if isinstance(range_, str) and ":" in range_:
             axes.append(_range(name, unit, range_, value))
@@ -199,12 +221,12 @@ def grid(axes: Sequence[Axis]) -> list[Point]:
         axes: The axes.
 
     Raises:
-        Refused: An axis has no number of points, or the grid has more than MAX_GRID points.
+        ParameterError: An axis has no number of points, or the grid has more than MAX_GRID points.
     """
     values = [axis.grid() for axis in axes]
     total = math.prod(map(len, values))
     if total > MAX_GRID:
-        raise Refused(must_be("the number of points of a grid", f"at most {MAX_GRID}", str(total)))
+        raise ParameterError(must_be("the number of points of a grid", f"at most {MAX_GRID}", str(total)))
     names = [axis.name for axis in axes]
     return [dict(zip(names, row, strict=True)) for row in itertools.product(*values)]
 
@@ -228,14 +250,14 @@ def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
         seed: Random seed.
 
     Raises:
-        Refused: sample is invalid.
+        ParameterError: sample is invalid.
     """
     from scipy.stats import qmc
 
     samplers = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}
     kind, _, count = sample.partition(":")
     if kind not in samplers or not count.isdigit() or int(count) < 1:
-        raise Refused(must_be("sample", "latin:COUNT or sobol:COUNT, such as latin:200", repr(sample)))
+        raise ParameterError(must_be("sample", "latin:COUNT or sobol:COUNT, such as latin:200", repr(sample)))
     shares: NDArray[np.float64] = samplers[kind](number, rng=seed).random(int(count))
     return shares
 
@@ -278,34 +300,31 @@ class Free(Axis):
         return f"{self.name}: the range {allowed} does not contain the value in the scene, {self.nominal:g}"
 
 
-def free_keys(
-    free: Sequence[str] | Mapping[str, Range], scene: Scene, sensors: Mapping[str, Free] | None = None
-) -> list[Free]:
+def free_keys(free: Ranges, scene: Scene, sensors: Mapping[str, Free] | None = None) -> list[Free]:
     """Return the free keys of a fit.
 
     Args:
-        free: Texts "NAME", "NAME=LOW:HIGH", "NAME=log:LOW:HIGH" (starts are equally spaced in the logarithm)
-            or "NAME=VALUE +- DEVIATION" (prior value). A mapping has such a range as a text, (low, high) or
-            None by name.
+        free: Ranges by name: "LOW:HIGH" or (low, high), "log:LOW:HIGH" (starts are equally spaced in the
+            logarithm), "VALUE +- DEVIATION" (prior value), or None.
         scene: Scene with the start values.
         sensors: Keys of the sensors, by name.
 
     Raises:
-        Refused: A key or a range is invalid.
+        ParameterError: A key or a range is invalid.
     """
     keys, others = [], sensors or {}
     kinds = {name.partition(".")[0] for name in others}
-    for name, text in _by_key(free, "free", "imbalance_mass=0.5:2"):
+    for name, text in _by_key(free, "free", "imbalance_mass=0.5:2").items():
         if name in others:
             key = others[name]
             keys.append(_free(key, text, partial(_number, name, key.unit)))
         elif name.partition(".")[0] in kinds:
-            raise Refused(unknown("sensor parameter", name, others))
+            raise ParameterError(unknown("sensor parameter", name, others))
         else:
             key, read = key_of_scene(name, scene), partial(_value, scene, name)
             if text is None and not abs(key.start) > 0.0:
                 scene.with_keys({name: 1.0})  # raises SceneError for an unknown key
-                raise Refused(
+                raise ParameterError(
                     f"{name} requires a range, {name}=LOW:HIGH, because the scene has no start value other"
                     " than 0"
                 )
@@ -321,14 +340,14 @@ def key_of_scene(name: str, scene: Scene) -> Free:
         scene: The scene.
 
     Raises:
-        Refused: The key is not a continuous number.
+        ParameterError: The key is not a continuous number.
     """
     variable = BY_NAME.get(name.removeprefix(MECHANISM))
     unit, value = _unit_and_value(name, scene)
     if value is None and variable is not None:
         value = variable.start
     if (variable is not None and variable.kind != REAL) or isinstance(value, str | list | BaseModel):
-        raise Refused(f"{name} must be a continuous number to be free; vary other keys with sweep")
+        raise ParameterError(f"{name} must be a continuous number to be free; vary other keys with sweep")
     low, high = (-math.inf, math.inf) if variable is None else variable.ends
     nominal = math.nan if value is None else float(value)
     return Free(
@@ -345,7 +364,7 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
         read: Function that converts a value of the key to SI.
 
     Raises:
-        Refused: The range or prior value is invalid.
+        ParameterError: The range or prior value is invalid.
     """
     if limits is None:
         return key
@@ -354,13 +373,13 @@ def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
     if prior is not None:
         mean, deviation = float(read(prior[1])), _number(name, key.unit, prior[2])
         if deviation < 0.0:
-            raise Refused(must_be(f"the deviation of {name}", "at least 0", prior[2].strip()))
+            raise ParameterError(must_be(f"the deviation of {name}", "at least 0", prior[2].strip()))
         return replace(key, start=mean, size=10.0 * deviation or 1.0, deviation=deviation)
     if ":" not in text:
-        raise Refused(must_be(name, "LOW:HIGH or VALUE +- DEVIATION", repr(text)))
+        raise ParameterError(must_be(name, "LOW:HIGH or VALUE +- DEVIATION", repr(text)))
     axis = _range(name, key.unit, text, read)
     if axis.number:
-        raise Refused(must_be(name, "LOW:HIGH without a number of points", repr(text)))
+        raise ParameterError(must_be(name, "LOW:HIGH without a number of points", repr(text)))
     # A key without a value in the scene (NaN) is outside.
     is_inside = axis.low <= key.start <= axis.high
     start = key.start if is_inside else 0.5 * (axis.low + axis.high)
@@ -380,4 +399,4 @@ def _number(name: str, unit: str, text: str) -> float:
         return number_of(text, unit or "1")
     except ValueError as error:
         demand = must_be(name, f"a number in {unit or '1'}", repr(text.strip()))
-        raise Refused(f"{demand}: {error}") from None
+        raise ParameterError(f"{demand}: {error}") from None

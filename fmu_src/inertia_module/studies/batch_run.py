@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import Named, Refused, must_be
+from ..common.errors import InertiaModuleError, Named, ParameterError, must_be
 from ..common.units import number_of
 from ..fmi.instance import as_names, run
 from ..fmi.simulate import communication_points
@@ -26,7 +26,7 @@ def batch(
     outputs: str | Sequence[str] = "omega_out",
     step: float | None = None,
     workers: int | None = None,
-) -> Mapping[str, AnyArray]:
+) -> Mapping[str, NDArray[np.float64] | NDArray[np.object_]]:
     """Run the module over arrays of parameters and inputs, broadcast together: one run per element.
 
     Args:
@@ -42,16 +42,16 @@ def batch(
         "". All have the shape of the broadcast values.
 
     Raises:
-        Refused: An argument is invalid for all runs: a name, the times, the workers, arrays that do not
-            broadcast together, or a name without any valid value.
+        ParameterError: An argument is invalid for all runs: a name, the times, the workers, arrays that do
+            not broadcast together, or a name without any valid value.
     """
     variables = Module.model.by_name
     names = [variables[name].name for name in as_names(outputs)]
     lengths = np.diff(communication_points(stop_time, stop_time if step is None else step))
     if workers is not None and not (isinstance(workers, int) and workers > 0):
-        raise Refused(must_be("workers", "a whole number of at least 1", repr(workers)))
+        raise ParameterError(must_be("workers", "a whole number of at least 1", repr(workers)))
     if not isinstance(values, Mapping):
-        raise Refused(must_be("values", "numbers, strings or arrays by name", repr(values)))
+        raise ParameterError(must_be("values", "numbers, strings or arrays by name", repr(values)))
     arrays = _broadcast({name: _readable(Module.settable(name), value) for name, value in values.items()})
     shape = next(iter(arrays.values())).shape if arrays else ()
     ends = np.full((len(names), *shape), np.nan)
@@ -62,7 +62,7 @@ def batch(
         try:
             module = Module().start(**{name: array.item(place) for name, array in arrays.items()})
             run(module, lengths, {}, names, rows)
-        except Refused as error:
+        except InertiaModuleError as error:
             refused[place] = str(error)
         else:
             ends[:, *place] = rows[-1]
@@ -79,7 +79,7 @@ def _readable(variable: Variable, values: ArrayLike) -> AnyArray:
     try:
         array = np.asarray(values)
     except ValueError as error:
-        raise Refused(f"{variable.name} must be an array with rows of equal length: {error}") from None
+        raise ParameterError(f"{variable.name} must be an array with rows of equal length: {error}") from None
     reason = ""
     for value in array.ravel().tolist():
         try:
@@ -90,7 +90,7 @@ def _readable(variable: Variable, values: ArrayLike) -> AnyArray:
         else:
             return array
     if reason:
-        raise Refused(reason)
+        raise ParameterError(reason)
     return array
 
 
@@ -100,5 +100,5 @@ def _broadcast(arrays: Mapping[str, AnyArray]) -> dict[str, AnyArray]:
         broadcast = np.broadcast_arrays(*arrays.values())
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.size != 1)
-        raise Refused(f"values must have shapes that broadcast together: {shapes}") from None
+        raise ParameterError(f"values must have shapes that broadcast together: {shapes}") from None
     return dict(zip(arrays, broadcast, strict=True))

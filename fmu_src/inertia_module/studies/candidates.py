@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.equality import ByContent
-from ..common.errors import Refused
+from ..common.errors import ParameterError
 from ..common.terminal import Progress
 from ..interface.variables import PARAMETER, REAL, VARIABLES, Group
 from ..scene import Scene
@@ -235,7 +235,7 @@ def release_candidates(
         return sorted(optima, key=lambda name: -likelihood_ratio(optimum, optima[name]))
 
     def fit(name: str, point: Array) -> None:
-        with contextlib.suppress(Refused):
+        with contextlib.suppress(ParameterError):
             refit = optima[name].problem.minimise(point, refit=True)
             if likelihood_ratio(optima[name], refit) >= 0.0:
                 optima[name] = refit.with_estimated_noise()

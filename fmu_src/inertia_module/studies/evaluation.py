@@ -15,18 +15,19 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, ParameterError, must_be
 from ..common.extras import library
 from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
 from ..fmi.results import heading, write_rows
-from ..scene import Scene, load_scene
+from ..scene import Scene
 from ..scene.keys import validated
+from ..scene.reading import as_scene
 from ..scene.run import Quantity, SceneRunner
 from .axes import Point
 
-Figures = dict[str, Quantity]
-FiguresOf = Callable[[Point], Figures]
+Metrics = dict[str, Quantity]
+MetricsOf = Callable[[Point], Metrics]
 # metrics of a summary that depend on the computer
 TIMES = ("wall_time", "real_time_factor")
 JOURNAL = "journal.jsonl"
@@ -37,13 +38,13 @@ class Row(NamedTuple):
 
     Attributes:
         point: Values by key.
-        figures: Metrics by name.
+        metrics: Metrics by name.
         cost: Run time, s.
         refused: Message of a failed run; "" for a successful run.
     """
 
     point: Point
-    figures: dict[str, float]
+    metrics: dict[str, float]
     cost: float
     refused: str = ""
 
@@ -76,7 +77,7 @@ class Task(ByContent):
 
     fmu: bytes
     settings: dict[str, Any]
-    prepare: Callable[[dict[str, Any], SceneRunner], FiguresOf]
+    prepare: Callable[[dict[str, Any], SceneRunner], MetricsOf]
 
     @property
     def identity(self) -> str:
@@ -85,7 +86,7 @@ class Task(ByContent):
         return content_hash({"scene": settings.encode(), "fmu": self.fmu})
 
 
-def summaries(tables: dict[str, Any], runner: SceneRunner) -> FiguresOf:
+def summaries(tables: dict[str, Any], runner: SceneRunner) -> MetricsOf:
     """Return a function from a point to the summary of a scene, as Task.prepare.
 
     Args:
@@ -96,7 +97,7 @@ def summaries(tables: dict[str, Any], runner: SceneRunner) -> FiguresOf:
     return lambda point: summary_of(runner, scene.with_keys(point))
 
 
-def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
+def summary_of(runner: SceneRunner, scene: Scene) -> Metrics:
     """Run a scene and return the metrics of its summary, except TIMES.
 
     Args:
@@ -107,23 +108,23 @@ def summary_of(runner: SceneRunner, scene: Scene) -> Figures:
     return {name: quantity for name, quantity in quantities.items() if name not in TIMES}
 
 
-def evaluate(figures_of: FiguresOf, points: list[Point]) -> Batch:
+def evaluate(metrics_of: MetricsOf, points: list[Point]) -> Batch:
     """Evaluate points sequentially; a failed run is a result.
 
     Args:
-        figures_of: Function from a point to metrics.
+        metrics_of: Function from a point to metrics.
         points: The points.
     """
     batch = Batch([], {})
     for point in points:
         start = time.perf_counter()
         try:
-            figures, message = figures_of(point), ""
-        except Refused as error:
-            figures, message = {}, " ".join(str(error).split())
+            metrics, message = metrics_of(point), ""
+        except InertiaModuleError as error:
+            metrics, message = {}, " ".join(str(error).split())
         cost = time.perf_counter() - start
-        batch.units.update({name: quantity.unit for name, quantity in figures.items()})
-        values = {name: quantity.value for name, quantity in figures.items()}
+        batch.units.update({name: quantity.unit for name, quantity in metrics.items()})
+        values = {name: quantity.value for name, quantity in metrics.items()}
         batch.rows.append(Row(point, values, cost, message))
     return batch
 
@@ -144,7 +145,7 @@ class Evaluator(ExitStack):
         new: Number of results that were not in the journal.
 
     Raises:
-        Refused: The folder contains results of another task, or workers is invalid.
+        ParameterError: The folder contains results of another task, or workers is invalid.
         OSError: The folder cannot be written.
     """
 
@@ -158,7 +159,7 @@ class Evaluator(ExitStack):
     ) -> None:
         super().__init__()
         if workers is not None and workers < 1:
-            raise Refused(must_be("workers", "at least 1", workers))
+            raise ParameterError(must_be("workers", "at least 1", workers))
         self.path = writable_folder(folder) / JOURNAL
         self.rows, self.units = dict[str, Row](), dict[str, str]()
         head = json.dumps({"task": task.identity})
@@ -166,7 +167,7 @@ class Evaluator(ExitStack):
         text = self.path.read_text(encoding="utf-8") if exists else f"{head}\n"
         first_line, _, results = text.partition("\n")
         if first_line != head:
-            raise Refused(
+            raise ParameterError(
                 f"{folder} contains results of another scene or version; use another folder or delete"
                 f" {JOURNAL} in it"
             )
@@ -235,7 +236,7 @@ def read(scene: Scene | Path | str) -> tuple[Scene, str]:
     Raises:
         SceneError: The file is invalid.
     """
-    return (scene, "scene") if isinstance(scene, Scene) else (load_scene(scene), Path(scene).stem)
+    return as_scene(scene), "scene" if isinstance(scene, Scene) else Path(scene).stem
 
 
 def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, str]) -> dict[str, Path]:
@@ -253,9 +254,9 @@ def write_tables(folder: Path, name: str, rows: Sequence[Row], units: dict[str, 
         Paths of the files, by kind.
     """
     arrow, parquet = library("pyarrow", "studies"), library("pyarrow.parquet", "studies")
-    records = [{**row.point, **row.figures, "cost": row.cost, "refused": row.refused} for row in rows]
+    records = [{**row.point, **row.metrics, "cost": row.cost, "refused": row.refused} for row in rows]
     keys = [name for row in rows for name in row.point]
-    names = dict.fromkeys([*keys, *(name for row in rows for name in row.figures), "cost", "refused"])
+    names = dict.fromkeys([*keys, *(name for row in rows for name in row.metrics), "cost", "refused"])
     columns = {name: [record.get(name) for record in records] for name in names}
     units = {**dict.fromkeys(columns, ""), **units, "cost": "s"}
     table, buffer = arrow.table(columns), arrow.BufferOutputStream()

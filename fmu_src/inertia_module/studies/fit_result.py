@@ -117,7 +117,7 @@ def scale_remark(free: Sequence[str], scale: Sequence[str]) -> str:
     return alone if len(scale) == 1 else ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FitResult(ByContent):
     """Result of a fit.
 
@@ -156,6 +156,10 @@ class FitResult(ByContent):
     runs: int
     converged: bool
     files: dict[str, Path] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        values = (f"{fitted.name} = {fitted.value:.5g} {fitted.unit}".rstrip() for fitted in self.parameters)
+        return f"FitResult({listed(values)})"
 
     def __getitem__(self, name: str) -> Fitted:
         """Return a fitted key by its dotted name or, of the mechanism, by its bare name."""
@@ -229,7 +233,7 @@ class FitResult(ByContent):
             lines["scale of masses and torques"] = f"{', '.join(self.scale)}, taken as exact"
         return lines
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return the result for machines; None is unknown."""
         units = self.measurement.table.units
         content: dict[str, Any] = to_jsonable_python(
@@ -286,7 +290,11 @@ class FitResult(ByContent):
         return Result(columns, units)
 
     def write(self, folder: Path) -> dict[str, Path]:
-        """Write fitted.toml, residuals.csv and fit.json, each whole or not at all."""
+        """Write fitted.toml, residuals.csv and fit.json, each atomically; return their paths by kind.
+
+        Args:
+            folder: output folder (created if missing).
+        """
         return {
             "scene": write_text(folder / "fitted.toml", scene_text(self.scene)),
             "residuals": self.table().to_csv(folder / "residuals.csv"),

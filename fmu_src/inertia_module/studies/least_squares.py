@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.equality import ByContent
-from ..common.errors import Refused
+from ..common.errors import ParameterError
 from .axes import Free
 from .measurement import Rig, autocorrelation
 
@@ -101,7 +101,7 @@ class Problem(ByContent):
             jacobian: a constant Jacobian instead of differences (chord method), shape (residuals, keys).
 
         Raises:
-            Refused: the scene rejects values within the ranges.
+            ParameterError: the scene rejects values within the ranges.
         """
         from scipy.optimize import least_squares
 
@@ -131,7 +131,7 @@ class Problem(ByContent):
                 max_nfev=MAX_REFIT_EVALUATIONS if refit else MAX_EVALUATIONS,
             )
         except ValueError as error:
-            raise Refused(
+            raise ParameterError(
                 f"the scene rejects values within the ranges: {self.rig.rejection or error}"
             ) from error
         # SciPy keeps a small distance from the bounds

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import InertiaModuleError, ParameterError, must_be, unknown
 from ..common.time_range import likely_cause
 from ..common.units import factor_between
 from ..driveline import ClosedLoop
@@ -145,7 +145,7 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
 
     Raises:
         TableError: the file is no table over time, or a unit is of another quantity.
-        Refused: the scene does not compute a column, the time is outside the run, or a noise is not
+        ParameterError: the scene does not compute a column, the time is outside the run, or a noise is not
             above 0.
     """
     table = measured if isinstance(measured, Result) else Result.from_csv(measured)
@@ -155,7 +155,7 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     if times[0] < 0.0 or times[-1] > stop_time * (1.0 + 1e-9):
         run = f"within the run of the scene, 0 to {stop_time:g} s"
         span = f"{times[0]:.12g} to {times[-1]:.12g} s"
-        raise Refused(f"{must_be('time', run, span)}: {likely_cause(float(times[0]))}")
+        raise ParameterError(f"{must_be('time', run, span)}: {likely_cause(float(times[0]))}")
     units = SIGNAL_UNITS | scene.signal_units | {name: one.unit for name, one in BY_NAME.items()}
     si_units = {name: units.get(name, "") or "1" for name in compared}
     si_units |= {f"{name}{NOISE}": si_units[name] for name in noisy}
@@ -165,7 +165,8 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
     for name, deviation in noise.items():
         if deviation.min() <= 0.0:
             row = int(np.argmin(deviation))
-            raise Refused(must_be(f"{si.place(row)}{name}{NOISE}", "above 0", f"{deviation[row]:g}"))
+            place = f"{si.origin.path} line {si.origin.lines[row]}: " if si.origin else ""
+            raise ParameterError(must_be(f"{place}{name}{NOISE}", "above 0", f"{deviation[row]:g}"))
     counted = np.ones((len(table), len(compared)), dtype=bool)
     counted[0, [name.endswith(MEAN) for name in compared]] = False
     of_steps = np.array([name.endswith((MEAN, PEAK)) for name in compared])
@@ -189,13 +190,13 @@ def _compared(table: Result, scene: Scene, columns: Sequence[str]) -> tuple[list
     compared = [*columns] or [name for name in values if name in known or table.origin is None]
     for name in compared if compared else values:
         if name not in known:
-            raise Refused(unknown("output of the scene", name, known))
+            raise ParameterError(unknown("output of the scene", name, known))
     if not compared:
-        raise Refused(must_be("at least one column", "computed by the scene", ", ".join(table.names)))
+        raise ParameterError(must_be("at least one column", "computed by the scene", ", ".join(table.names)))
     for name in names:
         value = name.removesuffix(NOISE)
         if value not in (name, *names) and (table.origin is None or value in known):
-            raise Refused(f"column {name} requires a column {value}")
+            raise ParameterError(f"column {name} requires a column {value}")
     return compared, [name for name in values if name not in known]
 
 
@@ -209,8 +210,8 @@ class Rig(SceneRunner):
         rejection: reason of the last rejected run, or "".
     """
 
-    def __init__(self, scene: Scene, data: Measurement, fmu_path: Path) -> None:
-        super().__init__(fmu_path)
+    def __init__(self, scene: Scene, data: Measurement, fmu: Path) -> None:
+        super().__init__(fmu)
         self.scene, self.data, self.runs, self.rejection = scene, data, 0, ""
         signals = scene.surroundings.output_labels
         self._read = tuple(name for name in data.columns if name not in signals)
@@ -231,7 +232,7 @@ class Rig(SceneRunner):
         self.runs += 1
         try:
             ideal = self._columns(self.scene.with_keys(keys), times)
-        except Refused as error:
+        except InertiaModuleError as error:
             self.rejection = str(error)
             return np.full(times.shape, np.nan)
         return of_sensors(GAIN, 1.0) * ideal + of_sensors(OFFSET, 0.0)
@@ -244,7 +245,7 @@ class Rig(SceneRunner):
         if off.any() and scene.parameters().get("input_hold"):
             allowed = f"a multiple of run.communication_step = {step:g} s"
             time = f"{times[off][0]:g} s"
-            raise Refused(must_be("with mechanism.input_hold = 'linear' each time", allowed, time))
+            raise ParameterError(must_be("with mechanism.input_hold = 'linear' each time", allowed, time))
         points = TICKS * np.arange(max(-(-int(ticks.max()) // TICKS), 1) + 1)
         stops = np.union1d(ticks, points)
         self._stops, self._points, self._taken = stops * (step / TICKS), np.searchsorted(stops, points), 0

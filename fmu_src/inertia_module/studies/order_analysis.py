@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,10 +24,10 @@ from scipy import signal
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from ..common.deprecated import renamed_arguments
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be
-from ..common.extras import library
-from ..common.files import write_atomically, write_text
+from ..common.errors import ParameterError, listed, must_be
+from ..common.files import write_text
 from ..common.terminal import Progress
 from ..common.units import factor_between
 from ..driveline import ClosedLoop
@@ -85,12 +83,6 @@ SHIFT_FACTOR = 1.1
 TURNS, MIN_TURNS = 32.0, 4.0
 # relative round-off of a signal (of its maximum or nominal value) and of limits
 ROUNDING = 1e-8
-# units of a UFF file, and common fields of its data sets: amplitudes over orders, speed on the z axis
-UFF_UNITS: dict[str, Any] = {"type": 164, "units_code": 1, "units_description": "SI", "length": 1.0}
-UFF_UNITS |= {"force": 1.0, "temp": 1.0, "temp_offset": 273.15}
-UFF_LINES: dict[str, Any] = {"type": 58, "func_type": 0, "ref_node": 0, "ref_dir": 0}
-UFF_LINES |= {"abscissa_spec_data_type": 20, "abscissa_spacing": 1, "orddenom_spec_data_type": 0}
-UFF_LINES |= {"z_axis_spec_data_type": 19, "z_axis_axis_lab": "speed", "z_axis_axis_units_lab": "rpm"}
 # units of the axes in files
 UNITS = {"time": "s", "speed": "rad/s", "rpm": "rpm", "frequency": "Hz"}
 
@@ -145,7 +137,7 @@ def leakage(distance: float) -> float:
     return 1.0 / (math.pi * distance * (distance**2 - 1.0)) if distance > HALF_LOBE else 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Orders(ByContent):
     """Spectra of signals over n orders in m windows.
 
@@ -176,6 +168,10 @@ class Orders(ByContent):
     units: dict[str, str]
     highest: float
     step: float
+
+    def __repr__(self) -> str:
+        signals = listed(self.spectrum)
+        return f"Orders({signals}: up to {self.highest:.4g} per {BASES[self.of]}, {self.time.size} windows)"
 
     @cached_property
     def waterfall(self) -> dict[str, Array]:
@@ -333,7 +329,7 @@ class Orders(ByContent):
         )
         return line, at
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return the main lines of each signal, for JSON."""
         return {
             "of": BASES[self.of],
@@ -387,31 +383,6 @@ class Orders(ByContent):
         axes = {name: getattr(self, name) for name in ("order", *UNITS)}
         return write_mat(path, "orders", {**axes, **self.spectrum}, {**self.units, **UNITS})
 
-    def write_uff(self, path: Path) -> Path:
-        """Write a UFF file: for each signal and window a complex data set 58 over orders, rpm on the z axis.
-
-        Args:
-            path: Path of the file.
-
-        Raises:
-            NotInstalled: The package pyuff is not installed.
-        """
-        sets = [UFF_UNITS]
-        for node, (name, rows) in enumerate(self.spectrum.items(), 1):
-            # Directions of forces are 1 to 3, directions of moments are 4 to 6.
-            component = re.search("_(force|moment)_([xyz])$", name)
-            side = "xyz".index(component[2]) + (1 if component[1] == "force" else 4) if component else 0
-            fields = {**UFF_LINES, "x": self.order, "id1": name, "id2": f"cycles per {BASES[self.of]}"}
-            fields |= {"rsp_node": node, "rsp_dir": side, "ordinate_axis_lab": name[:20]}
-            fields["ordinate_axis_units_lab"] = self.units[name] or "NONE"
-            for row, time, rpm in zip(rows, self.time, self.rpm, strict=True):
-                sets.append({**fields, "id3": f"at {time:g} s", "data": row, "z_axis_value": rpm})
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "orders.uff"
-            library("pyuff", "studies").UFF(str(file)).write_sets(sets, "overwrite")
-            write_atomically(path, file.read_bytes())
-        return path
-
 
 def spectra(
     table: Result,
@@ -435,24 +406,24 @@ def spectra(
         drive: Revolutions of the pinion shaft up to each row, for lines that shift with it.
 
     Raises:
-        Refused: turned does not increase or is too short for a window, or the rows are too far apart.
+        ParameterError: turned does not increase or is too short for a window, or the rows are too far apart.
     """
     steps, all_turns = np.diff(turned), float(turned[-1] - turned[0])
     constant_rows = np.flatnonzero(steps <= 0.0)
     if constant_rows.size:
         at = f"constant or decreasing at {table.time[constant_rows[0]]:g} s"
-        raise Refused(
+        raise ParameterError(
             f"{must_be('the angle that orders refer to', 'increasing', at)}; choose another time range"
         )
     resolved = 1.0 / (POINTS_PER_CYCLE * float(steps.max()))
     if highest is not None and not 0.0 < highest <= resolved * (1.0 + ROUNDING):
         demand = must_be("highest (maximum order)", f"above 0 and at most {resolved:.4g}", f"{highest:g}")
-        raise Refused(f"{demand}; a shorter run.communication_step allows higher orders")
+        raise ParameterError(f"{demand}; a shorter run.communication_step allows higher orders")
     limit = resolved if highest is None else highest
     per_window = min(TURNS, max(MIN_TURNS, all_turns / 4.0)) if turns is None else turns
     if not MIN_TURNS <= per_window <= all_turns:
         allowed = f"at least {MIN_TURNS:g} and at most {all_turns:.4g} (1 turn = 1 {BASES[of]})"
-        raise Refused(must_be("turns (window length)", allowed, f"{per_window:.4g}"))
+        raise ParameterError(must_be("turns (window length)", allowed, f"{per_window:.4g}"))
     samples = math.ceil(1.0 / max(float(steps.min()), float(steps.max()) / MAX_REFINEMENT))
     size = round(per_window * samples)
     angle = np.arange(math.floor(all_turns * samples) + 1) / samples
@@ -499,9 +470,10 @@ def rounding(table: Result, name: str) -> float:
     return ROUNDING * max(float(np.abs(table[name]).max()), nominal or 0.0)
 
 
+@renamed_arguments(fmu_path="fmu")
 def orders(
     scene: Scene | Path | str,
-    fmu_path: Path | str | None = None,
+    fmu: Path | str | None = None,
     *,
     of: str = LINK1,
     signals: Sequence[str] | None = None,
@@ -516,7 +488,7 @@ def orders(
 
     Args:
         scene: Scene, or path of its file.
-        fmu_path: FMU of the module; None for current_fmu().
+        fmu: FMU of the module; None for current_fmu().
         of: Reference angle, "link1" or "drive_angle" (pinion shaft).
         signals: Names of outputs, local variables, signals of the loop, or names in BEARING; None for the
             signals in SIGNALS that are not constant.
@@ -532,24 +504,24 @@ def orders(
 
     Raises:
         SceneError: The scene is invalid, or has no signal of this name.
-        Refused: Reasons of spectra, fidelity averaged (no pulses), an invalid interval, or a signal that the
-            scene computes once per communication step.
+        ParameterError: Reasons of spectra, fidelity averaged (no pulses), an invalid interval, or a signal
+            that the scene computes once per communication step.
     """
     if of not in BASES:
-        raise Refused(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
+        raise ParameterError(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
     scene, _ = read(scene)
     if scene.parameters().get("fidelity") == AVERAGED:
         demand = must_be("fidelity", "kinematic, rigid or elastic for orders", "averaged")
-        raise Refused(f"{demand}: this fidelity level has no pulses")
+        raise ParameterError(f"{demand}: this fidelity level has no pulses")
     last = scene.run.stop_time if end is None else end
     first = begin or 0.0
     if not 0.0 <= first < last <= scene.run.stop_time:
         limits = f"increasing and within 0 to {scene.run.stop_time:g} s"
-        raise Refused(must_be("the time range", limits, f"{first:g} to {last:g} s"))
+        raise ParameterError(must_be("the time range", limits, f"{first:g} to {last:g} s"))
     selection = SIGNALS if signals is None else tuple(dict.fromkeys(signals))
     outputs = dict.fromkeys([*(BEARING.get(name, name) for name in selection), "input_speed", *ANGLES])
     scene = scene.replaced(run={"outputs": list(outputs)})
-    recorder = _Recorder(scene, fmu_path, first, last, progress)
+    recorder = _Recorder(scene, fmu, first, last, progress)
     record = recorder.record() if record is None else record
     first_row = recorder.first_row(record, of if begin is None else None)
     sampling = _sampling(scene, recorder.part(record, first_row), of, highest)
@@ -563,7 +535,7 @@ def orders(
     table = recorder.part(signals_table, first_row)
     varying = [name for name in selection if np.ptp(table[name]) > rounding(table, name)]
     if not varying and signals is None:
-        raise Refused(f"all signals are constant: {', '.join(selection)}")
+        raise ParameterError(f"all signals are constant: {', '.join(selection)}")
     names = varying if signals is None else selection
     return spectra(
         table, _revolutions(table, of), names, of, sampling.highest, turns, _revolutions(table, DRIVE)
@@ -595,7 +567,7 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
         highest: Maximum order; None for HARMONICS harmonics of the pulses.
 
     Raises:
-        Refused: The maximum order is not positive.
+        ParameterError: The maximum order is not positive.
     """
     rate, pinion_rate = (_fastest(table, base) for base in (of, DRIVE))
     module = Module("plain")
@@ -605,7 +577,7 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
     pulses = 1.0 if d.planar else 2.0 + d.s
     limit = HARMONICS * pulses * (d.k if of == LINK1 else 1.0) if highest is None else highest
     if not (math.isfinite(limit) and limit > 0.0):
-        raise Refused(must_be("highest (maximum order)", "above 0", f"{limit:g}"))
+        raise ParameterError(must_be("highest (maximum order)", "above 0", f"{limit:g}"))
     sampling = max(POINTS_PER_CYCLE * limit * rate, limit * rate + ALIASED_HARMONIC * pulses * pinion_rate)
     return _Sampling(limit, 1.0 / sampling if sampling > 0.0 else math.inf)
 
@@ -620,14 +592,14 @@ class _Recorder(NamedTuple):
 
     Attributes:
         scene: Scene with the outputs to record.
-        fmu_path: FMU of the module; None for current_fmu().
+        fmu: FMU of the module; None for current_fmu().
         first: Start of the time range, s.
         last: End of the time range, s.
         progress: Function called with the completed fraction of a run, 0 to 1.
     """
 
     scene: Scene
-    fmu_path: Path | str | None
+    fmu: Path | str | None
     first: float
     last: float
     progress: Progress | None
@@ -641,8 +613,10 @@ class _Recorder(NamedTuple):
         step = self.scene.run.communication_step
         stop = min(self.scene.run.stop_time, math.ceil(self.last / step - ROUNDING) * step)
         values, inputs = start_of(self.scene)
-        with Fmu(self.fmu_path, values, inputs, stop_time=stop) as fmu:
-            loop = ClosedLoop(fmu, self.scene.surroundings, self.scene.run.outputs, self.scene.signal_units)
+        with Fmu(self.fmu, values, inputs, stop_time=stop) as instance:
+            loop = ClosedLoop(
+                instance, self.scene.surroundings, self.scene.run.outputs, self.scene.signal_units
+            )
             return loop.run(stop, self.progress, substeps)
 
     def first_row(self, record: Result, of: str | None) -> int:
@@ -673,7 +647,7 @@ class _Recorder(NamedTuple):
             names: Names of the analysed signals.
 
         Raises:
-            Refused: The run would have too many rows, or the scene computes a signal once per step.
+            ParameterError: The run would have too many rows, or the scene computes a signal once per step.
         """
         step = self.scene.run.communication_step
         number = math.ceil(step / sampling.step - ROUNDING)
@@ -681,7 +655,7 @@ class _Recorder(NamedTuple):
             return 1
         limit = MAX_ROWS * sampling.step
         if self.last > limit:
-            raise Refused(
+            raise ParameterError(
                 f"orders up to {sampling.highest:.4g} need steps of {_step_text(sampling.step)}, more than"
                 f" {MAX_ROWS:,} in {self.last:g} s; lower highest, or end the time range before {limit:.3g} s"
             )
@@ -692,7 +666,7 @@ class _Recorder(NamedTuple):
         if parameters.get("input_hold", 0.0) and parameters.get("drive", DRIVE_SPEED) == DRIVE_SPEED:
             once_per_step.append("omega1 with mechanism.input_hold = linear")
         if once_per_step:
-            raise Refused(
+            raise ParameterError(
                 f"orders up to {sampling.highest:.4g} need run.communication_step ="
                 f" {_step_text(0.9 * sampling.step)} or less (got {step:g} s): the scene computes"
                 f" {', '.join(once_per_step)} once per communication step"

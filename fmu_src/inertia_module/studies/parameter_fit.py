@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, ParameterError, must_be
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
@@ -21,7 +21,7 @@ from ..common.units import has_mass
 from ..fmi.instance import fmu_file
 from ..fmi.simulate import Result
 from ..scene import Scene
-from .axes import Free, Point, Range, free_keys, of_shares, shares_sampled
+from .axes import Free, Point, free_keys, of_shares, shares_sampled
 from .candidates import Candidate, candidate_keys, causes, release_candidates
 from .evaluation import read
 from .fit_result import (
@@ -58,7 +58,7 @@ SCALE_FACTOR, MAX_SCALE_CHANGE = 1.1, 1.0
 def fit(
     measured: Result | Path | str,
     scene: Scene | Path | str,
-    free: Sequence[str] | Mapping[str, Range],
+    free: Mapping[str, str | Sequence[float | str] | None],
     *,
     columns: Sequence[str] = (),
     starts: int = 16,
@@ -72,10 +72,11 @@ def fit(
     Args:
         measured: table, or CSV file; see measurement.
         scene: scene, or its file.
-        free: "NAME", "NAME=LOW:HIGH" or, with prior knowledge, "NAME=VALUE +- DEVIATION" each; or the text
-            after the sign (or None) by name. NAME is a key of the scene by dots, a parameter of the
-            mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late) of a sensor;
-            "shift.time" is for all columns. A DEVIATION of 0 declares the value exact.
+        free: ranges by name: "LOW:HIGH", (low, high), "log:LOW:HIGH", with prior knowledge
+            "VALUE +- DEVIATION", or None for a search from the value in the scene. A name is a dotted key of
+            the scene, a parameter of the mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s,
+            positive if late) of a sensor; "shift.time" is for all columns. A deviation of 0 declares the
+            value exact.
         columns: names of the compared columns; by default all that the scene computes.
         starts: points of the ranges (Latin hypercube) that are compared besides the values of the scene. The
             best N_SEARCHES of them start a search.
@@ -85,26 +86,26 @@ def fit(
         progress: called with the share that is done.
 
     Raises:
-        Refused: scene, measurement or free keys are invalid, the measurement has too few values, no free key
-            has an influence, or the scene rejects all values; in one sentence.
-        NotInstalled: the extra ``studies`` is not installed.
+        ParameterError: scene, measurement or free keys are invalid, the measurement has too few values, no
+            free key has an influence, or the scene rejects all values; in one sentence.
+        MissingDependencyError: the extra ``studies`` is not installed.
     """
     library("tomli_w", "studies")
     base, title = read(scene)
     data = measurement(measured, base, columns)
     keys = free_keys(free, base, data.sensors)
     if not any(key.deviation for key in keys):
-        raise Refused("at least one key must be free; a deviation of 0 fixes a key")
+        raise ParameterError("at least one key must be free; a deviation of 0 fixes a key")
     _check_number(data, sum(key.deviation > 0.0 for key in keys))
     for name, number in {"starts": starts, "seed": seed}.items():
         if number < 0:
-            raise Refused(must_be(name, "at least 0", str(number)))
+            raise ParameterError(must_be(name, "at least 0", str(number)))
     with Rig(base, data, fmu_file(fmu)) as rig:
         remarks = _unit_remarks(rig, keys)
         try:
             result = _run(rig, keys, starts, seed, progress or (lambda share: None), remarks)
-        except Refused as error:
-            raise Refused("; ".join([str(error), *remarks])) from error
+        except InertiaModuleError as error:
+            raise ParameterError("; ".join([str(error), *remarks])) from error
     folder = OUTPUT_FOLDER / f"{title}_fit" if output is None else Path(output)
     return dataclasses.replace(result, files=result.write(folder))
 
@@ -115,10 +116,10 @@ def _check_number(data: Measurement, keys: int) -> None:
     for name, number in zip(data.columns, data.counted.sum(axis=0).tolist(), strict=True):
         if name not in data.noise and number < least:
             allowed = f"at least {least} ({keys} free parameters, {N_FREE_VALUES} for the noise)"
-            raise Refused(must_be(f"the number of measured values of {name}", allowed, str(number)))
+            raise ParameterError(must_be(f"the number of measured values of {name}", allowed, str(number)))
     if data.number <= keys:
         allowed = f"greater than {keys}, the number of free parameters"
-        raise Refused(must_be("the number of measured values", allowed, str(data.number)))
+        raise ParameterError(must_be("the number of measured values", allowed, str(data.number)))
 
 
 def _exact(keys: Sequence[Free]) -> dict[str, float]:
@@ -158,7 +159,9 @@ def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> lis
         chi_squared.append(float(np.sum(problem.residuals(point) ** 2)))
     best = [points[n] for n in np.argsort(chi_squared)[:N_SEARCHES] if math.isfinite(chi_squared[n])]
     if not best:
-        raise Refused(f"the scene rejects all start values of the free parameters: {problem.rig.rejection}")
+        raise ParameterError(
+            f"the scene rejects all start values of the free parameters: {problem.rig.rejection}"
+        )
     optima = []
     for n, point in enumerate(best, 1):
         progress(0.1 + 0.2 * n / len(best))
@@ -171,7 +174,7 @@ def _influential(optimum: Optimum) -> Optimum:
     keys = optimum.problem.keys
     changes = np.linalg.norm(optimum.jacobian, axis=0) * optimum.problem.sizes / optimum.noise_ratios.max()
     if not (changes >= MIN_INFLUENCE).any():
-        raise Refused(
+        raise ParameterError(
             f"no free parameter ({', '.join(key.name for key in keys)}) has an influence on"
             f" {', '.join(optimum.problem.rig.data.columns)}"
         )

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.deprecated import renamed_attributes
 from ..common.equality import ByContent
-from ..common.errors import Refused, must_be, unknown
+from ..common.errors import ParameterError, listed, must_be, unknown
 from ..common.extras import library
 from ..common.files import OUTPUT_FOLDER
 from ..common.terminal import Progress
@@ -32,19 +33,19 @@ class Share(NamedTuple):
     Source: Saltelli et al. (2010), Variance based sensitivity analysis of model output, table 2.
 
     Attributes:
-        figure: Name of the metric.
+        metric: Name of the metric.
         key: Dotted key.
         first_order: Fraction of the variance that the key alone causes.
         total: Fraction of the variance that the key causes, including interactions with other keys.
     """
 
-    figure: str
+    metric: str
     key: str
     first_order: float
     total: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SweepResult(ByContent):
     """Result of a sweep.
 
@@ -66,34 +67,41 @@ class SweepResult(ByContent):
     sensitivity: list[Share]
     files: dict[str, Path]
 
+    def __repr__(self) -> str:
+        keys = listed(axis.name for axis in self.axes)
+        runs = f"{len(self.rows)} runs, {len(self.refused)} failed"
+        return f"SweepResult({runs}: {len(self.metrics)} metrics over {keys})"
+
+    __getattr__ = renamed_attributes(figure="metric", figures="metrics")
+
     @property
     def refused(self) -> list[Row]:
         """Return the rows of failed runs."""
         return [row for row in self.rows if row.refused]
 
-    def figure(self, name: str) -> NDArray[np.float64]:
+    def metric(self, name: str) -> NDArray[np.float64]:
         """Return the values of a metric, NaN for failed runs, shape (rows,).
 
         Args:
             name: Name of the metric.
 
         Raises:
-            Refused: No row has the metric.
+            ParameterError: No row has the metric.
         """
-        names = self.figures
+        names = self.metrics
         if name not in names:
-            raise Refused(unknown("metric", name, names))
-        return np.array([row.figures.get(name, np.nan) for row in self.rows])
+            raise ParameterError(unknown("metric", name, names))
+        return np.array([row.metrics.get(name, np.nan) for row in self.rows])
 
     @property
-    def figures(self) -> list[str]:
+    def metrics(self) -> list[str]:
         """Return the names of the metrics."""
-        return list(dict.fromkeys(name for row in self.rows for name in row.figures))
+        return list(dict.fromkeys(name for row in self.rows for name in row.metrics))
 
 
 def sweep(
     scene: Scene | Path | str,
-    vary: Sequence[str] | Mapping[str, Any],
+    vary: Mapping[str, str | Sequence[float | str]],
     *,
     sample: str | None = None,
     sensitivity: int | None = None,
@@ -108,8 +116,8 @@ def sweep(
 
     Args:
         scene: Scene, or path of its file.
-        vary: Texts "NAME=FROM:TO:COUNT", "NAME=log:FROM:TO:COUNT" or "NAME=A,B,C", or such ranges by name.
-            NAME is a dotted key of the scene or a parameter of the mechanism.
+        vary: Ranges "FROM:TO:COUNT", "log:FROM:TO:COUNT" or "A,B,C" with optional units, or lists of values,
+            by dotted key of the scene or by parameter of the mechanism.
         sample: "latin:COUNT" or "sobol:COUNT" for samples; None for a grid.
         sensitivity: Number n of base samples for Sobol indices, a power of 2. The sweep then has n (d + 2)
             runs over d ranges instead of a grid.
@@ -121,21 +129,21 @@ def sweep(
         progress: Function called with the completed fraction, 0 to 1.
 
     Raises:
-        Refused: The scene, a range or a sample is invalid, or the folder contains another sweep.
-        NotInstalled: The extra ``studies`` is not installed.
+        ParameterError: The scene, a range or a sample is invalid, or the folder contains another sweep.
+        MissingDependencyError: The extra ``studies`` is not installed.
     """
     for library_name in ("distributed", "pyarrow"):
         library(library_name, "studies")
     base, name = read(scene)
     axes = axes_of(vary, base)
     if seed < 0:
-        raise Refused(must_be("seed", "at least 0", seed))
+        raise ParameterError(must_be("seed", "at least 0", seed))
     if sensitivity is not None and (sensitivity < 2 or sensitivity & (sensitivity - 1)):
-        raise Refused(must_be("sensitivity", "a power of 2, such as 256", sensitivity))
+        raise ParameterError(must_be("sensitivity", "a power of 2, such as 256", sensitivity))
     if sensitivity is None:
         points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
     elif sample is not None:
-        raise Refused("only one of sample and sensitivity is allowed (got both)")
+        raise ParameterError("only one of sample and sensitivity is allowed (got both)")
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
     task = Task(fmu_content(fmu), tables, summaries)
     folder = OUTPUT_FOLDER / f"{name}_sweep" if output is None else Path(output)
@@ -170,7 +178,7 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
         rows: Rows of the sweep.
     """
     names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
-    counts = {name: sum(name not in row.figures for row in rows if not row.refused) for name in names}
+    counts = {name: sum(name not in row.metrics for row in rows if not row.refused) for name in names}
     return {name: number for name, number in counts.items() if number}
 
 
@@ -189,31 +197,31 @@ def indices(
         Sobol indices, and the n (d + 2) rows.
 
     Raises:
-        Refused: A run fails; the indices require a run at every point.
+        ParameterError: A run fails; the indices require a run at every point.
     """
     from scipy.stats import sobol_indices, uniform
 
     all_rows, names = list[Row](), list[str]()
 
-    def figures_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    def metrics_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return metrics, shape (m, points), at fractions of the ranges, shape (axes, points)."""
         rows = evaluate(of_shares(axes, shares.T))
         for row in rows:
             if row.refused:
-                raise Refused(
+                raise ParameterError(
                     f"Sobol indices require a run at every point; {row.point} is rejected: {row.refused}"
                 )
         all_rows.extend(rows)
-        names[:] = names or sorted(set.intersection(*(set(row.figures) for row in rows)))
-        return np.array([[row.figures[name] for row in rows] for name in names])
+        names[:] = names or sorted(set.intersection(*(set(row.metrics) for row in rows)))
+        return np.array([[row.metrics[name] for row in rows] for name in names])
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        sobol = sobol_indices(func=figures_at, n=number, dists=[uniform()] * len(axes), rng=seed)
+        sobol = sobol_indices(func=metrics_at, n=number, dists=[uniform()] * len(axes), rng=seed)
     shape = len(names), len(axes)  # SciPy omits the axis of a single range
     first, total = (np.reshape(part, shape).tolist() for part in (sobol.first_order, sobol.total_order))
     shares = []
     for name, *of_axes in zip(names, first, total, strict=True):
-        if varies(np.array([row.figures[name] for row in all_rows])):
+        if varies(np.array([row.metrics[name] for row in all_rows])):
             keys = [axis.name for axis in axes]
             shares += [Share(name, *values) for values in zip(keys, *of_axes, strict=True)]
     return shares, all_rows

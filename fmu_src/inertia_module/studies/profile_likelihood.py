@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import Refused
+from ..common.errors import InertiaModuleError
 from .axes import Free
 from .least_squares import Array, Optimum
 
@@ -94,7 +94,7 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
             refit = problem.without_key(number, value).minimise(
                 np.delete(guess, number), np.delete(optimum.steps, number), refit=True
             )
-        except Refused:
+        except InertiaModuleError:
             outside = value
             return MAX_ROOT
         refits.append((refit.chi_squared, np.insert(refit.point, number, value)))

@@ -25,7 +25,8 @@ from .axes import of_shares, shares_sampled
 from .evaluation import Evaluate, Row
 
 if TYPE_CHECKING:
-    from .design_search import Judge, Spec
+    from .design_judge import Judge
+    from .design_specification import Spec
 
 Array = NDArray[np.float64]
 
@@ -227,7 +228,7 @@ class DesignSearch:
         costs = {goal: partial(self._cost, number) for number, goal in enumerate(self.spec.goals)}
         for cost in costs.values():
             valid += self._descend(min(valid, key=cost), rows, cost)
-        return {goal: min(valid, key=cost).figures[goal] for goal, cost in costs.items()}
+        return {goal: min(valid, key=cost).metrics[goal] for goal, cost in costs.items()}
 
     def _descend(self, start: Row, rows: Sequence[Row], cost: Callable[[Row], float]) -> list[Row]:
         """Polish a design, and its neighbours in integer keys while a neighbour is better.

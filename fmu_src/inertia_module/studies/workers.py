@@ -32,7 +32,7 @@ from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
 from .. import __version__
-from ..common.errors import Refused, must_be
+from ..common.errors import InertiaModuleError, must_be
 from ..common.files import naming
 from ..scene.run import SceneRunner
 from .axes import Point
@@ -50,7 +50,7 @@ TIMEOUT = 5.0
 LOG = logging.getLogger(__name__)
 
 
-class ClusterError(RuntimeError):
+class ClusterError(InertiaModuleError, RuntimeError):
     """Failure of the scheduler or its workers."""
 
 
@@ -91,10 +91,10 @@ class TaskPlugin(WorkerPlugin):  # type: ignore[misc]
         Args:
             points: The points.
         """
-        if not hasattr(self.local, "figures_of"):
+        if not hasattr(self.local, "metrics_of"):
             runner = self.closing.enter_context(SceneRunner(self.path))
-            self.local.figures_of = self.task.prepare(self.task.settings, runner)
-        return evaluate(self.local.figures_of, points)
+            self.local.metrics_of = self.task.prepare(self.task.settings, runner)
+        return evaluate(self.local.metrics_of, points)
 
 
 def _evaluate_on_worker(name: str, points: list[Point]) -> Batch:
@@ -263,7 +263,7 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
                 continue
             message = f"its worker ended {error.allowed_failures + 1} times"
             result = Batch([Row(batch[0], {}, math.nan, message)], {})
-        except Refused:
+        except InertiaModuleError:
             raise
         except Exception as error:
             raise ClusterError(f"a worker cannot do the task: {type(error).__name__}: {error}") from error

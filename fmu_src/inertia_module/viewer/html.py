@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import Refused, must_be
+from ..common.errors import ParameterError, must_be
 from ..common.files import writable_folder
 from ..common.units import BOOLEANS
 from ..driveline.closed_loop import PLANT_INPUTS
@@ -43,12 +43,12 @@ def template() -> str:
     """Return the viewer without data.
 
     Raises:
-        Refused: The viewer has not been built.
+        ParameterError: The viewer has not been built.
     """
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise Refused(
+        raise ParameterError(
             "the viewer has not been built. Run `make page` in a clone, or install the wheel."
         ) from None
 
@@ -61,12 +61,12 @@ def checked_path(path: Path, name: str) -> Path:
         name: Name of the path in messages.
 
     Raises:
-        Refused: The ending is not .html, the path is a folder, or the folder is not writable.
+        ParameterError: The ending is not .html, the path is a folder, or the folder is not writable.
     """
     if path.suffix.lower() != ".html":
-        raise Refused(must_be(name, "a file with the ending .html", str(path)))
+        raise ParameterError(must_be(name, "a file with the ending .html", str(path)))
     if path.is_dir():
-        raise Refused(must_be(name, "a file", f"the folder {path}"))
+        raise ParameterError(must_be(name, "a file", f"the folder {path}"))
     writable_folder(path.parent)
     return path
 
@@ -79,11 +79,11 @@ def html_file(scene: Scene, outcome: SceneResult | None) -> bytes:
         outcome: Result of its run with all variables in variables.COMPUTED; None if the viewer integrates.
 
     Raises:
-        Refused: The viewer has not been built.
+        ParameterError: The viewer has not been built.
     """
     record, run = None, None
     if outcome is not None:
-        record, run = outcome.record, page_run(outcome.record, outcome.warnings)
+        record, run = outcome, page_run(outcome, outcome.warnings)
     start = {"scene": page_scene(scene, record), "run": run}
     data = [
         f'<script id="kernel" type="text/plain">{_pack(content_of(WEB_KERNEL))}</script>',

@@ -1,4 +1,4 @@
-// Positions of the unbalanced masses by the formulas of docs/mechanics.md.
+// Positions of the unbalanced masses by the formulas of docs/explanation/mechanics.md.
 //
 // Lengths in m, angles in rad. Frame of link 1: x along the central axis, z along the axis of pinion 16 of module 0.
 

@@ -1,4 +1,4 @@
-"""Mean motion over the pulses: two speeds in four regimes, by the torque map (docs/mechanics.md).
+"""Mean motion over the pulses: two speeds in four regimes, by the torque map (averaged.md).
 
     J3 omega3' = T - b3 omega3 - load
     (J1 + e - s e' / 2) omega1' + e' omega3' / 2 = M1 - b1 omega1 - T s - R          omega1 > 0

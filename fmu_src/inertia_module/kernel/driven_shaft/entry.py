@@ -3,7 +3,7 @@
     Ts = c delta + d (omega_h - omega4)      delta' = omega_h - omega4
     J4 omega4' = Ts - f omega4 - T_load + beta J4 omega_h'
 
-This is the stepping mechanism of Stelmashchuk in SI units (docs/driven_shaft.md). The speed of the hub is
+This is the stepping mechanism of Stelmashchuk in SI units (driven_shaft.md). The speed of the hub is
 constant or linear over a step, so the step is exact for any stiffness and length (:mod:`.motion`). A jump of
 the hub speed at the beginning of a step changes omega4 by beta times the jump at once and does not change the
 twist. The shaft torque stays finite, so its mean contains no impulse. The slip delta' is a state next to

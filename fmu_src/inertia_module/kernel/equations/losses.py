@@ -65,7 +65,7 @@ def windage_torques(d: Constants, q: float, omega1: float, rate_q: float) -> tup
 
     The air exerts the torque -c |w| w on each satellite, with its absolute angular velocity
 
-        w = omega1 x + q' (z + s e)        e: axis of the satellite (docs/mechanics.md, "Windage")
+        w = omega1 x + q' (z + s e)        e: axis of the satellite (losses.md, "Windage")
 
     In the planar layout w is omega1 + q' about the central axis.
 

@@ -1,4 +1,4 @@
-"""Accelerations, torques and losses at an instant by the general equations of motion (docs/mechanics.md).
+"""Accelerations, torques and losses at an instant by the general equations of motion (mechanics.md).
 
     tau = G q'' + B alpha1 + (G' q'^2 - I' omega1^2) / 2 + bq q' + V_q + sigma (C + S)      M2 = f k tau
     M1 = (J1 + I) alpha1 + B q'' + I' q' omega1 + B' q'^2 + b1 omega1 + V_theta + M2

@@ -53,7 +53,7 @@ def satellite_friction(
     rate2_q: float,
     signs: float,
 ) -> tuple[float, float, float, float]:
-    """Return the friction torque of all satellites against q (docs/mechanics.md, "Load-dependent losses").
+    """Return the friction torque of all satellites against q (losses.md, "Load-dependent losses").
 
         C = mu r s sum m |a|                      bearings; a without the terms of alpha1 and q''
         S = (1 - eta6) s sum |tau6|               meshes 17-6; tau6 = m a . dr/dB
